@@ -1,0 +1,19 @@
+# Install rules: headers, libraries, and the package `slom` that find_package(slom CONFIG) reads. The command
+# has its rule beside its target, in apps/.
+include(CMakePackageConfigHelpers)
+set(slom_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/slom")
+
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+        FILES_MATCHING PATTERN "*.hpp")
+install(TARGETS mtk EXPORT mtk_targets)
+install(TARGETS slom EXPORT slom_targets)
+install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}")
+install(EXPORT slom_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/slom-config.cmake.in"
+                              "${PROJECT_BINARY_DIR}/slom-config.cmake" INSTALL_DESTINATION "${slom_package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/slom-config-version.cmake"
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/slom-config.cmake" "${PROJECT_BINARY_DIR}/slom-config-version.cmake"
+        DESTINATION "${slom_package_dir}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

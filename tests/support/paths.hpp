@@ -1,0 +1,32 @@
+#pragma once
+// Where tests find the source tree, the public data sets and the built command.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+namespace slom::testing {
+
+/// A file or folder of the source tree, e.g. sourcePath("data/opencv_stereo/left_corners.csv").
+inline std::filesystem::path sourcePath(const std::string& relative) {
+  return std::filesystem::path(SLOM_SOURCE_DIR) / relative;
+}
+
+/// A file or folder of the public data sets, which are not part of the project and may be absent.
+inline std::filesystem::path sharedDataPath(const std::string& relative) {
+  return std::filesystem::path(SLOM_SHARED_DATA_DIR) / relative;
+}
+
+#ifdef SLOM_COMMAND
+/// The built command slom.
+inline std::filesystem::path commandPath() { return SLOM_COMMAND; }
+#endif
+
+}  // namespace slom::testing
+
+/// Ends the test as skipped, with the reason, when the public data set is not there.
+#define SLOM_SKIP_WITHOUT_SHARED_DATA(relative)                                           \
+  if (!std::filesystem::exists(::slom::testing::sharedDataPath(relative)))                \
+  GTEST_SKIP() << "needs the public data set " << ::slom::testing::sharedDataPath(relative) \
+               << "; set SLOM_TEST_DATA_DIR to the folder that holds it"
