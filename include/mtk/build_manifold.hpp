@@ -1,0 +1,87 @@
+/// MTK_BUILD_MANIFOLD(Name, ((Type, name)) ((Type, name)) ...): the published way to declare a compound.
+///
+///     MTK_BUILD_MANIFOLD(StereoCamera,
+///       ((Camera, left))
+///       ((Camera, right))
+///       ((SE3, left2right))
+///     )
+///
+/// gives a struct with these public members, a default constructor, one from all members, boxplus and
+/// boxminus, streaming, and the names of the members for messages. Types with a comma need an alias first.
+/// A plain struct with the same members is a manifold too, without any macro.
+#pragma once
+
+#include <array>
+#include <iosfwd>
+#include <string_view>
+#include <tuple>
+
+#include "mtk/detail/sequence.hpp"
+#include "mtk/manifold.hpp"
+#include "mtk/stream.hpp"
+
+// clang-format off
+#define MTK_MEMBER_A(pair) MTK_PAIR_TYPE pair MTK_PAIR_NAME pair{}; MTK_MEMBER_B
+#define MTK_MEMBER_B(pair) MTK_PAIR_TYPE pair MTK_PAIR_NAME pair{}; MTK_MEMBER_A
+#define MTK_MEMBER_A_END
+#define MTK_MEMBER_B_END
+
+#define MTK_PARAMETER_(type, name) const type& name##_init
+#define MTK_PARAMETER_A(pair) MTK_PARAMETER_ pair MTK_PARAMETER_MORE_A
+#define MTK_PARAMETER_MORE_A(pair) , MTK_PARAMETER_ pair MTK_PARAMETER_MORE_B
+#define MTK_PARAMETER_MORE_B(pair) , MTK_PARAMETER_ pair MTK_PARAMETER_MORE_A
+#define MTK_PARAMETER_MORE_A_END
+#define MTK_PARAMETER_MORE_B_END
+
+#define MTK_INITIALIZER_(type, name) name(name##_init)
+#define MTK_INITIALIZER_A(pair) MTK_INITIALIZER_ pair MTK_INITIALIZER_MORE_A
+#define MTK_INITIALIZER_MORE_A(pair) , MTK_INITIALIZER_ pair MTK_INITIALIZER_MORE_B
+#define MTK_INITIALIZER_MORE_B(pair) , MTK_INITIALIZER_ pair MTK_INITIALIZER_MORE_A
+#define MTK_INITIALIZER_MORE_A_END
+#define MTK_INITIALIZER_MORE_B_END
+
+#define MTK_TIED_(type, name) x.name
+#define MTK_TIED_A(pair) MTK_TIED_ pair MTK_TIED_MORE_A
+#define MTK_TIED_MORE_A(pair) , MTK_TIED_ pair MTK_TIED_MORE_B
+#define MTK_TIED_MORE_B(pair) , MTK_TIED_ pair MTK_TIED_MORE_A
+#define MTK_TIED_MORE_A_END
+#define MTK_TIED_MORE_B_END
+
+#define MTK_QUOTED_(type, name) ::std::string_view(#name)
+#define MTK_QUOTED_A(pair) MTK_QUOTED_ pair MTK_QUOTED_MORE_A
+#define MTK_QUOTED_MORE_A(pair) , MTK_QUOTED_ pair MTK_QUOTED_MORE_B
+#define MTK_QUOTED_MORE_B(pair) , MTK_QUOTED_ pair MTK_QUOTED_MORE_A
+#define MTK_QUOTED_MORE_A_END
+#define MTK_QUOTED_MORE_B_END
+
+#define MTK_TYPE_(type, name) type
+#define MTK_TYPE_A(pair) MTK_TYPE_ pair MTK_TYPE_MORE_A
+#define MTK_TYPE_MORE_A(pair) , MTK_TYPE_ pair MTK_TYPE_MORE_B
+#define MTK_TYPE_MORE_B(pair) , MTK_TYPE_ pair MTK_TYPE_MORE_A
+#define MTK_TYPE_MORE_A_END
+#define MTK_TYPE_MORE_B_END
+
+#define MTK_BUILD_MANIFOLD(Name, members)                                                                    \
+  struct Name {                                                                                              \
+    MTK_SEQUENCE(MTK_MEMBER, members)                                                                        \
+                                                                                                             \
+    Name() = default;                                                                                        \
+    explicit Name(MTK_SEQUENCE(MTK_PARAMETER, members)) : MTK_SEQUENCE(MTK_INITIALIZER, members) {}          \
+                                                                                                             \
+    using MtkTypes = ::mtk::detail::MemberTypes<MTK_SEQUENCE(MTK_TYPE, members)>;                            \
+    using scalar = MtkTypes::scalar;                                                                         \
+    static constexpr int DOF = MtkTypes::DOF;                                                                \
+    template <class T_> static auto mtkMembers(T_& x) { return ::std::tie(MTK_SEQUENCE(MTK_TIED, members)); } \
+    static auto mtkMemberNames() { return ::std::array{MTK_SEQUENCE(MTK_QUOTED, members)}; }                 \
+                                                                                                             \
+    int dof() const { return ::mtk::detail::NamedTraits<Name>::dof(*this); }                                 \
+    void boxplus(::mtk::vectview<const scalar, DOF> d, scalar scale = scalar(1)) {                           \
+      ::mtk::detail::NamedTraits<Name>::boxplus(*this, d, scale);                                            \
+    }                                                                                                        \
+    void boxminus(::mtk::vectview<scalar, DOF> out, const Name& y) const {                                   \
+      ::mtk::detail::NamedTraits<Name>::boxminus(out, *this, y);                                             \
+    }                                                                                                        \
+    friend ::std::ostream& operator<<(::std::ostream& os, const Name& x) { return ::mtk::write(os, x); }     \
+    friend ::std::istream& operator>>(::std::istream& is, Name& x) { return ::mtk::read(is, x); }            \
+  };
+// clang-format on

@@ -1,0 +1,15 @@
+/// The Manifold ToolKit: everything of namespace mtk except the test harness (mtk/testing/axioms.hpp).
+#pragma once
+
+#include "mtk/build_manifold.hpp"
+#include "mtk/error.hpp"
+#include "mtk/manifold.hpp"
+#include "mtk/statistics.hpp"
+#include "mtk/stream.hpp"
+#include "mtk/types/s2.hpp"
+#include "mtk/types/scalar.hpp"
+#include "mtk/types/so2.hpp"
+#include "mtk/types/so3.hpp"
+#include "mtk/types/trafo.hpp"
+#include "mtk/types/vect.hpp"
+#include "mtk/vectview.hpp"

@@ -1,0 +1,99 @@
+/// A direction in space: a point of the unit sphere S2.
+///   state    v in R^3, |v| = 1 (kept to a few rounding errors)            [1]
+///   tangent  (a, b): arc along two axes orthogonal to v, DOF = 2          [rad]
+///   x [+] d  walks |d| along the great circle; injective for |d| < pi
+///   y [-] x  the shortest such d; for y = -x, where all are shortest, (pi, 0)
+///   source   Hertzberg et al. 2013, appendix A.4; axes: Duff et al., "Building an orthonormal basis,
+///            revisited", 2017, listing 3
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "mtk/types/so2.hpp"
+#include "mtk/types/so3.hpp"
+
+namespace mtk {
+
+template <class S = double>
+class S2 {
+ public:
+  using scalar = S;
+  static constexpr int DOF = 2;
+  using Vector = vect<3, S>;
+
+  /// The direction (1, 0, 0).
+  S2() : v_(S(1), S(0), S(0)) {}
+  /// The direction of v, which need not be of length 1.
+  template <class D>
+  explicit S2(const Eigen::MatrixBase<D>& v) : v_(v) {
+    const S largest = v_.cwiseAbs().maxCoeff();
+    if (!(largest > S(0)) || !(largest <= std::numeric_limits<S>::max())) {
+      throw Error("mtk.no-direction", "a direction (S2) cannot be made of a vector that is zero or not finite; "
+                                      "pass a finite vector of any positive length");
+    }
+    v_ /= largest;
+    v_ /= v_.norm();
+  }
+  S2(const S& x, const S& y, const S& z) : S2(Vector(x, y, z)) {}
+
+  const Vector& vector() const { return v_; }
+  operator const Vector&() const { return v_; }  // NOLINT(google-explicit-constructor): it is a unit vector
+  const S& x() const { return v_[0]; }
+  const S& y() const { return v_[1]; }
+  const S& z() const { return v_[2]; }
+
+  void boxplus(vectview<const S, 2> d, S scale = S(1)) {
+    using std::cos;
+    using std::sin;
+    using std::sqrt;
+    const S a = scale * d[0], b = scale * d[1];
+    const S square = a * a + b * b;
+    const bool tiny = square < std::numeric_limits<S>::epsilon();
+    const S angle = tiny ? S(0) : S(sqrt(square));
+    const S along = tiny ? S(1) - square / S(2) : S(cos(angle));
+    const S across = tiny ? S(1) - square / S(6) : S(sin(angle) / angle);
+    const Axes axes(v_);
+    v_ = along * v_ + (across * a) * axes.a + (across * b) * axes.b;
+    v_ *= (S(3) - v_.squaredNorm()) / S(2);
+  }
+  void boxminus(vectview<S, 2> out, const S2& y) const {
+    using std::atan2;
+    using std::sqrt;
+    const Axes axes(y.v_);
+    const S a = axes.a.dot(v_), b = axes.b.dot(v_), along = y.v_.dot(v_);
+    const S square = a * a + b * b;
+    if (square > S(0)) {
+      const S across = sqrt(square);
+      const S factor = atan2(across, along) / across;
+      out << factor * a, factor * b;
+    } else if (along > S(0)) {
+      out << a, b;
+    } else {
+      out << detail::two_pi<S> / S(2), S(0);
+    }
+  }
+
+ private:
+  /// Two unit vectors that complete v to a right-handed orthonormal frame.
+  struct Axes {
+    Vector a, b;
+    explicit Axes(const Vector& v) {
+      const S sign = v[2] < S(0) ? S(-1) : S(1);
+      const S f = S(-1) / (sign + v[2]);
+      const S xy = v[0] * v[1] * f;
+      a = Vector(S(1) + sign * v[0] * v[0] * f, sign * xy, -sign * v[0]);
+      b = Vector(xy, sign + v[1] * v[1] * f, -v[1]);
+    }
+  };
+
+  Vector v_;
+};
+
+/// Rotates a direction.
+template <class S>
+S2<S> operator*(const SO3<S>& R, const S2<S>& v) {
+  return S2<S>(R * v.vector());
+}
+
+}  // namespace mtk

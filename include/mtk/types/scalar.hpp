@@ -1,0 +1,34 @@
+/// A real number as a variable: converts to and from its scalar, streams as one number.
+///   tangent  x [+] d = x + d; its only component has the name of the variable itself
+#pragma once
+
+#include "mtk/manifold.hpp"
+
+namespace mtk {
+
+template <class S = double>
+class Scalar {
+ public:
+  using scalar = S;
+  static constexpr int DOF = 1;
+  static constexpr std::array<std::string_view, 1> component_names{""};
+
+  Scalar() = default;
+  Scalar(const S& value) : value_(value) {}  // NOLINT(google-explicit-constructor): it is that number
+  operator const S&() const { return value_; }  // NOLINT(google-explicit-constructor)
+  const S& value() const { return value_; }
+
+  Scalar& operator+=(const S& d) { return value_ += d, *this; }
+  Scalar& operator-=(const S& d) { return value_ -= d, *this; }
+  Scalar& operator*=(const S& f) { return value_ *= f, *this; }
+  Scalar& operator/=(const S& f) { return value_ /= f, *this; }
+
+  void boxplus(vectview<const S, 1> d, S scale = S(1)) { value_ += scale * d[0]; }
+  void boxminus(vectview<S, 1> out, const Scalar& y) const { out[0] = value_ - y.value_; }
+  void magnitudes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
+
+ private:
+  S value_ = S(0);
+};
+
+}  // namespace mtk

@@ -1,0 +1,130 @@
+/// A rotation in space: the group SO(3).
+///   state    unit quaternion, stored as (x, y, z, w), |q| = 1 (kept to a few rounding errors)
+///   tangent  rotation vector (axis times angle), DOF = 3                  [rad]
+///   x [+] d  x * exp(d): the perturbation acts on the right, d is seen in the rotated frame
+///   y [-] x  log(x^-1 * y), the shortest rotation, |.| <= pi
+///   source   Hertzberg et al. 2013, appendix A.3; logarithm by atan2, exact near 0 and pi
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include "mtk/types/vect.hpp"
+
+namespace mtk {
+
+template <class S = double>
+class SO3 {
+ public:
+  using scalar = S;
+  static constexpr int DOF = 3;
+  static constexpr int DIM = 3;  ///< of the space it acts on
+  static constexpr std::array<std::string_view, 3> component_names = detail::xyz_names;
+  using Matrix = Eigen::Matrix<S, 3, 3, Eigen::DontAlign>;
+  using Coefficients = PlainVector<S, 4>;
+  using Vector = vect<3, S>;
+
+  /// No rotation.
+  SO3() : q_(S(0), S(0), S(0), S(1)) {}
+  /// From quaternion coefficients, normalised; note the order.
+  SO3(const S& w, const S& x, const S& y, const S& z) : q_(x, y, z, w) { q_ /= q_.norm(); }
+  SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
+      : SO3(q.w(), q.x(), q.y(), q.z()) {}
+  SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
+      : SO3(exp(Vector(a.angle() * a.axis()))) {}
+  /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it.
+  template <class D>
+    requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
+  explicit SO3(const Eigen::MatrixBase<D>& R) : SO3(Eigen::Quaternion<S>(Eigen::Matrix<S, 3, 3>(R))) {}
+
+  /// Rotation by the angle |scale * d| about the axis d.
+  static SO3 exp(vectview<const S, 3> d, S scale = S(1)) {
+    using std::cos;
+    using std::sin;
+    using std::sqrt;
+    const Vector v = scale * d;
+    const S square = v.squaredNorm();
+    SO3 result;
+    if (square < std::numeric_limits<S>::epsilon()) {  // sin(t/2)/t = 1/2 (1 - t^2/24 + ...)
+      const S factor = (S(1) - square / S(24)) / S(2);
+      result.q_ << factor * v, S(1) - square / S(8);
+    } else {
+      const S angle = sqrt(square);
+      result.q_ << (sin(angle / S(2)) / angle) * v, cos(angle / S(2));
+    }
+    return result;
+  }
+  /// The rotation vector with |.| <= pi whose exponential is R.
+  static Vector log(const SO3& R) {
+    using std::atan2;
+    using std::sqrt;
+    const S sign = R.w() < S(0) ? S(-1) : S(1);
+    const S w = sign * R.w();
+    const Vector v = R.q_.template head<3>();
+    const S square = v.squaredNorm();
+    if (square < kSeriesLimit * w * w) {  // 2 atan(n/w)/n = 2/w (1 - (n/w)^2/3 + ...)
+      return (sign * S(2) / w) * (S(1) - square / (S(3) * w * w)) * v;
+    }
+    const S norm = sqrt(square);
+    return (sign * S(2) * atan2(norm, w) / norm) * v;
+  }
+
+  const S& w() const { return q_[3]; }
+  const S& x() const { return q_[0]; }
+  const S& y() const { return q_[1]; }
+  const S& z() const { return q_[2]; }
+  /// (x, y, z, w)
+  const Coefficients& coeffs() const { return q_; }
+  Eigen::Quaternion<S> quaternion() const { return Eigen::Quaternion<S>(w(), x(), y(), z()); }
+
+  Matrix toRotationMatrix() const {
+    const S x2 = x() + x(), y2 = y() + y(), z2 = z() + z();
+    const S xx = x() * x2, xy = x() * y2, xz = x() * z2, yy = y() * y2, yz = y() * z2, zz = z() * z2;
+    const S wx = w() * x2, wy = w() * y2, wz = w() * z2;
+    Matrix R;
+    R << S(1) - (yy + zz), xy - wz, xz + wy,  //
+        xy + wz, S(1) - (xx + zz), yz - wx,   //
+        xz - wy, yz + wx, S(1) - (xx + yy);
+    return R;
+  }
+  SO3 inverse() const {
+    SO3 result;
+    result.q_ << -x(), -y(), -z(), w();
+    return result;
+  }
+  SO3 operator*(const SO3& b) const {
+    SO3 result;
+    result.q_ << w() * b.x() + x() * b.w() + y() * b.z() - z() * b.y(),
+        w() * b.y() - x() * b.z() + y() * b.w() + z() * b.x(),
+        w() * b.z() + x() * b.y() - y() * b.x() + z() * b.w(),
+        w() * b.w() - x() * b.x() - y() * b.y() - z() * b.z();
+    result.renormalize();
+    return result;
+  }
+  /// Rotates a point or a direction.
+  template <class D>
+    requires(bool(D::IsVectorAtCompileTime))
+  Vector operator*(const Eigen::MatrixBase<D>& p) const {
+    static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
+    const Eigen::Matrix<S, 3, 1> v = q_.template head<3>();
+    const Eigen::Matrix<S, 3, 1> point = p.template cast<S>();
+    const Eigen::Matrix<S, 3, 1> t = S(2) * v.cross(point);
+    return point + w() * t + v.cross(t);
+  }
+
+  void boxplus(vectview<const S, 3> d, S scale = S(1)) { *this = *this * exp(d, scale); }
+  void boxminus(vectview<S, 3> out, const SO3& y) const { out = log(y.inverse() * *this); }
+
+ private:
+  /// Squared tangent of the half angle below which two terms of the series are exact.
+  static constexpr S kSeriesLimit = S(4) * std::numeric_limits<S>::epsilon();
+
+  /// One Newton step towards |q| = 1; exact to rounding since |q| is 1 but for a few rounding errors.
+  void renormalize() { q_ *= (S(3) - q_.squaredNorm()) / S(2); }
+
+  Coefficients q_;
+};
+
+}  // namespace mtk

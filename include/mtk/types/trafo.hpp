@@ -1,0 +1,73 @@
+/// A rigid motion: SE(2) as trafo<SO2<>>, SE(3) as trafo<SO3<>>.
+///   state    pos, orient: a point p is moved to orient * p + pos
+///   tangent  (translation, rotation), DOF = 3 or 6                        [length unit, rad]
+///   x [+] d  componentwise: pos + d_pos (in the outer frame), orient [+] d_orient (on the right)
+///   y [-] x  componentwise likewise
+/// A direction (a gravity vector, say) is rotated by `.orient`, not by the transform.
+#pragma once
+
+#include <tuple>
+
+#include "mtk/types/so2.hpp"
+#include "mtk/types/so3.hpp"
+
+namespace mtk {
+
+template <class R>
+class trafo {
+ public:
+  using scalar = typename R::scalar;
+  using Rotation = R;
+  static constexpr int DIM = R::DIM;
+  static constexpr int DOF = DIM + R::DOF;
+  using Vector = vect<DIM, scalar>;
+  using Matrix = Eigen::Matrix<scalar, DIM + 1, DIM + 1, Eigen::DontAlign>;
+
+  Vector pos;
+  R orient;
+
+  /// The identity.
+  trafo() = default;
+  trafo(const R& rotation, const Vector& translation) : pos(translation), orient(rotation) {}
+  trafo(const Vector& translation, const R& rotation) : pos(translation), orient(rotation) {}
+  explicit trafo(const R& rotation) : orient(rotation) {}
+  explicit trafo(const Vector& translation) : pos(translation) {}
+
+  trafo inverse() const {
+    const R back = orient.inverse();
+    return trafo(back, -(back * pos));
+  }
+  trafo operator*(const trafo& b) const { return trafo(orient * b.orient, orient * b.pos + pos); }
+  trafo operator*(const R& b) const { return trafo(orient * b, pos); }
+  friend trafo operator*(const R& a, const trafo& b) { return trafo(a * b.orient, a * b.pos); }
+  /// Moves a point.
+  template <class D>
+    requires(bool(D::IsVectorAtCompileTime))
+  Vector operator*(const Eigen::MatrixBase<D>& p) const {
+    return orient * p + pos;
+  }
+  /// Homogeneous matrix.
+  Matrix matrix() const {
+    Matrix T = Matrix::Identity();
+    T.template topLeftCorner<DIM, DIM>() = orient.toRotationMatrix();
+    T.template topRightCorner<DIM, 1>() = pos;
+    return T;
+  }
+
+  void boxplus(vectview<const scalar, DOF> d, scalar scale = scalar(1)) {
+    pos.boxplus(d.template head<DIM>(), scale);
+    orient.boxplus(d.template tail<R::DOF>(), scale);
+  }
+  void boxminus(vectview<scalar, DOF> out, const trafo& y) const {
+    pos.boxminus(out.template head<DIM>(), y.pos);
+    orient.boxminus(out.template tail<R::DOF>(), y.orient);
+  }
+
+  template <class T>
+  static auto mtkMembers(T& x) {
+    return std::tie(x.pos, x.orient);
+  }
+  static std::array<std::string_view, 2> mtkMemberNames() { return {"pos", "orient"}; }
+};
+
+}  // namespace mtk

@@ -1,0 +1,60 @@
+/// A view of N contiguous scalars as an Eigen column vector; what [+] reads from and [-] writes to.
+#pragma once
+
+#include <type_traits>
+
+#include <Eigen/Core>
+
+namespace mtk {
+
+inline constexpr int Dynamic = Eigen::Dynamic;
+
+/// Column vector of N scalars without alignment demands: its layout does not depend on compiler flags.
+template <class S, int N>
+using PlainVector = Eigen::Matrix<S, N, 1, Eigen::ColMajor | Eigen::DontAlign>;
+
+namespace detail {
+template <class S, int N>
+using MappedVector = std::conditional_t<std::is_const_v<S>, const PlainVector<std::remove_const_t<S>, N>,
+                                        PlainVector<std::remove_const_t<S>, N>>;
+
+template <class D>
+concept ContiguousVector = bool(D::IsVectorAtCompileTime) && (D::InnerStrideAtCompileTime == 1) &&
+                           bool(D::Flags & Eigen::DirectAccessBit);
+}  // namespace detail
+
+/// `vectview<const double, 3>` reads, `vectview<double, 3>` writes; made from a pointer, or implicitly from
+/// any Eigen vector whose entries are contiguous. N may be Dynamic. It owns nothing.
+template <class S, int N>
+class vectview : public Eigen::Map<detail::MappedVector<S, N>> {
+  using Value = std::remove_const_t<S>;
+
+ public:
+  using Base = Eigen::Map<detail::MappedVector<S, N>>;
+
+  explicit vectview(S* data)
+    requires(N != Dynamic)
+      : Base(data) {}
+  vectview(S* data, Eigen::Index size) : Base(data, size) {}
+
+  template <class D>
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && std::is_const_v<S>)
+  vectview(const Eigen::DenseBase<D>& v) : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
+
+  template <class D>
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
+  vectview(Eigen::DenseBase<D>& v) : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
+
+  template <class D>
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
+  vectview(Eigen::DenseBase<D>&& v) : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
+
+  vectview(const vectview&) = default;
+  using Base::operator=;
+  vectview& operator=(const vectview& other) {
+    Base::operator=(other);
+    return *this;
+  }
+};
+
+}  // namespace mtk
