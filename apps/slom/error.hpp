@@ -1,0 +1,19 @@
+// The one kind of error of the command: something its user can put right.
+#pragma once
+
+#include <stdexcept>
+
+namespace slom::app {
+
+/// Thrown anywhere in the command. main() prints it as `slom: <text>` and exits with code 2. The text is one
+/// sentence that says where (file:line, or option), what is wrong and what to do.
+struct UserError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Exit codes of the command.
+inline constexpr int exit_success = 0;
+inline constexpr int exit_not_converged = 1;  ///< the fit did not converge or is not determined
+inline constexpr int exit_user_error = 2;     ///< bad options, bad input, unwritable output
+
+}  // namespace slom::app

@@ -1,0 +1,80 @@
+#include "simulate/simulate.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+#include "simulate/stereo_imu.hpp"
+#include "simulate/stereo_imu_files.hpp"
+
+namespace slom::app {
+
+namespace {
+
+/// Adds an option that is a number. `accepts` says which numbers are allowed, `remedy` says it in words.
+template <class Number>
+void addNumber(CLI::App& command, const std::string& name, Number& value, const std::string& help,
+               bool (*accepts)(Number), const std::string& remedy) {
+  const auto read = [name, &value, accepts, remedy](const std::string& text) {
+    Number number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || !accepts(number)) {
+      throw UserError(fmt::format("{} is {}; give {}", name, text, remedy));
+    }
+    value = number;
+  };
+  command.add_option_function<std::string>(name, read, help)
+      ->type_name("NUMBER")
+      ->default_str(fmt::format("{}", value));
+}
+
+bool isAnySeed(std::uint64_t) { return true; }
+bool isNumberOfImages(int n) { return n >= 3 && n <= 10000; }
+bool isSigma(double sigma) { return std::isfinite(sigma) && sigma >= 0; }
+
+void addStereoImu(CLI::App& simulate) {
+  struct Arguments {
+    StereoImuOptions options;
+    std::string output;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  StereoImuOptions& options = arguments->options;
+  CLI::App& command = *simulate.add_subcommand(
+      "stereo-imu",
+      "A stereo camera with an accelerometer that looks at a level chessboard.\n"
+      "Example: slom simulate stereo-imu --seed 1 --output simulated\n"
+      "Writes left_corners.csv, right_corners.csv and imu.csv for `slom calibrate`, and truth.json.");
+  command.add_option("--output", arguments->output, "folder for the files; made where it is missing")
+      ->required();
+  addNumber(command, "--seed", options.seed, "decides views and noise; equal seeds give equal files",
+            isAnySeed, "a whole number from 0 to 18446744073709551615");
+  addNumber(command, "--images", options.images, "number of views", isNumberOfImages,
+            "a whole number from 3, below which no camera can be calibrated, to 10000");
+  addNumber(command, "--sigma-px", options.sigma_px, "noise of a corner's u and v [px]", isSigma,
+            "a standard deviation in px, 0 for corners without noise");
+  addNumber(command, "--sigma-acc", options.sigma_acc, "noise of each axis of the accelerometer [m/s^2]",
+            isSigma, "a standard deviation in m/s^2, 0 for readings without noise");
+  command.callback([arguments] {
+    const StereoImuData data = simulateStereoImu(arguments->options);
+    writeStereoImu(data, arguments->options, arguments->output);
+    fmt::print("{} images: {} corners left, {} right; written with the truth to {}\n",
+               arguments->options.images, data.left.size(), data.right.size(), arguments->output);
+  });
+}
+
+}  // namespace
+
+void addSimulateCommand(CLI::App& app) {
+  CLI::App* simulate =
+      app.add_subcommand("simulate", "Write measurements of a device whose parameters are known.");
+  simulate->require_subcommand(1);
+  addStereoImu(*simulate);
+}
+
+}  // namespace slom::app
