@@ -1,0 +1,2 @@
+// Is refused without MUST_FAIL too.
+static_assert(false, "the expected message");

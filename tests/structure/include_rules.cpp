@@ -1,0 +1,131 @@
+#include "structure/include_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <optional>
+#include <regex>
+
+namespace slom::testing {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Levels: mtk, then the steps in the order of the data flow, then the facade.
+constexpr std::array<const char*, 7> kLevels{"mtk", "model", "problem", "linearize", "solve", "optimize", "analyze"};
+constexpr int kMtk = 0;
+constexpr int kFacade = static_cast<int>(kLevels.size());
+
+std::string levelName(int level) { return level == kFacade ? "the facade" : kLevels[static_cast<std::size_t>(level)]; }
+
+/// Level of the file `<step>/...` or, for a name without folder, the facade.
+std::optional<int> levelBelowSlom(const fs::path& path) {
+  if (std::next(path.begin()) == path.end()) return kFacade;
+  const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());
+  if (step == kLevels.end()) return std::nullopt;
+  return static_cast<int>(step - kLevels.begin());
+}
+
+bool startsWith(const std::string& text, const std::string& beginning) { return text.rfind(beginning, 0) == 0; }
+
+/// Level of a file of the tree, by its path from the root.
+std::optional<int> levelOf(const fs::path& path) {
+  const std::string name = path.generic_string();
+  if (startsWith(name, "include/mtk/")) return kMtk;
+  if (startsWith(name, "include/slom/")) return levelBelowSlom(fs::path(name.substr(13)));
+  if (startsWith(name, "src/")) return levelBelowSlom(fs::path(name.substr(4)));
+  return std::nullopt;
+}
+
+struct Include {
+  std::string name;
+  bool quoted;
+};
+
+std::optional<Include> parseInclude(const std::string& line) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+  std::smatch match;
+  if (!std::regex_search(line, match, pattern)) return std::nullopt;
+  return Include{match[2], match[1] == "\""};
+}
+
+/// The included file as a path from the root, if it is one of the project's.
+std::optional<fs::path> projectFile(const fs::path& root, const fs::path& file, const Include& include) {
+  if (startsWith(include.name, "mtk/") || startsWith(include.name, "slom/")) return fs::path("include") / include.name;
+  if (include.quoted) {
+    const fs::path beside = (file.parent_path() / include.name).lexically_normal();
+    if (fs::exists(root / beside)) return beside;
+    if (fs::exists(root / "src" / include.name)) return (fs::path("src") / include.name).lexically_normal();
+  }
+  if (fs::exists(root / include.name)) return fs::path(include.name).lexically_normal();
+  return std::nullopt;
+}
+
+bool isStandardHeader(const std::string& name) {
+  return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+}
+bool isEigen(const std::string& name) { return startsWith(name, "Eigen/") || startsWith(name, "unsupported/Eigen/"); }
+bool isTbb(const std::string& name) { return startsWith(name, "tbb/") || startsWith(name, "oneapi/tbb"); }
+bool isOfTheCommandAlone(const std::string& name) {
+  return startsWith(name, "fmt/") || startsWith(name, "CLI/") || startsWith(name, "opencv") ||
+         name.find("json") != std::string::npos;
+}
+
+/// The rule that the include breaks; empty when it breaks none.
+std::string brokenRule(const fs::path& root, const fs::path& file, int level, const Include& include) {
+  const bool is_public = startsWith(file.generic_string(), "include/");
+  if (const auto target = projectFile(root, file, include)) {
+    if (startsWith(target->generic_string(), "apps/")) return "nobody includes apps/";
+    const auto target_level = levelOf(*target);
+    if (!target_level) return "not a file of include/ or of a folder of the data flow";
+    if (*target_level > level) {
+      return levelName(level) + " may include only what stands above it, " + levelName(*target_level) + " stands below";
+    }
+    if (is_public && startsWith(target->generic_string(), "src/")) return "a public header includes public headers";
+    return "";
+  }
+  if (include.quoted) return "no such file of the project";
+  if (include.name == "iostream" && is_public) return "a public header holds no <iostream>";
+  if (isOfTheCommandAlone(include.name)) return "the libraries do without it, only the command may use it";
+  if (isStandardHeader(include.name) || isEigen(include.name)) return "";
+  if (level == kMtk) return "mtk uses Eigen alone";
+  if (is_public && !isTbb(include.name)) return "a public header needs no other library than Eigen and oneTBB";
+  return "";
+}
+
+void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report) {
+  ++report.files;
+  const auto level = levelOf(file);
+  if (!level) {
+    report.violations.push_back(file.generic_string() + ":1: its folder is not a step of the data flow");
+    return;
+  }
+  std::ifstream stream(root / file);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto include = parseInclude(line);
+    if (!include) continue;
+    const std::string rule = brokenRule(root, file, *level, *include);
+    if (rule.empty()) continue;
+    report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " + include->name +
+                                ": " + rule);
+  }
+}
+
+}  // namespace
+
+IncludeReport checkIncludes(const fs::path& root) {
+  IncludeReport report;
+  for (const char* folder : {"include", "src"}) {
+    if (!fs::exists(root / folder)) continue;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".hpp" || extension == ".cpp") checkFile(root, entry.path().lexically_relative(root), report);
+    }
+  }
+  std::sort(report.violations.begin(), report.violations.end());
+  return report;
+}
+
+}  // namespace slom::testing
