@@ -13,11 +13,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // Levels: mtk, then the steps in the order of the data flow, then the facade.
-constexpr std::array<const char*, 7> kLevels{"mtk", "model", "problem", "linearize", "solve", "optimize", "analyze"};
+constexpr std::array<const char*, 7> kLevels{"mtk",   "model",    "problem", "linearize",
+                                             "solve", "optimize", "analyze"};
 constexpr int kMtk = 0;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 
-std::string levelName(int level) { return level == kFacade ? "the facade" : kLevels[static_cast<std::size_t>(level)]; }
+std::string levelName(int level) {
+  return level == kFacade ? "the facade" : kLevels[static_cast<std::size_t>(level)];
+}
 
 /// Level of the file `<step>/...` or, for a name without folder, the facade.
 std::optional<int> levelBelowSlom(const fs::path& path) {
@@ -27,7 +30,9 @@ std::optional<int> levelBelowSlom(const fs::path& path) {
   return static_cast<int>(step - kLevels.begin());
 }
 
-bool startsWith(const std::string& text, const std::string& beginning) { return text.rfind(beginning, 0) == 0; }
+bool startsWith(const std::string& text, const std::string& beginning) {
+  return text.rfind(beginning, 0) == 0;
+}
 
 /// Level of a file of the tree, by its path from the root.
 std::optional<int> levelOf(const fs::path& path) {
@@ -52,7 +57,8 @@ std::optional<Include> parseInclude(const std::string& line) {
 
 /// The included file as a path from the root, if it is one of the project's.
 std::optional<fs::path> projectFile(const fs::path& root, const fs::path& file, const Include& include) {
-  if (startsWith(include.name, "mtk/") || startsWith(include.name, "slom/")) return fs::path("include") / include.name;
+  if (startsWith(include.name, "mtk/") || startsWith(include.name, "slom/"))
+    return fs::path("include") / include.name;
   if (include.quoted) {
     const fs::path beside = (file.parent_path() / include.name).lexically_normal();
     if (fs::exists(root / beside)) return beside;
@@ -65,7 +71,9 @@ std::optional<fs::path> projectFile(const fs::path& root, const fs::path& file, 
 bool isStandardHeader(const std::string& name) {
   return name.find('/') == std::string::npos && name.find('.') == std::string::npos;
 }
-bool isEigen(const std::string& name) { return startsWith(name, "Eigen/") || startsWith(name, "unsupported/Eigen/"); }
+bool isEigen(const std::string& name) {
+  return startsWith(name, "Eigen/") || startsWith(name, "unsupported/Eigen/");
+}
 bool isTbb(const std::string& name) { return startsWith(name, "tbb/") || startsWith(name, "oneapi/tbb"); }
 bool isOfTheCommandAlone(const std::string& name) {
   return startsWith(name, "fmt/") || startsWith(name, "CLI/") || startsWith(name, "opencv") ||
@@ -80,9 +88,11 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
     const auto target_level = levelOf(*target);
     if (!target_level) return "not a file of include/ or of a folder of the data flow";
     if (*target_level > level) {
-      return levelName(level) + " may include only what stands above it, " + levelName(*target_level) + " stands below";
+      return levelName(level) + " may include only what stands above it, " + levelName(*target_level) +
+             " stands below";
     }
-    if (is_public && startsWith(target->generic_string(), "src/")) return "a public header includes public headers";
+    if (is_public && startsWith(target->generic_string(), "src/"))
+      return "a public header includes public headers";
     return "";
   }
   if (include.quoted) return "no such file of the project";
@@ -90,7 +100,8 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
   if (isOfTheCommandAlone(include.name)) return "the libraries do without it, only the command may use it";
   if (isStandardHeader(include.name) || isEigen(include.name)) return "";
   if (level == kMtk) return "mtk uses Eigen alone";
-  if (is_public && !isTbb(include.name)) return "a public header needs no other library than Eigen and oneTBB";
+  if (is_public && !isTbb(include.name))
+    return "a public header needs no other library than Eigen and oneTBB";
   return "";
 }
 
@@ -108,8 +119,8 @@ void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report
     if (!include) continue;
     const std::string rule = brokenRule(root, file, *level, *include);
     if (rule.empty()) continue;
-    report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " + include->name +
-                                ": " + rule);
+    report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " +
+                                include->name + ": " + rule);
   }
 }
 
@@ -121,7 +132,8 @@ IncludeReport checkIncludes(const fs::path& root) {
     if (!fs::exists(root / folder)) continue;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension();
-      if (extension == ".hpp" || extension == ".cpp") checkFile(root, entry.path().lexically_relative(root), report);
+      if (extension == ".hpp" || extension == ".cpp")
+        checkFile(root, entry.path().lexically_relative(root), report);
     }
   }
   std::sort(report.violations.begin(), report.violations.end());

@@ -1,6 +1,6 @@
 #pragma once
-// The include rule of the project: the folders are the steps of the data flow, and a file may include its own step
-// and those above, never one below.
+// The include rule of the project: the folders are the steps of the data flow, and a file may include its own
+// step and those above, never one below.
 
 #include <filesystem>
 #include <string>

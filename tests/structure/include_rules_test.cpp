@@ -28,10 +28,13 @@ TEST(IncludeRules, AllowedIncludesAreNotReported) {
   writeFile(root / "include/mtk/b.hpp", "#include <iosfwd>\n#include <ostream>\n#include <sstream>\n");
   writeFile(root / "include/slom/model/m.hpp", "#include <mtk/a.hpp>\n#include \"n.hpp\"\n");
   writeFile(root / "include/slom/model/n.hpp", "// #include <iostream>\n");
-  writeFile(root / "include/slom/solve/s.hpp", "#include \"slom/model/m.hpp\"\n#include <tbb/parallel_for.h>\n");
-  writeFile(root / "include/slom/slom.hpp", "#include \"slom/estimator.hpp\"\n#include \"slom/solve/s.hpp\"\n");
+  writeFile(root / "include/slom/solve/s.hpp",
+            "#include \"slom/model/m.hpp\"\n#include <tbb/parallel_for.h>\n");
+  writeFile(root / "include/slom/slom.hpp",
+            "#include \"slom/estimator.hpp\"\n#include \"slom/solve/s.hpp\"\n");
   writeFile(root / "include/slom/estimator.hpp", "#include \"slom/model/m.hpp\"\n");
-  writeFile(root / "src/solve/s.cpp", "#include \"slom/solve/s.hpp\"\n#include <iostream>\n#include \"local.hpp\"\n");
+  writeFile(root / "src/solve/s.cpp",
+            "#include \"slom/solve/s.hpp\"\n#include <iostream>\n#include \"local.hpp\"\n");
   writeFile(root / "src/solve/local.hpp", "#include <cholmod.h>\n");
   writeFile(root / "src/estimator.cpp", "#include \"slom/estimator.hpp\"\n#include \"solve/local.hpp\"\n");
   EXPECT_EQ(lines(checkIncludes(root.path()).violations), "");
@@ -40,33 +43,42 @@ TEST(IncludeRules, AllowedIncludesAreNotReported) {
 TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
   const TemporaryFolder root;
   writeFile(root / "apps/slom/error.hpp", "");
-  writeFile(root / "include/mtk/a.hpp", "#include <vector>\n#include \"slom/model/m.hpp\"\n#include <tbb/tbb.h>\n");
+  writeFile(root / "include/mtk/a.hpp",
+            "#include <vector>\n#include \"slom/model/m.hpp\"\n#include <tbb/tbb.h>\n");
   writeFile(root / "include/slom/extra/e.hpp", "");
-  writeFile(root / "include/slom/model/m.hpp", "#include \"../solve/s.hpp\"\n  #  include <slom/estimator.hpp>\n");
+  writeFile(root / "include/slom/model/m.hpp",
+            "#include \"../solve/s.hpp\"\n  #  include <slom/estimator.hpp>\n");
   writeFile(root / "include/slom/optimize/o.hpp", "#include <iostream>\n#include <nlohmann/json.hpp>\n");
   writeFile(root / "include/slom/solve/s.hpp", "\n\n#include <cholmod.h>\n#include \"nowhere.hpp\"\n");
   writeFile(root / "src/linearize/l.cpp", "#include \"slom/analyze/report.hpp\"\n#include <fmt/core.h>\n");
-  writeFile(root / "src/solve/s.cpp", "#include \"../../apps/slom/error.hpp\"\n#include <apps/slom/error.hpp>\n");
-  EXPECT_EQ(lines(checkIncludes(root.path()).violations),
-            "include/mtk/a.hpp:2: includes slom/model/m.hpp: mtk may include only what stands above it, model stands "
-            "below\n"
-            "include/mtk/a.hpp:3: includes tbb/tbb.h: mtk uses Eigen alone\n"
-            "include/slom/extra/e.hpp:1: its folder is not a step of the data flow\n"
-            "include/slom/model/m.hpp:1: includes ../solve/s.hpp: model may include only what stands above it, solve "
-            "stands below\n"
-            "include/slom/model/m.hpp:2: includes slom/estimator.hpp: model may include only what stands above it, the "
-            "facade stands below\n"
-            "include/slom/optimize/o.hpp:1: includes iostream: a public header holds no <iostream>\n"
-            "include/slom/optimize/o.hpp:2: includes nlohmann/json.hpp: the libraries do without it, only the command "
-            "may use it\n"
-            "include/slom/solve/s.hpp:3: includes cholmod.h: a public header needs no other library than Eigen and "
-            "oneTBB\n"
-            "include/slom/solve/s.hpp:4: includes nowhere.hpp: no such file of the project\n"
-            "src/linearize/l.cpp:1: includes slom/analyze/report.hpp: linearize may include only what stands above it, "
-            "analyze stands below\n"
-            "src/linearize/l.cpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
-            "src/solve/s.cpp:1: includes ../../apps/slom/error.hpp: nobody includes apps/\n"
-            "src/solve/s.cpp:2: includes apps/slom/error.hpp: nobody includes apps/\n");
+  writeFile(root / "src/solve/s.cpp",
+            "#include \"../../apps/slom/error.hpp\"\n#include <apps/slom/error.hpp>\n");
+  EXPECT_EQ(
+      lines(checkIncludes(root.path()).violations),
+      "include/mtk/a.hpp:2: includes slom/model/m.hpp: mtk may include only what stands above it, model "
+      "stands "
+      "below\n"
+      "include/mtk/a.hpp:3: includes tbb/tbb.h: mtk uses Eigen alone\n"
+      "include/slom/extra/e.hpp:1: its folder is not a step of the data flow\n"
+      "include/slom/model/m.hpp:1: includes ../solve/s.hpp: model may include only what stands above it, "
+      "solve "
+      "stands below\n"
+      "include/slom/model/m.hpp:2: includes slom/estimator.hpp: model may include only what stands above it, "
+      "the "
+      "facade stands below\n"
+      "include/slom/optimize/o.hpp:1: includes iostream: a public header holds no <iostream>\n"
+      "include/slom/optimize/o.hpp:2: includes nlohmann/json.hpp: the libraries do without it, only the "
+      "command "
+      "may use it\n"
+      "include/slom/solve/s.hpp:3: includes cholmod.h: a public header needs no other library than Eigen and "
+      "oneTBB\n"
+      "include/slom/solve/s.hpp:4: includes nowhere.hpp: no such file of the project\n"
+      "src/linearize/l.cpp:1: includes slom/analyze/report.hpp: linearize may include only what stands above "
+      "it, "
+      "analyze stands below\n"
+      "src/linearize/l.cpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
+      "src/solve/s.cpp:1: includes ../../apps/slom/error.hpp: nobody includes apps/\n"
+      "src/solve/s.cpp:2: includes apps/slom/error.hpp: nobody includes apps/\n");
 }
 
 }  // namespace

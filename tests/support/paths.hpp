@@ -1,10 +1,10 @@
 #pragma once
 // Where tests find the source tree, the public data sets and the built command.
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace slom::testing {
 
@@ -26,7 +26,7 @@ inline std::filesystem::path commandPath() { return SLOM_COMMAND; }
 }  // namespace slom::testing
 
 /// Ends the test as skipped, with the reason, when the public data set is not there.
-#define SLOM_SKIP_WITHOUT_SHARED_DATA(relative)                                           \
-  if (!std::filesystem::exists(::slom::testing::sharedDataPath(relative)))                \
+#define SLOM_SKIP_WITHOUT_SHARED_DATA(relative)                                             \
+  if (!std::filesystem::exists(::slom::testing::sharedDataPath(relative)))                  \
   GTEST_SKIP() << "needs the public data set " << ::slom::testing::sharedDataPath(relative) \
                << "; set SLOM_TEST_DATA_DIR to the folder that holds it"

@@ -1,11 +1,11 @@
 #pragma once
 // Runs a program as a user does and keeps what it said.
 
-#include <sys/wait.h>
-
 #include <cstdlib>
 #include <string>
 #include <vector>
+
+#include <sys/wait.h>
 
 #include "support/temporary_folder.hpp"
 
