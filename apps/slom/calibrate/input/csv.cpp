@@ -1,0 +1,118 @@
+#include "calibrate/input/csv.hpp"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> fields;
+  std::size_t begin = 0;
+  for (std::size_t comma; (comma = line.find(',', begin)) != std::string::npos; begin = comma + 1) {
+    fields.push_back(trimmed(std::string_view(line).substr(begin, comma - begin)));
+  }
+  fields.push_back(trimmed(std::string_view(line).substr(begin)));
+  return fields;
+}
+
+/// All of `text` read as a number of type T.
+template <class T>
+bool parse(std::string_view text, T& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && !text.empty();
+}
+
+std::ifstream open(const std::string& file) {
+  errno = 0;
+  std::ifstream stream(file);
+  if (stream) stream.peek();  // a folder opens, and fails only when it is read
+  if (!stream && !stream.eof()) {
+    throw UserError(fmt::format("{}: cannot be read ({}); check the path", file, std::strerror(errno)));
+  }
+  stream.clear();
+  return stream;
+}
+
+/// The next line that is neither blank nor a comment, or false at the end of the file.
+bool nextLine(std::ifstream& stream, std::string& text, int& line) {
+  while (std::getline(stream, text)) {
+    if (++line == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+    text = trimmed(text);
+    if (!text.empty() && text.front() != '#') return true;
+  }
+  return false;
+}
+
+/// Long lines (of a file that is no table) shortened for a message.
+std::string shortened(const std::string& text) { return text.size() <= 80 ? text : text.substr(0, 77) + "..."; }
+
+}  // namespace
+
+CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns, int line,
+               std::vector<std::string> fields)
+    : file_(&file), columns_(&columns), line_(line), fields_(std::move(fields)) {}
+
+std::string CsvRow::place() const { return fmt::format("{}:{}", *file_, line_); }
+
+void CsvRow::fail(std::size_t column, const std::string& expectation) const {
+  throw UserError(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column), shortened(fields_[column]),
+                              expectation));
+}
+
+double CsvRow::number(std::size_t column) const {
+  double value = 0;
+  if (!parse(fields_.at(column), value)) fail(column, "write a number there, or remove the row");
+  if (!std::isfinite(value)) fail(column, "write a finite number there, or remove the row");
+  return value;
+}
+
+int CsvRow::index(std::size_t column) const {
+  int value = 0;
+  if (!parse(fields_.at(column), value) || value < 0) fail(column, "write a whole number (0, 1, 2, ...) there");
+  return value;
+}
+
+CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
+    : file_(std::move(file)), columns_(std::move(columns)) {
+  const std::string header = fmt::format("{}", fmt::join(columns_, ","));
+  std::ifstream stream = open(file_);
+  std::string text;
+  int line = 0;
+  if (!nextLine(stream, text, line)) {
+    throw UserError(fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
+                                "measurement below", file_, header));
+  }
+  if (split(text) != columns_) {
+    throw UserError(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line, shortened(text), header));
+  }
+  while (nextLine(stream, text, line)) {
+    std::vector<std::string> fields = split(text);
+    if (fields.size() != columns_.size()) {
+      throw UserError(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_, line,
+                                  fields.size(), fields.size() == 1 ? "" : "s", columns_.size(), header));
+    }
+    rows_.emplace_back(file_, columns_, line, std::move(fields));
+  }
+  if (rows_.empty()) {
+    throw UserError(fmt::format("{}:{}: there is nothing below the header; add one row for each measurement", file_,
+                                line));
+  }
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,50 @@
+// Tables of numbers in CSV files, with errors that name file, line and column.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slom::app::calib {
+
+/// One line below the header. Fields are text until they are asked for as numbers.
+class CsvRow {
+ public:
+  CsvRow(const std::string& file, const std::vector<std::string>& columns, int line, std::vector<std::string> fields);
+
+  int line() const { return line_; }
+  /// `file:line`, as errors begin.
+  std::string place() const;
+  /// The field as a finite number; UserError otherwise.
+  double number(std::size_t column) const;
+  /// The field as a whole number from 0 on; UserError otherwise.
+  int index(std::size_t column) const;
+
+ private:
+  [[noreturn]] void fail(std::size_t column, const std::string& expectation) const;
+
+  const std::string* file_;
+  const std::vector<std::string>* columns_;
+  int line_;
+  std::vector<std::string> fields_;
+};
+
+/// A file with a header line of known column names. Blank lines and lines that start with # are skipped; spaces
+/// around fields, Windows line ends and a byte order mark do not matter.
+class CsvTable {
+ public:
+  /// Reads all of the file; UserError if it cannot be read, its header is another one, or a row has not as many
+  /// fields as the header, or there is no row at all.
+  CsvTable(std::string file, std::vector<std::string> columns);
+  CsvTable(const CsvTable&) = delete;
+  CsvTable& operator=(const CsvTable&) = delete;
+
+  const std::string& file() const { return file_; }
+  const std::vector<CsvRow>& rows() const { return rows_; }
+
+ private:
+  std::string file_;
+  std::vector<std::string> columns_;
+  std::vector<CsvRow> rows_;
+};
+
+}  // namespace slom::app::calib

@@ -1,0 +1,28 @@
+#include "calibrate/input/dataset.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace slom::app::calib {
+
+std::size_t CameraData::cornerCount() const {
+  std::size_t count = 0;
+  for (const View& view : views) count += view.corners.size();
+  return count;
+}
+
+const View* CameraData::find(int image) const {
+  const auto view =
+      std::lower_bound(views.begin(), views.end(), image, [](const View& v, int number) { return v.image < number; });
+  return view != views.end() && view->image == image ? &*view : nullptr;
+}
+
+std::vector<int> Dataset::images() const {
+  std::set<int> numbers;
+  for (const CameraData& camera : cameras) {
+    for (const View& view : camera.views) numbers.insert(view.image);
+  }
+  return {numbers.begin(), numbers.end()};
+}
+
+}  // namespace slom::app::calib

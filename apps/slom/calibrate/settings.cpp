@@ -1,0 +1,156 @@
+#include "calibrate/settings.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+constexpr double standard_gravity = 9.80665;  // m/s^2
+
+bool isName(const std::string& text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  if (text.empty() || !letter(text.front())) return false;
+  for (const char c : text) {
+    if (!letter(c) && !(c >= '0' && c <= '9') && c != '-') return false;
+  }
+  return true;
+}
+
+std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
+  if (texts.empty()) throw UserError("no --camera; give at least one, as in --camera left=left_corners.csv");
+  std::vector<CameraFile> cameras;
+  std::set<std::string> names;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals + 1 == text.size() || equals == 0) {
+      throw UserError(fmt::format("--camera {}: write NAME=FILE, as in --camera left=left_corners.csv", text));
+    }
+    const std::string name = text.substr(0, equals);
+    if (!isName(name)) {
+      throw UserError(fmt::format("--camera {}: the name must begin with a letter and hold letters, digits, _ and - "
+                                  "only; rename the camera", text));
+    }
+    if (!names.insert(name).second) {
+      throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text, name));
+    }
+    cameras.push_back({name, text.substr(equals + 1)});
+  }
+  return cameras;
+}
+
+/// `count` numbers separated by commas.
+std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* end = text.data() + text.size();
+  while (numbers.size() < count) {
+    double number = 0;
+    const auto [stop, error] = std::from_chars(at, end, number);
+    if (error != std::errc() || !std::isfinite(number)) break;
+    numbers.push_back(number);
+    at = stop;
+    if (at == end || *at != ',') break;
+    ++at;
+  }
+  if (numbers.size() != count || at != end) {
+    throw UserError(fmt::format("{}: the value must be {}", option,
+                                count == 1 ? "a number" : fmt::format("{} numbers separated by commas", count)));
+  }
+  return numbers;
+}
+
+void fixBias(const std::string& option, const std::string* value, Fixed& fixed) {
+  if (fixed.acc_bias) throw UserError(fmt::format("{}: acc_bias is fixed already; give it once", option));
+  const std::vector<double> b = value ? parseNumbers(option, *value, 3) : std::vector<double>{0, 0, 0};
+  fixed.acc_bias = vec3(b[0], b[1], b[2]);
+}
+
+void fixGravity(const std::string& option, const std::string* value, Fixed& fixed) {
+  if (fixed.gravity) throw UserError(fmt::format("{}: gravity is fixed already; give it once", option));
+  fixed.gravity = value ? parseNumbers(option, *value, 1)[0] : standard_gravity;
+  if (!(*fixed.gravity > 0)) {
+    throw UserError(fmt::format("{}: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
+                                "from the data", option));
+  }
+}
+
+/// What can be fixed. `value` is nullptr where the option has none.
+using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
+const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
+
+Fixed parseFixed(const std::vector<std::string>& texts) {
+  Fixed fixed;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    const std::string name = text.substr(0, equals), option = "--fix " + text;
+    const auto fixer = fixers.find(name);
+    if (fixer == fixers.end()) {
+      std::vector<std::string> names;
+      for (const auto& [known, unused] : fixers) names.push_back(known);
+      throw UserError(fmt::format("{}: nothing is called \"{}\"; what can be fixed is {}", option, name,
+                                  fmt::join(names, " and ")));
+    }
+    const std::string value = equals == std::string::npos ? "" : text.substr(equals + 1);
+    fixer->second(option, equals == std::string::npos ? nullptr : &value, fixed);
+  }
+  return fixed;
+}
+
+Model parseModel(const std::string& text) {
+  if (text == "opencv5") return Model::opencv5;
+  if (text == "opencv4") return Model::opencv4;
+  if (text == "radial1") return Model::radial1;
+  throw UserError(fmt::format("--intrinsics {}: the models are opencv5, opencv4 and radial1", text));
+}
+
+void requirePositive(const char* option, double value) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
+}
+
+/// No output may replace an input or another output.
+void checkPaths(const Settings& settings) {
+  std::map<std::filesystem::path, std::string> uses;
+  std::error_code ignored;
+  const auto use = [&](const std::string& option, const std::string& file) {
+    if (file.empty()) return;
+    const auto [known, is_new] = uses.emplace(std::filesystem::weakly_canonical(file, ignored), option);
+    if (!is_new) {
+      throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", option, file, known->second));
+    }
+  };
+  for (const CameraFile& camera : settings.cameras) {
+    uses.emplace(std::filesystem::weakly_canonical(camera.file, ignored), "--camera " + camera.name);
+  }
+  use("--imu", settings.imu_file);
+  use("--json", settings.json_file);
+  use("--output", settings.yaml_file);
+}
+
+}  // namespace
+
+Settings parseSettings(const RawOptions& raw) {
+  Settings settings = raw.rest;
+  settings.cameras = parseCameras(raw.cameras);
+  settings.fixed = parseFixed(raw.fixed);
+  settings.model = parseModel(raw.model);
+  requirePositive("--sigma-px", settings.sigma_px);
+  requirePositive("--sigma-acc", settings.sigma_acc);
+  if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
+    throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
+                                settings.fixed.acc_bias ? "acc_bias" : "gravity"));
+  }
+  checkPaths(settings);
+  return settings;
+}
+
+}  // namespace slom::app::calib
