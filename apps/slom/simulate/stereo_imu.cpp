@@ -50,8 +50,11 @@ SE3 drawView(int index, Random& random) {
   const double azimuth = index * golden_angle + random.uniform(-15, 15) * degree;
   const double roll = random.uniform(-25, 25) * degree;
   const double distance = random.uniform(0.28, 0.46);
-  const mtk::vect<3> target = boardPoint(kBoardColumns - 1, kBoardRows - 1) / 2 +
-                              mtk::vect<3>(random.uniform(-0.08, 0.08), random.uniform(-0.06, 0.06), 0.0);
+  // One statement a number: C++ leaves open in which order the arguments of a call are computed.
+  const double shift_x = random.uniform(-0.08, 0.08);
+  const double shift_y = random.uniform(-0.06, 0.06);
+  const mtk::vect<3> target =
+      boardPoint(kBoardColumns - 1, kBoardRows - 1) / 2 + mtk::vect<3>(shift_x, shift_y, 0.0);
 
   const mtk::vect<3> towards_camera(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
                                     std::cos(tilt));
