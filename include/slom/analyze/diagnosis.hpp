@@ -1,0 +1,21 @@
+/// What is wrong with a problem, in the user's names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+/// `left2world #3.orient.z`: the component of a variable that an unknown of the linear system is.
+std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown);
+
+/// Why the linear system could not be solved, as an error with a remedy: [slom.unmeasured-variable] or
+/// [slom.rank-deficient].
+Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status);
+
+/// A sentence for each optimised variable that no measurement depends on.
+std::vector<std::string> unmeasuredVariables(const Problem& problem);
+
+}  // namespace slom

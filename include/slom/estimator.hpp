@@ -1,0 +1,249 @@
+/// The estimator: takes variables and measurements, finds the values that fit best, says how sure they are.
+///
+///     slom::Estimator est;
+///     auto circle = est.insertRV(mtk::vect<3>(0, 0, 1), "circle");
+///     for (const auto& p : points) est.insertMeasurement(OnCircle(circle, p), slom::StandardDeviation(0.1));
+///     std::cout << est.optimize() << *circle << "\n";
+///
+/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. Measurement functions
+/// are called from several threads at once (setThreads changes that), so they must not write to shared data.
+/// Faults of the caller are exceptions (mtk::Error, with a stable id); after any exception the estimator is as it was
+/// before the call, but for steps of an optimisation that had been completed.
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slom/analyze/report.hpp"
+#include "slom/model/callable.hpp"
+#include "slom/optimize/algorithm.hpp"
+#include "slom/problem/problem.hpp"
+
+namespace slom {
+
+namespace detail {
+
+/// What is stored for an argument: the value of an Eigen expression, a double for other numbers.
+template <class T>
+auto plainValue(const T& x) {
+  if constexpr (requires { typename T::PlainObject; }) {
+    // Types derived from Eigen's vectors stay what they are, expressions become what they evaluate to.
+    if constexpr (std::is_base_of_v<Eigen::PlainObjectBase<typename T::PlainObject>, T>) {
+      return x;
+    } else {
+      return typename T::PlainObject(x);
+    }
+  } else {
+    return x;
+  }
+}
+template <class T>
+using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
+
+template <class T>
+using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValue<T>>;
+
+}  // namespace detail
+
+class Estimator {
+ public:
+  Estimator();
+  ~Estimator();
+  Estimator(Estimator&&) noexcept;
+  Estimator& operator=(Estimator&&) noexcept;
+
+  // Variables.
+
+  /// Adds a variable with its start value. `optimize` false: it keeps that value. `name` is for messages.
+  template <class T>
+  auto insertRV(const T& value) {
+    return insertVariable(value, true, "");
+  }
+  template <class T, std::same_as<bool> Flag>
+  auto insertRV(const T& value, Flag optimize, std::string name = "") {
+    return insertVariable(value, optimize, std::move(name));
+  }
+  template <class T>
+  auto insertRV(const T& value, std::string name) {
+    return insertVariable(value, true, std::move(name));
+  }
+  /// The name that the paper's outlook gives to insertRV.
+  template <class T, class... More>
+  auto registerRV(const T& value, More&&... more) {
+    return insertRV(value, std::forward<More>(more)...);
+  }
+  /// Gives a variable another value, as a new start or when it is fixed.
+  template <class T>
+  void reinitRV(const VarID<T>& id, const std::type_identity_t<T>& value) {
+    problem().setValue(id, value);
+  }
+  /// Fixes a variable at its current value, or releases it.
+  template <class T>
+  void optimizeRV(const VarID<T>& id, bool optimize) {
+    problem().setOptimized(problem().indexOf(id), optimize);
+  }
+  /// Removes a variable. Throws [slom.variable-in-use], saying by how many measurements, while there are any.
+  template <class T>
+  void removeRV(const VarID<T>& id) {
+    problem().removeVariable(problem().indexOf(id));
+  }
+  /// The name given at insertion, or one made of type and running number.
+  template <class T>
+  std::string nameOf(const VarID<T>& id) const {
+    return problem().variableName(problem().indexOf(id));
+  }
+
+  // Measurements.
+
+  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, with its uncertainty (none: unit covariance).
+  template <Measurement M, class N = UnitCovariance>
+  MeasID<M> insertMeasurement(M measurement, const N& noise = {}) {
+    static_assert(IsNoise<N>, "slom: the second argument says how uncertain the measurement is: pass Covariance, "
+                              "StandardDeviation, InvCovariance or InvStandardDeviation");
+    return problem().insertMeasurement(std::move(measurement), viewNoise(noise));
+  }
+  /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
+  /// everything else is data, stored by value. The last argument may be the uncertainty. With slom::measured(z) among
+  /// the arguments f predicts the datum, and the residual is f(Y) [-] z.
+  template <class F, class... Args>
+    requires(!Measurement<F> && sizeof...(Args) > 0)
+  auto insertMeasurement(F f, const Args&... args) {
+    using Last = std::tuple_element_t<sizeof...(Args) - 1, std::tuple<Args...>>;
+    const auto all = std::tie(args...);
+    if constexpr (IsNoise<Last>) {
+      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args) - 1>{},
+                            std::get<sizeof...(Args) - 1>(all));
+    } else {
+      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args)>{}, UnitCovariance{});
+    }
+  }
+  /// The name that the paper's outlook gives to insertMeasurement.
+  template <class F, class... Args>
+  auto registerMeasurement(F f, const Args&... args) {
+    return insertMeasurement(std::move(f), args...);
+  }
+  template <class M>
+  void removeMeasurement(const MeasID<M>& id) {
+    const auto [pool, i] = problem().locate(id);
+    problem().removeMeasurement(*pool, i);
+  }
+
+  // Optimisation.
+
+  /// One step of the algorithm. Returns the relative gain (old RSS - new RSS) / old RSS; negative when a Gauss-Newton
+  /// step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or [slom.not-finite] with the values
+  /// unchanged.
+  double optimizeStep();
+  /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is no
+  /// exception: look at `converged`, `stop_reason` and `message`. The values are the best that were reached.
+  Summary optimize(const Options& options = {});
+
+  /// Takes over `algorithm`: `est.changeAlgorithm(new SLOM::LevenbergMarquardt())`.
+  void changeAlgorithm(Algorithm* algorithm);
+  /// The same by value: `est.changeAlgorithm(slom::DogLeg())`.
+  template <std::derived_from<Algorithm> A>
+  void changeAlgorithm(const A& algorithm) {
+    changeAlgorithm(new A(algorithm));
+  }
+  /// How linear systems are solved; the default is SparseCholesky.
+  void changeSolver(std::unique_ptr<LinearSolver> solver);
+  /// Number of threads for residuals and derivatives; 0 (default): as many as the machine has. Results do not depend
+  /// on it.
+  void setThreads(int threads);
+
+  // What the fit knows.
+
+  /// Sum of squared whitened residuals at the current values.
+  double getRSS() const;
+  /// Of all measurements of type M.
+  template <Measurement M>
+  double getRSS() const {
+    return rssOfPool(problem().template poolOf<M>());
+  }
+  /// Of one measurement.
+  template <class M>
+  double getRSS(const MeasID<M>& id) const {
+    return whitenedResidual(id).squaredNorm();
+  }
+  /// Of all measurements that depend on a variable.
+  template <class T>
+  double getRSS(const VarID<T>& id) const {
+    return rssOfVariable(problem().indexOf(id));
+  }
+  /// sqrt(RSS / M): near 1 when the stated uncertainties are right. 0 without measurements.
+  double getRMS() const;
+  /// Number of scalar residuals.
+  int getM() const;
+  /// Number of unknowns: degrees of freedom of all optimised variables.
+  int getN() const;
+
+  /// The residual of a measurement in its own units, f(Y) [-] z.
+  template <class M>
+  Eigen::VectorXd residual(const MeasID<M>& id) const {
+    const auto [pool, i] = problem().locate(id);
+    return residualOf(*pool, i, false);
+  }
+  /// The residual in units of its standard deviation.
+  template <class M>
+  Eigen::VectorXd whitenedResidual(const MeasID<M>& id) const {
+    const auto [pool, i] = problem().locate(id);
+    return residualOf(*pool, i, true);
+  }
+  /// All whitened residuals: type by type in order of their first insertion.
+  Eigen::VectorXd residuals() const;
+
+  /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
+  /// uncertainties and the linearisation at the current values. 0 for fixed variables. Throws [slom.rank-deficient]
+  /// or [slom.unmeasured-variable].
+  template <class T>
+  Eigen::MatrixXd covariance(const VarID<T>& id) const {
+    return covarianceOf(problem().indexOf(id), problem().indexOf(id));
+  }
+  template <class A, class B>
+  Eigen::MatrixXd covariance(const VarID<A>& a, const VarID<B>& b) const {
+    return covarianceOf(problem().indexOf(a), problem().indexOf(b));
+  }
+  /// Standard deviation of each component.
+  template <class T>
+  Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
+    return covariance(id).diagonal().cwiseSqrt();
+  }
+  /// Names of the components, as messages give them.
+  template <class T>
+  std::vector<std::string> componentNames(const VarID<T>& id) const {
+    return problem().componentNames(problem().indexOf(id));
+  }
+
+  /// Optimised variables that no measurement depends on, a sentence for each.
+  std::vector<std::string> warnings() const;
+
+ private:
+  template <class T>
+  auto insertVariable(const T& value, bool optimize, std::string name) {
+    using V = detail::VariableType<T>;
+    mtk::requireManifold<V>();
+    return problem().template insertVariable<V>(V(value), optimize, std::move(name));
+  }
+  template <class F, class Tuple, std::size_t... I, class N>
+  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const N& noise) {
+    using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
+    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), viewNoise(noise));
+  }
+
+  Problem& problem() const;
+  double rssOfPool(const MeasurementPool* pool) const;
+  double rssOfVariable(int variable) const;
+  Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
+  Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;
+
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slom

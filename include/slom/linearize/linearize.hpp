@@ -1,0 +1,71 @@
+/// Residuals and derivatives of the whole problem, in batches, on several threads, in an order that does not depend
+/// on their number.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slom/linearize/structure.hpp"
+
+namespace slom {
+
+/// Whitened residuals and Jacobians of the measurements [first, first + count) of one group.
+struct JacobianBatch {
+  int group = 0;
+  int first = 0;
+  int count = 0;
+  const int* rows = nullptr;      ///< count entries: length of each residual
+  const int* dof = nullptr;       ///< count x arity: columns of each variable
+  const double* r = nullptr;      ///< residuals, one after the other
+  const double* J = nullptr;      ///< for each measurement rows x (sum of its dof), column-major, one after the other;
+                                  ///< columns of fixed variables hold nothing meaningful
+};
+
+/// Receives the linearised measurements, in order, one batch at a time. Solvers implement it.
+class JacobianSink {
+ public:
+  virtual ~JacobianSink() = default;
+  virtual void beginLinearization() = 0;
+  virtual void add(const JacobianBatch& batch) = 0;
+  virtual void endLinearization() = 0;
+};
+
+/// Runs the user's functions; keeps buffers between calls. `threads` 0: as many as the machine has.
+class Linearizer {
+ public:
+  void setThreads(int threads) { threads_ = threads; }
+
+  /// Sum of squared whitened residuals at the current values; NaN when a residual is not finite.
+  double rss(Problem& problem);
+  /// The same for each pool.
+  std::vector<double> rssPerPool(Problem& problem);
+  /// Writes all whitened residuals, pool after pool.
+  Eigen::VectorXd residuals(Problem& problem);
+
+  /// Sends all linearised measurements to `sink`; returns the sum of squared whitened residuals. Throws
+  /// [slom.not-finite], naming the measurement, its variables and their values.
+  double linearize(Problem& problem, JacobianSink& sink);
+
+ private:
+  struct Chunk {
+    int group = 0, first = 0, last = 0;
+    int bad = -1;
+    std::vector<int> rows, dof;
+    std::vector<double> r, J;
+  };
+  struct Range {
+    int group, first, last;
+  };
+
+  std::vector<Range> ranges(const Problem& problem, int per_chunk) const;
+  template <class F>
+  void forEachChunk(int count, const F& f);
+  static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
+  [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
+
+  int threads_ = 0;
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace slom

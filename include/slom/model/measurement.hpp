@@ -1,0 +1,110 @@
+/// Measurements as the paper declares them: named variables and data, and a body that writes `ret`.
+///
+///     SLOM_BUILD_MEASUREMENT(Observation, 2, ((Pose, pose)) ((vec2, landmark)), ((vec2, coords)))
+///     SLOM_IMPLEMENT_MEASUREMENT(Observation, ret) { ret = pose->inverse() * *landmark - coords; }
+///
+/// The second parameter is the length of the residual, mtk::Dynamic when it is known only at run time (then the
+/// body sizes `ret`). The data list may be empty: `SLOM_BUILD_MEASUREMENT(Prior, 1, ((Scalar, x)), )`. The body is
+/// written once, in a source file; in a header put `inline` before SLOM_IMPLEMENT_MEASUREMENT.
+/// `ret` starts as NaN, so that an entry that was forgotten is found.
+#pragma once
+
+#include <concepts>
+#include <tuple>
+#include <type_traits>
+
+#include <Eigen/Core>
+
+#include "mtk/detail/sequence.hpp"
+#include "slom/model/var_id.hpp"
+
+namespace slom {
+
+inline constexpr int Dynamic = mtk::Dynamic;
+
+/// What `ret` is: a column vector, fixed or of run-time size.
+template <int Rows>
+using Residual = Eigen::Matrix<double, Rows, 1, Eigen::ColMajor | Eigen::DontAlign>;
+
+namespace detail {
+template <class T>
+struct IsVarArgTuple : std::false_type {};
+template <class... T>
+struct IsVarArgTuple<std::tuple<VarArg<T>&...>> : std::true_type {};
+}  // namespace detail
+
+/// A type whose objects are measurements: they know their variables and write their residual.
+template <class M>
+concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret) {
+  { m.variableArgs() };
+  { c.evaluate(ret) };
+} && detail::IsVarArgTuple<decltype(std::declval<M&>().variableArgs())>::value;
+
+}  // namespace slom
+
+namespace SLOM = slom;
+
+// clang-format off
+#define SLOM_VARIABLE_(type, name) ::slom::VarArg<type> name;
+#define SLOM_VARIABLE_A(pair) SLOM_VARIABLE_ pair SLOM_VARIABLE_B
+#define SLOM_VARIABLE_B(pair) SLOM_VARIABLE_ pair SLOM_VARIABLE_A
+#define SLOM_VARIABLE_A_END
+#define SLOM_VARIABLE_B_END
+
+#define SLOM_DATUM_(type, name) type name;
+#define SLOM_DATUM_A(pair) SLOM_DATUM_ pair SLOM_DATUM_B
+#define SLOM_DATUM_B(pair) SLOM_DATUM_ pair SLOM_DATUM_A
+#define SLOM_DATUM_A_END
+#define SLOM_DATUM_B_END
+
+#define SLOM_ID_PARAMETER_(type, name) const ::slom::VarID<type>& name##_id
+#define SLOM_ID_PARAMETER_A(pair) SLOM_ID_PARAMETER_ pair SLOM_ID_PARAMETER_MORE_A
+#define SLOM_ID_PARAMETER_MORE_A(pair) , SLOM_ID_PARAMETER_ pair SLOM_ID_PARAMETER_MORE_B
+#define SLOM_ID_PARAMETER_MORE_B(pair) , SLOM_ID_PARAMETER_ pair SLOM_ID_PARAMETER_MORE_A
+#define SLOM_ID_PARAMETER_MORE_A_END
+#define SLOM_ID_PARAMETER_MORE_B_END
+
+#define SLOM_ID_INIT_(type, name) name(name##_id)
+#define SLOM_ID_INIT_A(pair) SLOM_ID_INIT_ pair SLOM_ID_INIT_MORE_A
+#define SLOM_ID_INIT_MORE_A(pair) , SLOM_ID_INIT_ pair SLOM_ID_INIT_MORE_B
+#define SLOM_ID_INIT_MORE_B(pair) , SLOM_ID_INIT_ pair SLOM_ID_INIT_MORE_A
+#define SLOM_ID_INIT_MORE_A_END
+#define SLOM_ID_INIT_MORE_B_END
+
+#define SLOM_DATUM_PARAMETER_(type, name) , const type& name##_init
+#define SLOM_DATUM_PARAMETER_A(pair) SLOM_DATUM_PARAMETER_ pair SLOM_DATUM_PARAMETER_B
+#define SLOM_DATUM_PARAMETER_B(pair) SLOM_DATUM_PARAMETER_ pair SLOM_DATUM_PARAMETER_A
+#define SLOM_DATUM_PARAMETER_A_END
+#define SLOM_DATUM_PARAMETER_B_END
+
+#define SLOM_DATUM_INIT_(type, name) , name(name##_init)
+#define SLOM_DATUM_INIT_A(pair) SLOM_DATUM_INIT_ pair SLOM_DATUM_INIT_B
+#define SLOM_DATUM_INIT_B(pair) SLOM_DATUM_INIT_ pair SLOM_DATUM_INIT_A
+#define SLOM_DATUM_INIT_A_END
+#define SLOM_DATUM_INIT_B_END
+
+#define SLOM_TIED_(type, name) name
+#define SLOM_TIED_A(pair) SLOM_TIED_ pair SLOM_TIED_MORE_A
+#define SLOM_TIED_MORE_A(pair) , SLOM_TIED_ pair SLOM_TIED_MORE_B
+#define SLOM_TIED_MORE_B(pair) , SLOM_TIED_ pair SLOM_TIED_MORE_A
+#define SLOM_TIED_MORE_A_END
+#define SLOM_TIED_MORE_B_END
+
+#define SLOM_BUILD_MEASUREMENT(Name, dimension, variables, data)                                     \
+  struct Name {                                                                                      \
+    static constexpr int residual_dim = dimension;                                                   \
+    using ResidualVector = ::slom::Residual<residual_dim>;                                           \
+                                                                                                     \
+    MTK_SEQUENCE(SLOM_VARIABLE, variables)                                                           \
+    MTK_SEQUENCE(SLOM_DATUM, data)                                                                   \
+                                                                                                     \
+    explicit Name(MTK_SEQUENCE(SLOM_ID_PARAMETER, variables)                                         \
+                  MTK_SEQUENCE(SLOM_DATUM_PARAMETER, data))                                          \
+        : MTK_SEQUENCE(SLOM_ID_INIT, variables) MTK_SEQUENCE(SLOM_DATUM_INIT, data) {}               \
+                                                                                                     \
+    auto variableArgs() { return ::std::tie(MTK_SEQUENCE(SLOM_TIED, variables)); }                   \
+    void evaluate(ResidualVector& slom_ret) const;                                                   \
+  };
+
+#define SLOM_IMPLEMENT_MEASUREMENT(Name, ret) void Name::evaluate(Name::ResidualVector& ret) const
+// clang-format on

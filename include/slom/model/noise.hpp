@@ -1,0 +1,149 @@
+/// How uncertain a measurement is, in the user's choice of form.
+///
+/// For a residual r of length n with covariance Sigma:
+///   Covariance(x)            Sigma                      scalar: x * I, vector: diag(x), matrix: symmetric
+///   StandardDeviation(x)     L with Sigma = L L^T       scalar, vector, lower triangular matrix
+///   InvCovariance(x)         Sigma^-1 (information)     scalar, vector, symmetric matrix
+///   InvStandardDeviation(x)  L^-1                       scalar, vector, lower triangular matrix
+/// A measurement without any of them has unit covariance. The estimator minimises |W r|^2 with W^T W = Sigma^-1.
+/// Everything is checked at insertion: size, finiteness, symmetry, positive definiteness.
+#pragma once
+
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace slom {
+
+enum class NoiseForm { covariance, standard_deviation, inv_covariance, inv_standard_deviation };
+
+/// Value and form; T is double or a dense Eigen type of doubles.
+template <NoiseForm Form, class T>
+struct Noise {
+  static constexpr NoiseForm form = Form;
+  T value;
+};
+
+namespace detail {
+template <class T>
+auto plainNoise(const T& value) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    return static_cast<double>(value);
+  } else if constexpr (std::is_convertible_v<T, double>) {
+    return static_cast<double>(value);
+  } else {
+    static_assert(requires { typename T::PlainObject; }, "slom: noise is given by a number, a vector or a matrix");
+    return typename T::PlainObject(value);
+  }
+}
+template <class T>
+using PlainNoise = decltype(plainNoise(std::declval<const T&>()));
+}  // namespace detail
+
+template <class T = double>
+struct Covariance : Noise<NoiseForm::covariance, T> {
+  template <class X>
+  explicit Covariance(const X& x) : Noise<NoiseForm::covariance, T>{detail::plainNoise(x)} {}
+};
+template <class X>
+Covariance(const X&) -> Covariance<detail::PlainNoise<X>>;
+
+template <class T = double>
+struct StandardDeviation : Noise<NoiseForm::standard_deviation, T> {
+  template <class X>
+  explicit StandardDeviation(const X& x) : Noise<NoiseForm::standard_deviation, T>{detail::plainNoise(x)} {}
+};
+template <class X>
+StandardDeviation(const X&) -> StandardDeviation<detail::PlainNoise<X>>;
+
+template <class T = double>
+struct InvCovariance : Noise<NoiseForm::inv_covariance, T> {
+  template <class X>
+  explicit InvCovariance(const X& x) : Noise<NoiseForm::inv_covariance, T>{detail::plainNoise(x)} {}
+};
+template <class X>
+InvCovariance(const X&) -> InvCovariance<detail::PlainNoise<X>>;
+
+template <class T = double>
+struct InvStandardDeviation : Noise<NoiseForm::inv_standard_deviation, T> {
+  template <class X>
+  explicit InvStandardDeviation(const X& x) : Noise<NoiseForm::inv_standard_deviation, T>{detail::plainNoise(x)} {}
+};
+template <class X>
+InvStandardDeviation(const X&) -> InvStandardDeviation<detail::PlainNoise<X>>;
+
+/// No statement about the noise: unit covariance.
+struct UnitCovariance {};
+
+template <class T>
+concept IsNoise = std::is_same_v<T, UnitCovariance> || requires(const T& n) {
+  []<NoiseForm F, class V>(const Noise<F, V>&) {}(n);
+};
+
+/// The numbers of a noise statement without its type: entries column by column.
+struct NoiseView {
+  enum class Shape { unit, scalar, vector, matrix };
+  Shape shape = Shape::unit;
+  NoiseForm form = NoiseForm::covariance;
+  const double* entries = nullptr;
+  int rows = 0;
+  int cols = 0;
+};
+
+inline NoiseView viewNoise(const UnitCovariance&) { return {}; }
+
+template <NoiseForm F, class T>
+NoiseView viewNoise(const Noise<F, T>& noise) {
+  if constexpr (std::is_same_v<T, double>) {
+    return {NoiseView::Shape::scalar, F, &noise.value, 1, 1};
+  } else {
+    static_assert(std::is_same_v<typename T::Scalar, double>, "slom: noise is given in double precision");
+    static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "slom: noise matrices are column-major");
+    const bool vector = T::IsVectorAtCompileTime;
+    return {vector ? NoiseView::Shape::vector : NoiseView::Shape::matrix, F, noise.value.data(),
+            static_cast<int>(vector ? noise.value.size() : noise.value.rows()),
+            static_cast<int>(vector ? 1 : noise.value.cols())};
+  }
+}
+
+/// W with W^T W = Sigma^-1, in the cheapest form that holds it: no numbers, one, `dim` of them (diagonal), or
+/// dim x dim column by column.
+enum class WhiteningKind : unsigned char { unit, scalar, diagonal, full };
+
+namespace detail {
+struct NoiseComplaint {
+  std::string id, name, value, remedy;
+};
+/// Appends the numbers of W to `store`. On a fault leaves `store` alone, fills `complaint` and returns false.
+bool appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, WhiteningKind& kind,
+                     NoiseComplaint& complaint);
+[[noreturn]] void raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject);
+}  // namespace detail
+
+/// Appends the numbers of W for residuals of length `dim` to `store`. Throws mtk::Error that names `subject()`, which
+/// is called only then; `store` stays as it was.
+template <class Subject>
+WhiteningKind appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, Subject&& subject) {
+  detail::NoiseComplaint complaint;
+  WhiteningKind kind = WhiteningKind::unit;
+  if (!detail::appendWhitening(noise, dim, store, kind, complaint)) detail::raiseNoiseError(complaint, subject());
+  return kind;
+}
+
+/// Number of entries that W of this kind has in the store.
+constexpr int whiteningSize(WhiteningKind kind, int dim) {
+  switch (kind) {
+    case WhiteningKind::unit: return 0;
+    case WhiteningKind::scalar: return 1;
+    case WhiteningKind::diagonal: return dim;
+    case WhiteningKind::full: return dim * dim;
+  }
+  return 0;
+}
+
+/// m := W m for the `dim` x `cols` matrix m, column-major.
+void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols);
+
+}  // namespace slom

@@ -1,0 +1,91 @@
+/// How a step is found: Gauss-Newton, Levenberg-Marquardt or Powell's dog leg.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "slom/optimize/summary.hpp"
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+struct StepOutcome {
+  enum class Kind {
+    taken,       ///< the values have moved
+    singular,    ///< the linear system has no unique solution; nothing moved
+    not_finite,  ///< the step led to where a residual is not finite, and was taken back
+    stuck        ///< no step that was tried made the RSS smaller; nothing moved
+  };
+  Kind kind = Kind::taken;
+  double rss_before = 0;
+  double rss_after = 0;
+  double predicted_decrease = 0;  ///< of the RSS, by the linear model
+  double damping = 0;
+  int trials = 0;
+  Eigen::VectorXd step;
+  SolveStatus status;             ///< of the linear solver when singular
+};
+
+class Algorithm {
+ public:
+  virtual ~Algorithm() = default;
+  virtual std::string name() const = 0;
+  virtual std::unique_ptr<Algorithm> clone() const = 0;
+  /// Forgets what earlier steps taught (damping, radius).
+  virtual void reset() {}
+  /// Linearises at the current values and moves them by one step.
+  virtual StepOutcome step(System& system, const Options& options) = 0;
+};
+
+/// d = -(J^T J)^-1 J^T r, taken whatever it does to the RSS.
+class GaussNewton final : public Algorithm {
+ public:
+  std::string name() const override { return "Gauss-Newton"; }
+  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<GaussNewton>(*this); }
+  StepOutcome step(System& system, const Options& options) override;
+};
+
+/// d = -(J^T J + mu D)^-1 J^T r with D the diagonal of J^T J (1 where that is 0), mu raised until the RSS falls.
+///   damping     Marquardt 1963: scale invariant
+///   gain ratio and update of mu   Nielsen 1999, as in Madsen, Nielsen and Tingleff, "Methods for non-linear least
+///               squares problems", 2004, algorithm 3.16: rho = actual / predicted decrease; for rho > 0
+///               mu *= max(1/3, 1 - (2 rho - 1)^3), nu = 2; otherwise mu *= nu, nu *= 2.
+class LevenbergMarquardt final : public Algorithm {
+ public:
+  /// `initial_damping` is the first mu.
+  explicit LevenbergMarquardt(double initial_damping = 1e-4);
+
+  std::string name() const override { return "Levenberg-Marquardt"; }
+  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<LevenbergMarquardt>(*this); }
+  void reset() override;
+  StepOutcome step(System& system, const Options& options) override;
+
+ private:
+  double initial_damping_;
+  double mu_;
+  double nu_ = 2;
+};
+
+/// The Gauss-Newton step where it fits into the trust region |D^1/2 d| <= radius, D the diagonal of J^T J; otherwise
+/// the point where the path from the best steepest-descent step to it leaves the region.
+///   source   Powell 1970, as in Madsen, Nielsen and Tingleff 2004, algorithm 3.21, in scaled unknowns; the radius
+///            becomes max(radius, 3 |d|) for rho > 3/4 and half of it for rho < 1/4. The first radius is the length of
+///            the first Gauss-Newton step.
+class DogLeg final : public Algorithm {
+ public:
+  /// `initial_radius` 0: the length of the first Gauss-Newton step.
+  explicit DogLeg(double initial_radius = 0);
+
+  std::string name() const override { return "dog leg"; }
+  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<DogLeg>(*this); }
+  void reset() override { radius_ = initial_radius_; }
+  StepOutcome step(System& system, const Options& options) override;
+
+ private:
+  double initial_radius_;
+  double radius_;
+};
+
+}  // namespace slom

@@ -1,0 +1,12 @@
+/// The loop of a fit.
+#pragma once
+
+#include "slom/optimize/algorithm.hpp"
+
+namespace slom {
+
+/// Steps until a test of `options` holds. Fills the summary's trace, stop reason, iterations, RSS and warnings about
+/// changes of the algorithm; `singular_at` gets the status of the solver when the rank ran out.
+Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, SolveStatus& singular_at);
+
+}  // namespace slom

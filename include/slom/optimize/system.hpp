@@ -1,0 +1,52 @@
+/// The problem as an algorithm sees it: a point, its linearisation, and steps that can be taken back.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "slom/linearize/linearize.hpp"
+#include "slom/solve/linear_solver.hpp"
+
+namespace slom {
+
+class System {
+ public:
+  System(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
+
+  /// Uses this solver from now on. Not owned.
+  void setSolver(LinearSolver& solver);
+
+  const ProblemStructure& structure();
+  /// Linearises at the current values unless that has been done; returns the RSS.
+  double linearize();
+  LinearSolver& solver() { return *solver_; }
+  const LinearSolver& solver() const { return *solver_; }
+
+  /// Moves all values by `d` and returns the RSS there, NaN when a residual is not finite. A user's function that
+  /// throws leaves the values where they were.
+  double tryStep(const Eigen::VectorXd& d);
+  /// Takes the last tried step back; the linearisation is valid again.
+  void undo();
+
+  /// max_i |g_i| / (|J_i| |r|) of the linearisation; 0 for a perfect fit.
+  double gradientCosine() const;
+  /// max_i |d_i| |J_i|
+  double stepInDeviations(const Eigen::VectorXd& d) const;
+  /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
+  bool isNegligible(const Eigen::VectorXd& d, double tolerance);
+  /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
+  double predictedDecrease(const Eigen::VectorXd& d) const;
+
+  Problem& problem() { return problem_; }
+
+ private:
+  Problem& problem_;
+  Linearizer& linearizer_;
+  LinearSolver* solver_ = nullptr;
+  ProblemStructure structure_;
+  std::uint64_t structured_at_ = ~std::uint64_t{0};
+  std::uint64_t analyzed_at_ = ~std::uint64_t{0};
+  std::uint64_t linearized_at_ = ~std::uint64_t{0};
+  double rss_ = 0;
+};
+
+}  // namespace slom

@@ -1,0 +1,197 @@
+/// All measurements of one type, lying together: variables, noise and data in contiguous arrays. The untyped part of
+/// the library evaluates and differentiates them a batch at a time.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slom/model/differentiate.hpp"
+#include "slom/model/noise.hpp"
+#include "slom/model/variable_store.hpp"
+
+namespace slom {
+
+/// A row of the problem's table of variables.
+struct VariableRecord {
+  VariableStoreBase* store = nullptr;  ///< null: this row is free
+  std::uint32_t slot = 0;
+  int dof = 0;
+  bool optimize = true;
+  int uses = 0;      ///< measurements that depend on it
+  long serial = 0;   ///< running number of insertion
+  std::string name;  ///< the user's, may be empty
+};
+
+class MeasurementPool {
+ public:
+  MeasurementPool(std::string name, int arity, const std::vector<VariableRecord>& table)
+      : name_(std::move(name)), arity_(arity), table_(table) {}
+  virtual ~MeasurementPool() = default;
+  MeasurementPool(const MeasurementPool&) = delete;
+  MeasurementPool& operator=(const MeasurementPool&) = delete;
+
+  const std::string& name() const { return name_; }
+  /// `Gravity #12`: the name and the running number of insertion into this pool, from 1.
+  std::string measurementName(int i) const { return name_ + " #" + std::to_string(serial_[at(i)]); }
+  int size() const { return static_cast<int>(slot_.size()); }
+  /// Number of variables that each measurement depends on.
+  int arity() const { return arity_; }
+  /// Indices of the variables of measurement i: arity() entries.
+  const int* variables(int i) const { return variables_.data() + at(i) * at(arity_); }
+  /// Length of the residual of measurement i.
+  virtual int rows(int i) const = 0;
+  /// Degrees of freedom of all variables of measurement i, fixed ones included.
+  int columns(int i) const;
+
+  /// Whitened residuals of [first, last), one after the other. Returns the first measurement whose residual is not
+  /// finite, -1 when all are.
+  virtual int evaluate(int first, int last, double* r) = 0;
+  /// As evaluate, and whitened Jacobians: for each measurement rows x columns, column-major, one after the other; the
+  /// columns of fixed variables are left as they are. Also returns a measurement whose Jacobian is not finite.
+  virtual int linearize(int first, int last, double* r, double* J) = 0;
+  /// The residual of one measurement in its own units.
+  virtual void evaluateRaw(int i, double* r) = 0;
+
+  /// Index of the measurement with this handle; throws [slom.stale-handle].
+  int indexOf(SlotRef ref) const;
+  /// Removes measurement i; the last one takes its place.
+  void remove(int i);
+
+ protected:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  const std::vector<VariableRecord>& table() const { return table_; }
+  bool isFree(int variable) const { return table_[at(variable)].optimize; }
+
+  std::string nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
+  /// Books a measurement whose data the derived class has just appended.
+  SlotRef append(const int* variables, WhiteningKind kind, std::size_t noise_at);
+  /// Makes room for one more, so that `append` cannot fail.
+  void reserveOne();
+  /// Appends W of the noise (or finds it equal to the last one's); returns where it lies.
+  std::size_t appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind);
+  void whitenRows(int i, double* m, int cols) const {
+    whiten(noise_kind_[at(i)], noise_.data() + noise_at_[at(i)], m, rows(i), cols);
+  }
+  virtual void moveLastTo(int i) = 0;
+
+ private:
+  void compactNoise();
+
+  std::string name_;
+  int arity_;
+  const std::vector<VariableRecord>& table_;
+  std::vector<int> variables_;
+  std::vector<WhiteningKind> noise_kind_;
+  std::vector<std::size_t> noise_at_;
+  std::vector<double> noise_;
+  std::vector<long> serial_;
+  std::vector<std::uint32_t> slot_;        // of each measurement
+  std::vector<int> index_of_slot_;         // -1: free
+  std::vector<std::uint32_t> generation_;  // of each slot
+  std::vector<std::uint32_t> free_slots_;
+  long inserted_ = 0;
+  int removed_since_compaction_ = 0;
+};
+
+template <Measurement M>
+class TypedPool final : public MeasurementPool {
+  static constexpr int kRows = M::residual_dim;
+  using Args = decltype(std::declval<M&>().variableArgs());
+  static constexpr int kArity = static_cast<int>(std::tuple_size_v<Args>);
+
+ public:
+  TypedPool(std::string name, const std::vector<VariableRecord>& table)
+      : MeasurementPool(std::move(name), kArity, table) {}
+
+  /// Throws, with nothing changed, for bad noise or when a residual of run-time length cannot be evaluated.
+  SlotRef insert(M measurement, const int* variables, const NoiseView& noise) {
+    int rows = kRows;
+    if constexpr (kRows == Dynamic) {
+      Residual<kRows> ret;
+      measurement.evaluate(ret);
+      rows = static_cast<int>(ret.size());
+      rows_.reserve(rows_.size() + 1);
+    }
+    reserveOne();
+    WhiteningKind kind = WhiteningKind::unit;
+    const std::size_t noise_at = appendNoise(noise, rows, kind);
+    measurements_.push_back(std::move(measurement));
+    if constexpr (kRows == Dynamic) rows_.push_back(rows);
+    return append(variables, kind, noise_at);
+  }
+
+  int rows(int i) const override {
+    if constexpr (kRows == Dynamic) {
+      return rows_[at(i)];
+    } else {
+      return kRows;
+    }
+  }
+
+  int evaluate(int first, int last, double* r) override {
+    int bad = -1;
+    for (int i = first; i < last; ++i) {
+      const int n = rows(i);
+      evaluateRaw(i, r);
+      whitenRows(i, r, 1);
+      if (bad < 0 && !Eigen::Map<const Eigen::VectorXd>(r, n).allFinite()) bad = i;
+      r += n;
+    }
+    return bad;
+  }
+
+  int linearize(int first, int last, double* r, double* J) override {
+    int bad = evaluate(first, last, r);
+    for (int i = first; i < last && bad < 0; ++i) {
+      const int n = rows(i);
+      if (!linearizeOne(i, n, J)) bad = i;
+      J += static_cast<std::ptrdiff_t>(n) * columns(i);
+    }
+    return bad;
+  }
+
+  void evaluateRaw(int i, double* r) override {
+    Residual<kRows> ret(rows(i));
+    evaluatePoisoned(measurements_[at(i)], ret);
+    if (ret.size() != rows(i)) detail::raiseWrongLength(measurementName(i), rows(i), ret.size());
+    std::copy(ret.data(), ret.data() + ret.size(), r);
+  }
+
+ private:
+  /// Whether all derivatives came out finite.
+  bool linearizeOne(int i, int rows, double* J) {
+    const int* variable = variables(i);
+    bool finite = true;
+    auto one = [&](auto& arg) {
+      const int dof = table()[at(*variable)].dof;
+      if (isFree(*variable)) {
+        differentiate(measurements_[at(i)], arg, rows, J);
+        whitenRows(i, J, dof);
+        finite = finite && Eigen::Map<const Eigen::MatrixXd>(J, rows, dof).allFinite();
+      }
+      J += static_cast<std::ptrdiff_t>(rows) * dof;
+      ++variable;
+    };
+    std::apply([&](auto&... arg) { (one(arg), ...); }, measurements_[at(i)].variableArgs());
+    return finite;
+  }
+
+  void moveLastTo(int i) override {
+    if (i != size() - 1) {  // by construction: callables with captures cannot be assigned
+      std::destroy_at(&measurements_[at(i)]);
+      std::construct_at(&measurements_[at(i)], std::move(measurements_.back()));
+    }
+    measurements_.pop_back();
+    if constexpr (kRows == Dynamic) {
+      rows_[at(i)] = rows_.back();
+      rows_.pop_back();
+    }
+  }
+
+  std::vector<M> measurements_;
+  std::vector<int> rows_;  // only for residuals of run-time length
+};
+
+}  // namespace slom

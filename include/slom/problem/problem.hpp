@@ -1,0 +1,137 @@
+/// The books: variables and measurements by type, who depends on whom, what is optimised.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "slom/model/meas_id.hpp"
+#include "slom/problem/measurement_pool.hpp"
+
+namespace slom {
+
+class Problem {
+ public:
+  Problem() = default;
+  Problem(const Problem&) = delete;
+  Problem& operator=(const Problem&) = delete;
+
+  // Variables.
+
+  template <class T>
+  VarID<T> insertVariable(const T& value, bool optimize, std::string name) {
+    mtk::requireManifold<T>();
+    auto store = findStore<T>();
+    const int index = reserveVariable();
+    const SlotRef ref = store->insert(value, index);
+    bookVariable(index, {store.get(), ref.slot, mtk::dof(value), optimize, 0, 0, std::move(name)});
+    return VarID<T>(std::move(store), ref);
+  }
+  /// Index of the variable in the table; throws [slom.stale-handle] when it is not in this problem.
+  template <class T>
+  int indexOf(const VarID<T>& id) const {
+    return checkedIndex(id.store_.get(), id.ref_, &slom::typeName<T>);
+  }
+  template <class T>
+  void setValue(const VarID<T>& id, const T& value) {
+    const int index = indexOf(id);
+    checkNewDof(index, mtk::dof(value));
+    id.store_->value(id.ref_.slot) = value;
+    ++value_revision_;
+  }
+  void setOptimized(int variable, bool optimize);
+  /// Throws [slom.variable-in-use] when measurements depend on it.
+  void removeVariable(int variable);
+
+  const std::vector<VariableRecord>& variables() const { return table_; }
+  int variableCount() const { return static_cast<int>(table_.size() - free_.size()); }
+  /// The user's name, or `SE3 #5`: type and running number of insertion.
+  std::string variableName(int variable) const;
+  std::string variableValue(int variable) const;
+  /// Names of the components, the variable's own name in front.
+  std::vector<std::string> componentNames(int variable) const;
+
+  // Measurements.
+
+  template <Measurement M>
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise) {
+    TypedPool<M>& pool = findPool<M>();
+    constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
+    int variables[static_cast<std::size_t>(arity)];
+    int k = 0;
+    std::apply([&](auto&... arg) {
+      ((variables[k++] = checkedIndex(arg.store(), arg.slotRef(), &slom::typeName<ValueOf<decltype(arg)>>)), ...);
+    }, measurement.variableArgs());
+    const SlotRef ref = pool.insert(std::move(measurement), variables, noise);
+    bookMeasurement(variables, arity);
+    return MeasID<M>(&pool, ref);
+  }
+  template <class M>
+  std::pair<MeasurementPool*, int> locate(const MeasID<M>& id) const {
+    return locate(id.pool_, id.ref_);
+  }
+  void removeMeasurement(MeasurementPool& pool, int i);
+  /// The pool of measurements of type M, null when none was ever inserted.
+  template <class M>
+  const MeasurementPool* poolOf() const {
+    const auto found = pool_of_type_.find(typeid(M));
+    return found == pool_of_type_.end() ? nullptr : found->second;
+  }
+  const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
+  /// Non-const access for evaluation, which moves variables locally.
+  std::vector<std::unique_ptr<MeasurementPool>>& pools() { return pools_; }
+
+  // Values as a whole.
+
+  void save();
+  void restore();
+  void applyStep(const std::vector<int>& offset_of_variable, const double* step);
+
+  /// Changes with every insertion, removal, fixing and releasing.
+  std::uint64_t structureRevision() const { return structure_revision_; }
+  /// Changes whenever a value does.
+  std::uint64_t valueRevision() const { return value_revision_; }
+
+ private:
+  template <class Arg>
+  using ValueOf = typename std::remove_cvref_t<Arg>::Value;
+
+  template <class T>
+  std::shared_ptr<VariableStore<T>> findStore() {
+    auto& entry = store_of_type_[typeid(T)];
+    if (!entry) entry = std::make_shared<VariableStore<T>>();
+    return std::static_pointer_cast<VariableStore<T>>(entry);
+  }
+  template <class M>
+  TypedPool<M>& findPool() {
+    auto& entry = pool_of_type_[typeid(M)];
+    if (entry == nullptr) {
+      pools_.push_back(std::make_unique<TypedPool<M>>(nameForPool(slom::typeName<M>()), table_));
+      entry = pools_.back().get();
+    }
+    return static_cast<TypedPool<M>&>(*entry);
+  }
+
+  int reserveVariable();
+  void bookVariable(int index, VariableRecord record);
+  void bookMeasurement(const int* variables, int arity);
+  int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
+  void checkNewDof(int variable, int dof) const;
+  std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
+  std::string nameForPool(std::string type) const;
+
+  std::vector<VariableRecord> table_;
+  std::vector<int> free_;
+  std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
+  std::unordered_map<std::type_index, MeasurementPool*> pool_of_type_;
+  std::vector<std::unique_ptr<MeasurementPool>> pools_;
+  long inserted_ = 0;
+  std::uint64_t structure_revision_ = 0;
+  std::uint64_t value_revision_ = 0;
+};
+
+}  // namespace slom

@@ -1,0 +1,9 @@
+/// Everything a user of SLoM needs: mtk and the estimator.
+#pragma once
+
+#include "mtk/mtk.hpp"
+#include "slom/estimator.hpp"
+#include "slom/model/measurement.hpp"
+#include "slom/model/noise.hpp"
+#include "slom/solve/dense_qr.hpp"
+#include "slom/solve/sparse_cholesky.hpp"

@@ -1,0 +1,43 @@
+/// What every linear solver does: takes linearised measurements, solves for a step.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slom/linearize/linearize.hpp"
+
+namespace slom {
+
+/// Whether the system could be solved and, if not, at which unknown the rank ran out.
+struct [[nodiscard]] SolveStatus {
+  bool ok = true;
+  int unknown = -1;      ///< index of the unknown that the others already determine, or that nothing determines
+  double pivot = 0;      ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
+};
+
+/// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
+class LinearSolver : public JacobianSink {
+ public:
+  /// Symbolic work; once per structure.
+  virtual void analyze(const BlockStructure& structure) = 0;
+  /// Writes `step` on success and leaves it untouched otherwise. `damping` is empty (none) or has an entry >= 0 for
+  /// each unknown.
+  virtual SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) = 0;
+
+  /// g, the gradient of 1/2 |r|^2.
+  virtual const Eigen::VectorXd& gradient() const = 0;
+  /// Diagonal of H.
+  virtual const Eigen::VectorXd& diagonal() const = 0;
+  /// |J d|^2
+  virtual double squaredImage(const Eigen::VectorXd& d) const = 0;
+
+  /// Factorises the undamped system and solves H X = B; B has a row for each unknown.
+  virtual SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) = 0;
+
+  /// What it is, for the summary.
+  virtual std::string description() const = 0;
+};
+
+}  // namespace slom

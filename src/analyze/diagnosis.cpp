@@ -1,0 +1,52 @@
+#include "slom/analyze/diagnosis.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace slom {
+
+namespace {
+
+int blockOf(const ProblemStructure& structure, int unknown) {
+  const auto& offset = structure.system.offset;
+  return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+}
+
+std::string unmeasured(const std::string& name) {
+  return "no measurement depends on variable " + name +
+         ", so nothing determines it; add measurements or fix it with optimizeRV(id, false)";
+}
+
+}  // namespace
+
+std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
+  const int block = blockOf(structure, unknown);
+  const int variable = structure.variable_of_block[static_cast<std::size_t>(block)];
+  const int component = unknown - structure.system.offset[static_cast<std::size_t>(block)];
+  return problem.componentNames(variable)[static_cast<std::size_t>(component)];
+}
+
+Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status) {
+  const int variable =
+      structure.variable_of_block[static_cast<std::size_t>(blockOf(structure, status.unknown))];
+  if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {
+    return {"slom.unmeasured-variable", unmeasured(problem.variableName(variable))};
+  }
+  return {"slom.rank-deficient",
+          "the measurements do not determine " + unknownName(problem, structure, status.unknown) +
+              ": it can move, alone or together with others, without changing any residual; add measurements or a "
+              "prior, fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many "
+              "solutions"};
+}
+
+std::vector<std::string> unmeasuredVariables(const Problem& problem) {
+  std::vector<std::string> result;
+  const auto& table = problem.variables();
+  for (std::size_t v = 0; v < table.size(); ++v) {
+    if (table[v].store == nullptr || !table[v].optimize || table[v].uses > 0) continue;
+    result.push_back(unmeasured(problem.variableName(static_cast<int>(v))));
+  }
+  return result;
+}
+
+}  // namespace slom

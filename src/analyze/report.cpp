@@ -1,0 +1,63 @@
+#include "slom/analyze/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+namespace slom {
+
+namespace {
+
+template <class... Args>
+std::string format(const char* pattern, Args... args) {
+  const int size = std::snprintf(nullptr, 0, pattern, args...);
+  std::string text(static_cast<std::size_t>(std::max(size, 0)) + 1, '\0');
+  std::snprintf(text.data(), text.size(), pattern, args...);
+  text.pop_back();
+  return text;
+}
+
+std::string groupTable(const Summary& summary) {
+  std::size_t width = 11;
+  for (const GroupSummary& group : summary.groups) width = std::max(width, group.name.size());
+  const int w = static_cast<int>(width);
+  std::string text = format("  %-*s %8s %10s %14s %14s\n", w, "measurement", "count", "residuals", "RSS before", "RSS after");
+  for (const GroupSummary& g : summary.groups) {
+    text += format("  %-*s %8d %10d %14.6g %14.6g\n", w, g.name.c_str(), g.measurements, g.residuals, g.initial_rss,
+                   g.final_rss);
+  }
+  return text + format("  %-*s %8s %10d %14.6g %14.6g\n", w, "all", "", summary.measurements, summary.initial_rss,
+                       summary.final_rss);
+}
+
+}  // namespace
+
+std::string report(const Summary& summary) {
+  std::string text = (summary.converged ? "Converged: " : "NOT converged: ") + summary.message + "\n";
+  text += format("  %d iterations of %s; %s\n", summary.iterations, summary.algorithm.c_str(), summary.solver.c_str());
+  text += format("  %d residuals - %d unknowns (%d variables) = redundancy %d\n", summary.measurements, summary.unknowns,
+                 summary.variables, summary.redundancy);
+  text += groupTable(summary);
+  if (summary.redundancy > 0) text += format("  chi-square / dof = %.6g\n", summary.chi2PerDof());
+  for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
+  return text;
+}
+
+std::ostream& operator<<(std::ostream& os, const Summary& summary) { return os << report(summary); }
+
+Observer progressTable(std::ostream& os) {
+  return [&os](const IterationRecord& line) {
+    if (line.iteration == 0) {
+      os << format("%4s %16s %11s %10s %10s %10s  %s\n", "iter", "RSS", "decrease", "gradient", "step", "damping",
+                   "algorithm");
+      os << format("%4d %16.9g %11s %10.2e\n", 0, line.rss, "", line.gradient);
+      return;
+    }
+    os << format("%4d %16.9g %11.2e %10.2e %10.2e %10.2e  %s", line.iteration, line.rss, line.relative_decrease,
+                 line.gradient, line.step, line.damping, line.algorithm.c_str())
+       << (line.trials > 1 ? format(", %d trials\n", line.trials) : "\n");
+  };
+}
+
+}  // namespace slom

@@ -1,0 +1,165 @@
+#include "slom/estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slom/analyze/covariance.hpp"
+#include "slom/analyze/diagnosis.hpp"
+#include "slom/optimize/optimizer.hpp"
+#include "slom/solve/sparse_cholesky.hpp"
+
+namespace slom {
+
+struct Estimator::State {
+  Problem problem;
+  Linearizer linearizer;
+  System system{problem, linearizer};
+  std::unique_ptr<LinearSolver> solver = std::make_unique<SparseCholesky>();
+  std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
+
+  State() { system.setSolver(*solver); }
+
+  std::string messageFor(const Summary& summary, const SolveStatus& status);
+  void fillGroups(Summary& summary, bool before);
+};
+
+Estimator::Estimator() : state_(std::make_unique<State>()) {}
+Estimator::~Estimator() = default;
+Estimator::Estimator(Estimator&&) noexcept = default;
+Estimator& Estimator::operator=(Estimator&&) noexcept = default;
+
+Problem& Estimator::problem() const { return state_->problem; }
+
+double Estimator::optimizeStep() {
+  StepOutcome outcome = state_->algorithm->step(state_->system, Options{});
+  switch (outcome.kind) {
+    case StepOutcome::Kind::singular:
+      throw singularError(problem(), state_->system.structure(), outcome.status);
+    case StepOutcome::Kind::not_finite:
+      throw Error("slom.not-finite", "the step of " + state_->algorithm->name() +
+                                         " led to values at which a residual is not finite, and was taken back; start "
+                                         "nearer to the solution, or use LevenbergMarquardt");
+    default:
+      break;
+  }
+  return outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0.0;
+}
+
+Summary Estimator::optimize(const Options& options) {
+  state_->algorithm->reset();
+  Summary before;
+  state_->fillGroups(before, true);
+  SolveStatus singular_at;
+  Summary summary = runAlgorithm(state_->system, *state_->algorithm, options, singular_at);
+  const ProblemStructure& structure = state_->system.structure();
+  summary.groups = std::move(before.groups);
+  state_->fillGroups(summary, false);
+  summary.solver = state_->solver->description();
+  summary.variables = structure.system.blockCount();
+  summary.measurements = structure.residuals;
+  summary.unknowns = structure.system.unknowns();
+  summary.redundancy = summary.measurements - summary.unknowns;
+  summary.message = state_->messageFor(summary, singular_at);
+  for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
+  return summary;
+}
+
+std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status) {
+  if (summary.stop_reason == StopReason::rank_deficient) {
+    return singularError(problem, system.structure(), status).what();
+  }
+  if (summary.stop_reason == StopReason::max_iterations) {
+    return "iteration limit of " + std::to_string(summary.iterations) + " reached";
+  }
+  return toString(summary.stop_reason);
+}
+
+void Estimator::State::fillGroups(Summary& summary, bool before) {
+  const std::vector<double> rss = linearizer.rssPerPool(problem);
+  summary.groups.resize(problem.pools().size());
+  for (std::size_t g = 0; g < summary.groups.size(); ++g) {
+    const MeasurementPool& pool = *problem.pools()[g];
+    GroupSummary& group = summary.groups[g];
+    if (!before) {
+      group.final_rss = rss[g];
+      continue;
+    }
+    group.name = pool.name();
+    group.measurements = pool.size();
+    for (int i = 0; i < pool.size(); ++i) group.residuals += pool.rows(i);
+    group.initial_rss = rss[g];
+  }
+}
+
+void Estimator::changeAlgorithm(Algorithm* algorithm) {
+  if (algorithm == nullptr) {
+    throw Error("slom.no-algorithm", "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
+                                     "DogLeg");
+  }
+  state_->algorithm.reset(algorithm);
+}
+
+void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
+  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a SparseCholesky or DenseQR");
+  state_->system.setSolver(*solver);
+  state_->solver = std::move(solver);
+}
+
+void Estimator::setThreads(int threads) {
+  if (threads < 0) {
+    throw Error("slom.bad-option", "the number of threads is " + std::to_string(threads) +
+                                       "; pass a positive number, or 0 for as many as the machine has");
+  }
+  state_->linearizer.setThreads(threads);
+}
+
+double Estimator::getRSS() const { return state_->linearizer.rss(problem()); }
+
+double Estimator::rssOfPool(const MeasurementPool* pool) const {
+  const std::vector<double> rss = state_->linearizer.rssPerPool(problem());
+  for (std::size_t g = 0; g < rss.size(); ++g) {
+    if (problem().pools()[g].get() == pool) return rss[g];
+  }
+  return 0;
+}
+
+double Estimator::rssOfVariable(int variable) const {
+  double sum = 0;
+  for (const auto& pool : problem().pools()) {
+    for (int i = 0; i < pool->size(); ++i) {
+      const int* first = pool->variables(i);
+      if (std::find(first, first + pool->arity(), variable) != first + pool->arity()) {
+        sum += residualOf(*pool, i, true).squaredNorm();
+      }
+    }
+  }
+  return sum;
+}
+
+double Estimator::getRMS() const {
+  const int residuals = getM();
+  return residuals > 0 ? std::sqrt(getRSS() / residuals) : 0;
+}
+
+int Estimator::getM() const { return state_->system.structure().residuals; }
+int Estimator::getN() const { return state_->system.structure().system.unknowns(); }
+
+Eigen::VectorXd Estimator::residualOf(MeasurementPool& pool, int i, bool whitened) const {
+  Eigen::VectorXd r(pool.rows(i));
+  if (whitened) {
+    pool.evaluate(i, i + 1, r.data());
+  } else {
+    pool.evaluateRaw(i, r.data());
+  }
+  return r;
+}
+
+Eigen::VectorXd Estimator::residuals() const { return state_->linearizer.residuals(problem()); }
+
+Eigen::MatrixXd Estimator::covarianceOf(int variable_a, int variable_b) const {
+  return covarianceBlock(state_->system, variable_a, variable_b);
+}
+
+std::vector<std::string> Estimator::warnings() const { return unmeasuredVariables(problem()); }
+
+}  // namespace slom

@@ -1,0 +1,139 @@
+#include "slom/linearize/linearize.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace slom {
+
+namespace {
+
+constexpr int kMeasurementsPerChunk = 64;
+constexpr int kChunksPerWave = 64;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double squaredNorm(const std::vector<double>& r) {
+  return Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())).squaredNorm();
+}
+
+}  // namespace
+
+std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, int per_chunk) const {
+  std::vector<Range> result;
+  for (int g = 0; g < static_cast<int>(problem.pools().size()); ++g) {
+    const int size = problem.pools()[at(g)]->size();
+    for (int first = 0; first < size; first += per_chunk) result.push_back({g, first, std::min(first + per_chunk, size)});
+  }
+  return result;
+}
+
+/// Runs f(0) ... f(count - 1), each once.
+template <class F>
+void Linearizer::forEachChunk(int count, const F& f) {
+  if (count <= 1 || threads_ == 1) {
+    for (int i = 0; i < count; ++i) f(i);
+    return;
+  }
+  tbb::task_arena arena(threads_ > 0 ? threads_ : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(0, count, f); });
+}
+
+void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
+  const MeasurementPool& pool = *problem.pools()[at(range.group)];
+  const auto& table = problem.variables();
+  chunk.group = range.group;
+  chunk.first = range.first;
+  chunk.last = range.last;
+  chunk.bad = -1;
+  chunk.rows.clear();
+  chunk.dof.clear();
+  std::size_t residuals = 0, entries = 0;
+  for (int i = range.first; i < range.last; ++i) {
+    chunk.rows.push_back(pool.rows(i));
+    residuals += at(pool.rows(i));
+    if (!with_jacobian) continue;
+    for (int k = 0; k < pool.arity(); ++k) chunk.dof.push_back(table[at(pool.variables(i)[k])].dof);
+    entries += at(pool.rows(i)) * at(pool.columns(i));
+  }
+  chunk.r.resize(residuals);
+  chunk.J.resize(entries);
+}
+
+std::vector<double> Linearizer::rssPerPool(Problem& problem) {
+  const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
+  std::vector<double> sums(all.size());
+  forEachChunk(static_cast<int>(all.size()), [&](int c) {
+    Chunk chunk;
+    prepare(problem, all[at(c)], false, chunk);
+    problem.pools()[at(chunk.group)]->evaluate(chunk.first, chunk.last, chunk.r.data());
+    sums[at(c)] = squaredNorm(chunk.r);
+  });
+  std::vector<double> result(problem.pools().size(), 0.0);
+  for (std::size_t c = 0; c < all.size(); ++c) result[at(all[c].group)] += sums[c];
+  return result;
+}
+
+double Linearizer::rss(Problem& problem) {
+  double sum = 0;
+  for (const double part : rssPerPool(problem)) sum += part;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::quiet_NaN();
+}
+
+Eigen::VectorXd Linearizer::residuals(Problem& problem) {
+  std::vector<double> all;
+  for (auto& pool : problem.pools()) {
+    std::vector<double> r;
+    std::size_t length = 0;
+    for (int i = 0; i < pool->size(); ++i) length += at(pool->rows(i));
+    r.resize(length);
+    pool->evaluate(0, pool->size(), r.data());
+    all.insert(all.end(), r.begin(), r.end());
+  }
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
+  const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
+  std::vector<double> rss_of_pool(problem.pools().size(), 0.0);
+  chunks_.resize(std::min<std::size_t>(all.size(), kChunksPerWave));
+  sink.beginLinearization();
+  for (std::size_t wave = 0; wave < all.size(); wave += kChunksPerWave) {
+    const int count = static_cast<int>(std::min<std::size_t>(kChunksPerWave, all.size() - wave));
+    forEachChunk(count, [&](int c) {
+      Chunk& chunk = chunks_[at(c)];
+      prepare(problem, all[wave + at(c)], true, chunk);
+      chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+    });
+    for (int c = 0; c < count; ++c) {
+      const Chunk& chunk = chunks_[at(c)];
+      if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
+      rss_of_pool[at(chunk.group)] += squaredNorm(chunk.r);
+      sink.add({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(), chunk.r.data(),
+                chunk.J.data()});
+    }
+  }
+  sink.endLinearization();
+  double sum = 0;
+  for (const double part : rss_of_pool) sum += part;
+  return sum;
+}
+
+void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {
+  MeasurementPool& pool = *problem.pools()[at(group)];
+  std::vector<double> r(at(pool.rows(measurement)));
+  const bool residual_is_bad = pool.evaluate(measurement, measurement + 1, r.data()) >= 0;
+  std::string text = std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
+                     pool.measurementName(measurement) + " is not finite at ";
+  for (int k = 0; k < pool.arity(); ++k) {
+    const int variable = pool.variables(measurement)[k];
+    text += (k > 0 ? ", " : "") + problem.variableName(variable) + " = (" + problem.variableValue(variable) + ")";
+  }
+  throw Error("slom.not-finite", text + "; check its data, the function where it divides, takes roots or logarithms or "
+                                        "leaves an entry of its result unset, and the start values");
+}
+
+}  // namespace slom

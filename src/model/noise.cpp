@@ -1,0 +1,216 @@
+#include "slom/model/noise.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "mtk/error.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using detail::NoiseComplaint;
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", x);
+  return text;
+}
+
+const char* nameOf(NoiseForm form) {
+  switch (form) {
+    case NoiseForm::covariance: return "covariance";
+    case NoiseForm::standard_deviation: return "standard deviation";
+    case NoiseForm::inv_covariance: return "inverse covariance";
+    case NoiseForm::inv_standard_deviation: return "inverse standard deviation";
+  }
+  return "noise";
+}
+
+bool isDeviation(NoiseForm form) {
+  return form == NoiseForm::standard_deviation || form == NoiseForm::inv_standard_deviation;
+}
+
+/// The factor by which a component is multiplied to whiten it.
+double whiteningFactor(NoiseForm form, double x) {
+  switch (form) {
+    case NoiseForm::covariance: return 1 / std::sqrt(x);
+    case NoiseForm::standard_deviation: return 1 / x;
+    case NoiseForm::inv_covariance: return std::sqrt(x);
+    case NoiseForm::inv_standard_deviation: return x;
+  }
+  return 1;
+}
+
+std::string entryText(int row, int col, double value) {
+  return "(" + std::to_string(row) + ", " + std::to_string(col) + ") = " + number(value);
+}
+
+bool checkSize(const NoiseView& noise, int dim, NoiseComplaint& complaint) {
+  const bool is_matrix = noise.shape == NoiseView::Shape::matrix;
+  if (noise.rows == dim && (!is_matrix || noise.cols == dim)) return true;
+  const std::string n = std::to_string(dim);
+  complaint.id = "slom.noise-size";
+  complaint.value = is_matrix ? "is " + std::to_string(noise.rows) + " x " + std::to_string(noise.cols)
+                              : "has " + std::to_string(noise.rows) + " entries";
+  complaint.value += " but the residual has " + n;
+  complaint.remedy = "pass a number, a vector of " + n + ", or a " + n + " x " + n + " matrix";
+  return false;
+}
+
+/// W from the scalar or the diagonal entries.
+bool fromPositiveNumbers(const NoiseView& noise, std::vector<double>& store, NoiseComplaint& complaint) {
+  for (int i = 0; i < noise.rows; ++i) {
+    const double x = noise.entries[i];
+    const double factor = whiteningFactor(noise.form, x);
+    if (x > 0 && std::isfinite(x) && std::isfinite(factor) && factor > 0) continue;
+    complaint.id = "slom.not-positive-definite";
+    complaint.value = noise.shape == NoiseView::Shape::scalar
+                          ? "is " + number(x)
+                          : "has entry " + std::to_string(i) + " = " + number(x);
+    complaint.remedy = "pass positive finite numbers";
+    return false;
+  }
+  for (int i = 0; i < noise.rows; ++i) store.push_back(whiteningFactor(noise.form, noise.entries[i]));
+  return true;
+}
+
+bool checkFinite(const MatrixXd& m, NoiseComplaint& complaint) {
+  for (int j = 0; j < m.cols(); ++j) {
+    for (int i = 0; i < m.rows(); ++i) {
+      if (std::isfinite(m(i, j))) continue;
+      complaint = {"slom.not-positive-definite", "", "has entry " + entryText(i, j, m(i, j)), "pass finite numbers"};
+      return false;
+    }
+  }
+  return true;
+}
+
+bool checkSymmetric(const MatrixXd& m, NoiseComplaint& complaint) {
+  const double tolerance = 1e-9 * m.cwiseAbs().maxCoeff();
+  for (int j = 0; j < m.cols(); ++j) {
+    for (int i = j + 1; i < m.rows(); ++i) {
+      if (std::abs(m(i, j) - m(j, i)) <= tolerance) continue;
+      complaint = {"slom.not-symmetric", "",
+                   "has entries " + entryText(j, i, m(j, i)) + " and " + entryText(i, j, m(i, j)),
+                   "pass a symmetric positive definite matrix"};
+      return false;
+    }
+  }
+  return true;
+}
+
+bool checkLowerTriangular(const MatrixXd& m, NoiseComplaint& complaint) {
+  for (int j = 0; j < m.cols(); ++j) {
+    for (int i = 0; i < j; ++i) {
+      if (m(i, j) == 0) continue;
+      complaint = {"slom.not-lower-triangular", "", "has entry " + entryText(i, j, m(i, j)) + " above the diagonal",
+                   "pass the lower triangular Cholesky factor L of the covariance L L^T (or its inverse), or the "
+                   "covariance itself"};
+      return false;
+    }
+    if (!(m(j, j) > 0)) {
+      complaint = {"slom.not-positive-definite", "", "has diagonal entry " + entryText(j, j, m(j, j)),
+                   "pass a lower triangular matrix with a positive diagonal"};
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Lower Cholesky factor of a symmetric matrix, computed at unit diagonal so that units do not matter.
+bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
+  const VectorXd diagonal = m.diagonal();
+  if ((diagonal.array() > 0).all()) {
+    const VectorXd scale = diagonal.cwiseSqrt();
+    const VectorXd inverse_scale = scale.cwiseInverse();
+    const MatrixXd unit = inverse_scale.asDiagonal() * m * inverse_scale.asDiagonal();
+    const Eigen::LLT<MatrixXd> llt(unit.selfadjointView<Eigen::Lower>());
+    if (llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 1e-8) {
+      L = scale.asDiagonal() * MatrixXd(llt.matrixL());
+      return true;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(m, Eigen::EigenvaluesOnly);
+  complaint = {"slom.not-positive-definite", "", "has eigenvalue " + number(eigen.eigenvalues().minCoeff()),
+               "pass a symmetric positive definite matrix, or a standard deviation"};
+  return false;
+}
+
+bool fromMatrix(const NoiseView& noise, int dim, std::vector<double>& store, NoiseComplaint& complaint) {
+  const MatrixXd m = Eigen::Map<const MatrixXd>(noise.entries, dim, dim);
+  if (!checkFinite(m, complaint)) return false;
+  MatrixXd W;
+  if (isDeviation(noise.form)) {
+    if (!checkLowerTriangular(m, complaint)) return false;
+    W = m;
+  } else if (!checkSymmetric(m, complaint) || !factorize(m, W, complaint)) {
+    return false;
+  }
+  // Sigma = L L^T: W = L^-1, so that W^T W = L^-T L^-1 = Sigma^-1.  Sigma^-1 = L L^T: W = L^T.
+  if (noise.form == NoiseForm::covariance || noise.form == NoiseForm::standard_deviation) {
+    W = W.triangularView<Eigen::Lower>().solve(MatrixXd::Identity(dim, dim)).eval();
+  } else if (noise.form == NoiseForm::inv_covariance) {
+    W = W.transpose().eval();
+  }
+  if (!checkFinite(W, complaint)) return false;
+  store.insert(store.end(), W.data(), W.data() + W.size());
+  return true;
+}
+
+}  // namespace
+
+bool detail::appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, WhiteningKind& kind,
+                             NoiseComplaint& complaint) {
+  bool good = true;
+  switch (noise.shape) {
+    case NoiseView::Shape::unit:
+      kind = WhiteningKind::unit;
+      break;
+    case NoiseView::Shape::scalar:
+      kind = WhiteningKind::scalar;
+      good = fromPositiveNumbers(noise, store, complaint);
+      break;
+    case NoiseView::Shape::vector:
+      kind = WhiteningKind::diagonal;
+      good = checkSize(noise, dim, complaint) && fromPositiveNumbers(noise, store, complaint);
+      break;
+    case NoiseView::Shape::matrix:
+      kind = WhiteningKind::full;
+      good = checkSize(noise, dim, complaint) && fromMatrix(noise, dim, store, complaint);
+      break;
+  }
+  if (!good) complaint.name = nameOf(noise.form);
+  return good;
+}
+
+void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject) {
+  throw mtk::Error(complaint.id, complaint.name + " of " + subject + " " + complaint.value + "; " + complaint.remedy);
+}
+
+void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
+  using Eigen::Map;
+  Map<MatrixXd> matrix(m, dim, cols);
+  switch (kind) {
+    case WhiteningKind::unit:
+      break;
+    case WhiteningKind::scalar:
+      matrix *= W[0];
+      break;
+    case WhiteningKind::diagonal:
+      matrix = Map<const VectorXd>(W, dim).asDiagonal() * matrix;
+      break;
+    case WhiteningKind::full:
+      for (int j = 0; j < cols; ++j) {
+        matrix.col(j) = Map<const MatrixXd>(W, dim, dim).lazyProduct(matrix.col(j)).eval();
+      }
+      break;
+  }
+}
+
+}  // namespace slom

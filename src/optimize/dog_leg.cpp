@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "mtk/error.hpp"
+#include "slom/optimize/algorithm.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::VectorXd;
+
+/// The point of the dog leg from 0 over `cauchy` to `newton` at distance `radius` (all in scaled unknowns).
+VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radius) {
+  if (newton.norm() <= radius) return newton;
+  if (cauchy.norm() >= radius) return cauchy * (radius / cauchy.norm());
+  // |cauchy + beta (newton - cauchy)| = radius, written so that nothing cancels.
+  const VectorXd leg = newton - cauchy;
+  const double c = cauchy.dot(leg), a = leg.squaredNorm();
+  const double gap = radius * radius - cauchy.squaredNorm();
+  const double root = std::sqrt(c * c + a * gap);
+  const double beta = c <= 0 ? (root - c) / a : gap / (c + root);
+  return cauchy + beta * leg;
+}
+
+}  // namespace
+
+DogLeg::DogLeg(double initial_radius) : initial_radius_(initial_radius), radius_(initial_radius) {
+  if (initial_radius >= 0 && std::isfinite(initial_radius)) return;
+  throw mtk::Error("slom.bad-option",
+                   "the initial radius of DogLeg is " + std::to_string(initial_radius) +
+                       "; pass a positive number, or 0 for the length of the first Gauss-Newton step");
+}
+
+StepOutcome DogLeg::step(System& system, const Options& options) {
+  StepOutcome outcome;
+  outcome.rss_before = outcome.rss_after = system.linearize();
+  const VectorXd scale = system.solver().diagonal().cwiseSqrt();
+  VectorXd newton;
+  outcome.status = system.solver().solve({}, newton);
+  if (!outcome.status.ok) {
+    outcome.kind = StepOutcome::Kind::singular;
+    outcome.trials = 1;
+    return outcome;
+  }
+  newton = newton.cwiseProduct(scale);
+  const VectorXd gradient = system.solver().gradient().cwiseQuotient(scale);
+  const double curvature = system.solver().squaredImage(gradient.cwiseQuotient(scale));
+  const VectorXd cauchy = curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
+  if (!(radius_ > 0)) radius_ = newton.norm();
+
+  for (outcome.trials = 1;; ++outcome.trials) {
+    outcome.damping = radius_;
+    const VectorXd scaled = dogLegPoint(cauchy, newton, radius_);
+    outcome.step = scaled.cwiseQuotient(scale);
+    outcome.predicted_decrease = system.predictedDecrease(outcome.step);
+    const double rss = system.tryStep(outcome.step);
+    const bool finite = std::isfinite(rss);
+    const double rho = finite ? (outcome.rss_before - rss) / outcome.predicted_decrease : -1;
+    if (rho > 0.75) {
+      radius_ = std::max(radius_, 3 * scaled.norm());
+    } else if (!(rho >= 0.25)) {
+      radius_ = std::min(radius_, scaled.norm()) / 2;
+    }
+    if (finite && rss < outcome.rss_before) {
+      outcome.rss_after = rss;
+      return outcome;
+    }
+    system.undo();
+    const bool at_rest = finite && outcome.predicted_decrease <= options.decrease_tolerance * outcome.rss_before;
+    if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
+      outcome.kind = finite ? StepOutcome::Kind::stuck : StepOutcome::Kind::not_finite;
+      return outcome;
+    }
+  }
+}
+
+}  // namespace slom

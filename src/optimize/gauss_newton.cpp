@@ -1,0 +1,27 @@
+#include <cmath>
+
+#include "slom/optimize/algorithm.hpp"
+
+namespace slom {
+
+StepOutcome GaussNewton::step(System& system, const Options&) {
+  StepOutcome outcome;
+  outcome.rss_before = outcome.rss_after = system.linearize();
+  outcome.trials = 1;
+  outcome.status = system.solver().solve({}, outcome.step);
+  if (!outcome.status.ok) {
+    outcome.kind = StepOutcome::Kind::singular;
+    return outcome;
+  }
+  outcome.predicted_decrease = system.predictedDecrease(outcome.step);
+  const double rss = system.tryStep(outcome.step);
+  if (!std::isfinite(rss)) {
+    system.undo();
+    outcome.kind = StepOutcome::Kind::not_finite;
+    return outcome;
+  }
+  outcome.rss_after = rss;
+  return outcome;
+}
+
+}  // namespace slom

@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "mtk/error.hpp"
+#include "slom/optimize/algorithm.hpp"
+
+namespace slom {
+
+namespace {
+constexpr double kLargestDamping = 1e32;
+
+/// Diagonal of J^T J; an unknown that no measurement sees gets 1, so that the damping holds it where it is.
+Eigen::VectorXd scaling(const Eigen::VectorXd& diagonal) {
+  return diagonal.unaryExpr([](double h) { return h > 0 ? h : 1.0; });
+}
+}  // namespace
+
+LevenbergMarquardt::LevenbergMarquardt(double initial_damping) : initial_damping_(initial_damping), mu_(initial_damping) {
+  if (initial_damping > 0 && std::isfinite(initial_damping)) return;
+  throw mtk::Error("slom.bad-option", "the initial damping of LevenbergMarquardt is " +
+                                          std::to_string(initial_damping) + "; pass a positive number");
+}
+
+void LevenbergMarquardt::reset() {
+  mu_ = initial_damping_;
+  nu_ = 2;
+}
+
+StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
+  StepOutcome outcome;
+  outcome.rss_before = outcome.rss_after = system.linearize();
+  const Eigen::VectorXd D = scaling(system.solver().diagonal());
+  bool was_finite = true;
+  for (outcome.trials = 1;; ++outcome.trials) {
+    outcome.damping = mu_;
+    outcome.status = system.solver().solve(mu_ * D, outcome.step);
+    if (outcome.status.ok) {
+      outcome.predicted_decrease = system.predictedDecrease(outcome.step);
+      const double rss = system.tryStep(outcome.step);
+      const double decrease = outcome.rss_before - rss;
+      was_finite = std::isfinite(rss);
+      if (was_finite && decrease > 0 && outcome.predicted_decrease > 0) {
+        const double rho = decrease / outcome.predicted_decrease;
+        mu_ *= std::max(1.0 / 3, 1 - std::pow(2 * rho - 1, 3));
+        nu_ = 2;
+        outcome.rss_after = rss;
+        return outcome;
+      }
+      system.undo();
+      const bool at_rest = was_finite && outcome.predicted_decrease <= options.decrease_tolerance * outcome.rss_before;
+      if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
+        outcome.kind = StepOutcome::Kind::stuck;
+        return outcome;
+      }
+    }
+    mu_ *= nu_;
+    nu_ *= 2;
+    if (mu_ > kLargestDamping) {
+      reset();
+      outcome.kind = !outcome.status.ok ? StepOutcome::Kind::singular
+                     : was_finite       ? StepOutcome::Kind::stuck
+                                        : StepOutcome::Kind::not_finite;
+      return outcome;
+    }
+  }
+}
+
+}  // namespace slom

@@ -1,0 +1,83 @@
+#include "slom/optimize/system.hpp"
+
+#include <cmath>
+
+namespace slom {
+
+void System::setSolver(LinearSolver& solver) {
+  solver_ = &solver;
+  analyzed_at_ = linearized_at_ = ~std::uint64_t{0};
+}
+
+const ProblemStructure& System::structure() {
+  if (structured_at_ != problem_.structureRevision()) {
+    structure_ = makeStructure(problem_);
+    structured_at_ = problem_.structureRevision();
+    linearized_at_ = ~std::uint64_t{0};
+  }
+  return structure_;
+}
+
+double System::linearize() {
+  structure();
+  if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
+  if (analyzed_at_ != structured_at_) {
+    solver_->analyze(structure_.system);
+    analyzed_at_ = structured_at_;
+  }
+  linearized_at_ = ~std::uint64_t{0};
+  rss_ = linearizer_.linearize(problem_, *solver_);
+  linearized_at_ = problem_.valueRevision();
+  return rss_;
+}
+
+double System::tryStep(const Eigen::VectorXd& d) {
+  problem_.save();
+  problem_.applyStep(structure_.offset_of_variable, d.data());
+  try {
+    return linearizer_.rss(problem_);
+  } catch (...) {
+    undo();
+    throw;
+  }
+}
+
+void System::undo() {
+  problem_.restore();
+  linearized_at_ = problem_.valueRevision();
+}
+
+double System::gradientCosine() const {
+  double largest = 0;
+  const double r = std::sqrt(rss_);
+  for (Eigen::Index i = 0; i < solver_->gradient().size(); ++i) {
+    const double column = std::sqrt(solver_->diagonal()[i]);
+    if (column > 0 && r > 0) largest = std::max(largest, std::abs(solver_->gradient()[i]) / column / r);
+  }
+  return largest;
+}
+
+double System::stepInDeviations(const Eigen::VectorXd& d) const {
+  return d.size() == 0 ? 0 : d.cwiseAbs().cwiseProduct(solver_->diagonal().cwiseSqrt()).maxCoeff();
+}
+
+bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
+  Eigen::VectorXd magnitude(d.size());
+  const auto& table = problem_.variables();
+  for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
+    const VariableRecord& record = table[static_cast<std::size_t>(structure_.variable_of_block[b])];
+    record.store->magnitudes(record.slot, magnitude.data() + structure_.system.offset[b]);
+  }
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    const double column = std::sqrt(solver_->diagonal()[i]);
+    const double limit = tolerance * (magnitude[i] + (column > 0 ? 1 / column : 0));
+    if (!(std::abs(d[i]) <= limit)) return false;
+  }
+  return true;
+}
+
+double System::predictedDecrease(const Eigen::VectorXd& d) const {
+  return -(2 * solver_->gradient().dot(d) + solver_->squaredImage(d));
+}
+
+}  // namespace slom

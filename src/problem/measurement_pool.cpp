@@ -1,0 +1,118 @@
+#include "slom/problem/measurement_pool.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace slom {
+
+void detail::raiseWrongLength(const std::string& subject, Eigen::Index expected, Eigen::Index got) {
+  throw Error("slom.residual-length",
+              (subject.empty() ? std::string("a measurement") : "measurement " + subject) + " returned a residual of length " +
+                  std::to_string(got) + " but had length " + std::to_string(expected) +
+                  " when it was inserted; return the same length for all values of the variables");
+}
+
+int MeasurementPool::columns(int i) const {
+  int sum = 0;
+  const int* variable = variables(i);
+  for (int k = 0; k < arity_; ++k) sum += table_[at(variable[k])].dof;
+  return sum;
+}
+
+int MeasurementPool::indexOf(SlotRef ref) const {
+  if (ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && index_of_slot_[ref.slot] >= 0) {
+    return index_of_slot_[ref.slot];
+  }
+  throw Error("slom.stale-handle", "the MeasID<" + name_ +
+                                       "> refers to a measurement that has been removed; keep the MeasID that "
+                                       "insertMeasurement returned last");
+}
+
+void MeasurementPool::reserveOne() {
+  const auto grow = [](auto& v, std::size_t more) {
+    if (v.size() + more > v.capacity()) v.reserve(std::max(2 * v.capacity(), v.size() + more));
+  };
+  grow(variables_, at(arity_));
+  grow(noise_kind_, 1);
+  grow(noise_at_, 1);
+  grow(serial_, 1);
+  grow(slot_, 1);
+  grow(index_of_slot_, 1);
+  grow(generation_, 1);
+  grow(free_slots_, index_of_slot_.size() + 1 - free_slots_.size());  // so that remove() cannot fail
+}
+
+std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind) {
+  const std::size_t start = noise_.size();
+  kind = appendWhitening(noise, rows, noise_, [&] { return "measurement " + nextName(); });
+  const std::size_t size = noise_.size() - start;
+  // Most measurements of a kind are equally uncertain: share the numbers with the one before.
+  if (size > 0 && !noise_kind_.empty() && noise_kind_.back() == kind) {
+    const std::size_t last = noise_at_.back();
+    if (last + size <= start && std::equal(noise_.begin() + static_cast<std::ptrdiff_t>(start), noise_.end(),
+                                           noise_.begin() + static_cast<std::ptrdiff_t>(last))) {
+      noise_.resize(start);
+      return last;
+    }
+  }
+  return start;
+}
+
+SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at) {
+  const int index = size();
+  variables_.insert(variables_.end(), variables, variables + arity_);
+  noise_kind_.push_back(kind);
+  noise_at_.push_back(noise_at);
+  serial_.push_back(++inserted_);
+  std::uint32_t slot = static_cast<std::uint32_t>(index_of_slot_.size());
+  if (free_slots_.empty()) {
+    index_of_slot_.push_back(index);
+    generation_.push_back(0);
+  } else {
+    slot = free_slots_.back();
+    free_slots_.pop_back();
+    index_of_slot_[slot] = index;
+  }
+  slot_.push_back(slot);
+  return {slot, generation_[slot]};
+}
+
+void MeasurementPool::remove(int i) {
+  const std::size_t hole = at(i), last = slot_.size() - 1;
+  moveLastTo(i);
+  free_slots_.push_back(slot_[hole]);
+  ++generation_[slot_[hole]];
+  index_of_slot_[slot_[hole]] = -1;
+  if (hole != last) {
+    std::copy_n(variables_.begin() + static_cast<std::ptrdiff_t>(last * at(arity_)), arity_,
+                variables_.begin() + static_cast<std::ptrdiff_t>(hole * at(arity_)));
+    noise_kind_[hole] = noise_kind_[last];
+    noise_at_[hole] = noise_at_[last];
+    serial_[hole] = serial_[last];
+    slot_[hole] = slot_[last];
+    index_of_slot_[slot_[hole]] = i;
+  }
+  variables_.resize(last * at(arity_));
+  noise_kind_.pop_back();
+  noise_at_.pop_back();
+  serial_.pop_back();
+  slot_.pop_back();
+  if (++removed_since_compaction_ > size() + 64) compactNoise();
+}
+
+void MeasurementPool::compactNoise() {
+  std::vector<double> compact;
+  std::map<std::size_t, std::size_t> moved;  // where W lay, where it lies now
+  for (int i = 0; i < size(); ++i) {
+    const auto [place, is_new] = moved.try_emplace(noise_at_[at(i)], compact.size());
+    if (is_new) {
+      const auto from = noise_.begin() + static_cast<std::ptrdiff_t>(noise_at_[at(i)]);
+      compact.insert(compact.end(), from, from + whiteningSize(noise_kind_[at(i)], rows(i)));
+    }
+    noise_at_[at(i)] = place->second;
+  }
+  noise_ = std::move(compact);
+  removed_since_compaction_ = 0;
+}
+
+}  // namespace slom

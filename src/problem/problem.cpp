@@ -1,0 +1,136 @@
+#include "slom/problem/problem.hpp"
+
+#include <algorithm>
+
+namespace slom {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+int Problem::reserveVariable() {
+  if (!free_.empty()) return free_.back();
+  if (table_.size() == table_.capacity()) table_.reserve(std::max<std::size_t>(64, 2 * table_.size()));
+  if (free_.capacity() < table_.capacity()) free_.reserve(table_.capacity());
+  return static_cast<int>(table_.size());
+}
+
+void Problem::bookVariable(int index, VariableRecord record) {
+  record.serial = ++inserted_;
+  if (at(index) == table_.size()) {
+    table_.push_back(std::move(record));
+  } else {
+    free_.pop_back();
+    table_[at(index)] = std::move(record);
+  }
+  ++structure_revision_;
+  ++value_revision_;
+}
+
+int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
+  for (const auto& [key, own] : store_of_type_) {
+    if (own.get() != store) continue;
+    if (own->isCurrent(ref)) return own->variable(ref.slot);
+    throw Error("slom.stale-handle", "the VarID<" + type() + "> refers to a variable that has been removed; keep the "
+                                     "VarID that insertRV returned last");
+  }
+  if (store == nullptr) {
+    throw Error("slom.stale-handle",
+                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
+  }
+  throw Error("slom.foreign-handle", "the VarID<" + type() + "> belongs to another estimator; use it only with the "
+                                     "estimator whose insertRV returned it");
+}
+
+void Problem::checkNewDof(int variable, int dof) const {
+  const VariableRecord& record = table_[at(variable)];
+  if (record.dof == dof) return;
+  throw Error("slom.size-change", "variable " + variableName(variable) + " has " + std::to_string(record.dof) +
+                                      " degrees of freedom, the new value has " + std::to_string(dof) +
+                                      "; insert a new variable instead");
+}
+
+void Problem::setOptimized(int variable, bool optimize) {
+  if (table_[at(variable)].optimize == optimize) return;
+  table_[at(variable)].optimize = optimize;
+  ++structure_revision_;
+}
+
+void Problem::removeVariable(int variable) {
+  VariableRecord& record = table_[at(variable)];
+  if (record.uses > 0) {
+    throw Error("slom.variable-in-use", "variable " + variableName(variable) + " cannot be removed: " +
+                                            std::to_string(record.uses) +
+                                            (record.uses == 1 ? " measurement depends" : " measurements depend") +
+                                            " on it; remove " + (record.uses == 1 ? "it" : "them") + " first");
+  }
+  record.store->release(record.slot);
+  record = VariableRecord{};
+  free_.push_back(variable);
+  ++structure_revision_;
+}
+
+std::string Problem::variableName(int variable) const {
+  const VariableRecord& record = table_[at(variable)];
+  if (!record.name.empty()) return record.name;
+  return record.store->typeName() + " #" + std::to_string(record.serial);
+}
+
+std::string Problem::variableValue(int variable) const {
+  const VariableRecord& record = table_[at(variable)];
+  return record.store->valueText(record.slot);
+}
+
+std::vector<std::string> Problem::componentNames(int variable) const {
+  const VariableRecord& record = table_[at(variable)];
+  return record.store->componentNames(record.slot, variableName(variable));
+}
+
+void Problem::bookMeasurement(const int* variables, int arity) {
+  for (int k = 0; k < arity; ++k) ++table_[at(variables[k])].uses;
+  ++structure_revision_;
+}
+
+std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {
+  for (const auto& own : pools_) {
+    if (own.get() == pool) return {own.get(), own->indexOf(ref)};
+  }
+  if (pool == nullptr) {
+    throw Error("slom.stale-handle", "the MeasID refers to no measurement; assign it the result of insertMeasurement");
+  }
+  throw Error("slom.foreign-handle", "the MeasID belongs to another estimator; use it only with the estimator whose "
+                                     "insertMeasurement returned it");
+}
+
+void Problem::removeMeasurement(MeasurementPool& pool, int i) {
+  for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
+  pool.remove(i);
+  ++structure_revision_;
+}
+
+std::string Problem::nameForPool(std::string type) const {
+  if (type.rfind("CallableMeasurement", 0) == 0) type = "function";
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == name; });
+  };
+  if (!taken(type)) return type;
+  int number = 2;
+  while (taken(type + "-" + std::to_string(number))) ++number;
+  return type + "-" + std::to_string(number);
+}
+
+void Problem::save() {
+  for (auto& [type, store] : store_of_type_) store->save();
+}
+
+void Problem::restore() {
+  for (auto& [type, store] : store_of_type_) store->restore();
+  ++value_revision_;
+}
+
+void Problem::applyStep(const std::vector<int>& offset_of_variable, const double* step) {
+  for (auto& [type, store] : store_of_type_) store->applyStep(offset_of_variable, step);
+  ++value_revision_;
+}
+
+}  // namespace slom
