@@ -34,7 +34,7 @@ template <class T>
 auto plainValue(const T& x) {
   if constexpr (requires { typename T::PlainObject; }) {
     // Types derived from Eigen's vectors stay what they are, expressions become what they evaluate to.
-    if constexpr (std::is_base_of_v<Eigen::PlainObjectBase<typename T::PlainObject>, T>) {
+    if constexpr (requires { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); }) {
       return x;
     } else {
       return typename T::PlainObject(x);

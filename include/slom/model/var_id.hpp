@@ -68,7 +68,14 @@ class VarArg {
   const VariableStoreBase* store() const { return store_; }
   SlotRef slotRef() const { return ref_; }
   const T* pointer() const { return value_; }
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdangling-pointer"  // detail::Redirected puts the old pointer back
+#endif
   void setPointer(const T* value) { value_ = value; }
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
+#pragma GCC diagnostic pop
+#endif
 
  private:
   const T* value_;
