@@ -106,9 +106,9 @@ Fixed parseFixed(const std::vector<std::string>& texts) {
 }
 
 Model parseModel(const std::string& text) {
-  if (text == "opencv5") return Model::opencv5;
-  if (text == "opencv4") return Model::opencv4;
-  if (text == "radial1") return Model::radial1;
+  for (const Model model : {Model::opencv5, Model::opencv4, Model::radial1}) {
+    if (text == toString(model)) return model;
+  }
   throw UserError(fmt::format("--intrinsics {}: the models are opencv5, opencv4 and radial1", text));
 }
 
@@ -137,6 +137,18 @@ void checkPaths(const Settings& settings) {
 }
 
 }  // namespace
+
+const char* toString(Model model) {
+  switch (model) {
+    case Model::opencv5:
+      return "opencv5";
+    case Model::opencv4:
+      return "opencv4";
+    case Model::radial1:
+      return "radial1";
+  }
+  return "";
+}
 
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;

@@ -10,6 +10,7 @@
 namespace slom::app::calib {
 
 enum class Model { opencv5, opencv4, radial1 };
+const char* toString(Model model);
 
 /// `NAME=FILE` of --camera.
 struct CameraFile {

@@ -1,0 +1,121 @@
+// One camera without the others: intrinsics and the pose of each of its views.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <slom/slom.hpp>
+
+#include "calibrate/fit/measurements.hpp"
+#include "calibrate/result.hpp"
+#include "calibrate/start/intrinsics.hpp"
+#include "calibrate/start/rig.hpp"
+#include "calibrate/start/view_pose.hpp"
+
+namespace slom::app::calib {
+
+template <class Camera>
+struct FitAlone {
+  Camera camera;
+  ViewPoses world2camera;
+  bool converged = false;  ///< otherwise camera and poses are start values
+  int iterations = 0;
+  double rms_px = unknown;
+  std::string start;  ///< how the intrinsics were found, in a few words
+};
+
+/// Sum of squared distances between corners and pixels [px^2]; infinite when a corner lies behind the camera.
+template <class Camera>
+double squaredPixelError(const Camera& camera, const SE3& world2camera, const View& view) {
+  double sum = 0;
+  for (const Corner& corner : view.corners) {
+    const vec3 point = world2camera * corner.world;
+    if (!(point.z() > 0)) return std::numeric_limits<double>::infinity();
+    sum += (camera.project(point) - corner.pixel).squaredNorm();
+  }
+  return sum;
+}
+
+/// The pose of one view for a known camera, from a start; the start itself when the fit fails.
+template <class Camera>
+SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& view) {
+  Estimator est;
+  est.changeAlgorithm(LevenbergMarquardt());
+  const auto camera = est.insertRV(known_camera, false, "camera");
+  const auto pose = est.insertRV(world2camera.inverse(), true, "camera2world");
+  for (const Corner& corner : view.corners) {
+    est.insertMeasurement(corner_in_left, camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
+  }
+  try {
+    est.optimize();
+  } catch (const slom::Error&) {  // a corner on the camera's plane: the start is better
+    return world2camera;
+  }
+  const SE3 fitted = pose->inverse();
+  return squaredPixelError(known_camera, fitted, view) < squaredPixelError(known_camera, world2camera, view)
+             ? fitted
+             : world2camera;
+}
+
+/// A small board seen from afar looks nearly the same when it is tilted the other way: fits both and keeps the better.
+template <class Camera>
+SE3 fitPoseOfEitherTilt(const Camera& camera, const SE3& world2camera, const View& view) {
+  const SE3 one = fitPose(camera, world2camera, view);
+  const SE3 other = fitPose(camera, tiltedOtherWay(PlaneView(view), one), view);
+  return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
+}
+
+/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is no better.
+template <class Camera>
+void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, int max_iterations) {
+  Estimator est;
+  est.changeAlgorithm(LevenbergMarquardt());
+  const auto camera = est.insertRV(fit.camera, true, data.name);
+  std::map<int, VarID<SE3>> poses;
+  for (const View& view : data.views) {
+    const auto pose = est.insertRV(fit.world2camera.at(view.image).inverse(), true,
+                                   data.name + "2world[" + std::to_string(view.image) + "]");
+    poses.emplace(view.image, pose);
+    for (const Corner& corner : view.corners) {
+      est.insertMeasurement(corner_in_left, camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
+    }
+  }
+  Options options;
+  options.max_iterations = max_iterations;
+  const Summary summary = est.optimize(options);
+  fit.iterations += summary.iterations;
+  ViewPoses world2camera;
+  double error = 0;
+  for (const View& view : data.views) {
+    world2camera[view.image] = poses.at(view.image)->inverse();
+    error += squaredPixelError(*camera, world2camera[view.image], view);
+  }
+  if (!std::isfinite(error)) return;  // ended with boards behind the camera
+  fit.converged = summary.converged;
+  fit.camera = *camera;
+  fit.world2camera = world2camera;
+  fit.rms_px = std::sqrt(error / double(data.cornerCount()));
+}
+
+/// From nothing: start values, better poses, then all together. A fit that fails leaves the start values.
+template <class Camera>
+FitAlone<Camera> fitAlone(const CameraData& data, int max_iterations) {
+  const std::vector<PlaneView> planes = planeViews(data);
+  const IntrinsicsStart start = startIntrinsics(planes);
+  FitAlone<Camera> fit;
+  fit.camera = Camera::fromPinhole(start.pinhole);
+  fit.start = start.source;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const SE3 rough = poseFromHomography(planes[i], start.pinhole);
+    fit.world2camera[data.views[i].image] = fitPoseOfEitherTilt(fit.camera, rough, data.views[i]);
+  }
+  const bool is_determined = 2 * data.cornerCount() >= std::size_t(Camera::DOF) + 6 * data.views.size();
+  if (!is_determined) return fit;
+  try {
+    fitIntrinsics(data, fit, max_iterations);
+  } catch (const slom::Error&) {  // not determined by this camera alone; the others may help
+  }
+  return fit;
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,75 @@
+#include "calibrate/fit/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include "calibrate/fit/joint.hpp"
+#include "calibrate/input/check.hpp"
+#include "error.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+/// Fewer numbers measured than unknown: nothing to fit.
+void requireEnoughMeasurements(const Dataset& data, const Settings& settings, int parameters_per_camera) {
+  std::size_t measured = 0;
+  for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
+  const std::size_t cameras = data.cameras.size();
+  const std::size_t unknowns = cameras * parameters_per_camera + 6 * (cameras - 1) + 6 * data.images().size();
+  if (measured > unknowns) return;
+  throw UserError(fmt::format("{}: the corners give {} numbers for {} unknowns of the model {}; add images or corners, "
+                              "or choose a model with fewer parameters by --intrinsics",
+                              data.cameras.front().file, measured, unknowns, toString(settings.model)));
+}
+
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  std::vector<Camera> cameras;
+  std::vector<ViewPoses> world2camera;
+  std::vector<double> rms_px_alone;
+  for (const CameraData& camera : data.cameras) {
+    const auto fit = fitAlone<Camera>(camera, settings.max_iterations);
+    cameras.push_back(fit.camera);
+    world2camera.push_back(fit.world2camera);
+    rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
+    if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
+  }
+  const RigStart rig = startRig(data, world2camera);
+
+  std::optional<ImuStart> imu;
+  std::vector<TiltPair> tilts;
+  if (data.imu) {
+    tilts = tiltPairs(*data.imu, rig.left2world);
+    imu = startImu(tilts, settings.fixed, settings.sigma_acc);
+    requireImuDetermined(*data.imu, tilts, *imu, settings.fixed, settings.sigma_acc);
+  }
+
+  JointProblem<Camera> problem(data, settings, cameras, rig, imu);
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.observer = progress.iteration;
+  Result result = problem.result(problem.optimize(options));
+  for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
+  if (imu) {
+    result.imu->tilt_spread = tiltSpread(tilts);
+    result.imu->sign_evidence = imu->sign_evidence;
+  }
+  return result;
+}
+
+}  // namespace
+
+Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
+  checkDataset(data);
+  switch (settings.model) {
+    case Model::opencv5:
+      return calibrateModel<Opencv5<>>(data, settings, progress);
+    case Model::opencv4:
+      return calibrateModel<Opencv4<>>(data, settings, progress);
+    case Model::radial1:
+      return calibrateModel<Radial1<>>(data, settings, progress);
+  }
+  throw std::logic_error("slom calibrate: unknown model");
+}
+
+}  // namespace slom::app::calib

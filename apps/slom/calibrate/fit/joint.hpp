@@ -1,0 +1,228 @@
+// The full problem: intrinsics of all cameras, camera to camera, the rig's pose in each image, and the IMU.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <slom/slom.hpp>
+
+#include "calibrate/fit/alone.hpp"
+#include "calibrate/start/imu.hpp"
+
+namespace slom::app::calib {
+
+template <class Camera>
+class JointProblem {
+ public:
+  /// `data` and `settings` must live as long as the problem. `imu` where data has one.
+  JointProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
+               const RigStart& rig, const std::optional<ImuStart>& imu);
+
+  Summary optimize(const Options& options) { return est_.optimize(options); }
+  Result result(const Summary& summary);
+
+ private:
+  void insertCorners();
+  void insertImu(const ImuStart& start);
+  vec2 residual(std::size_t camera, int image, const Corner& corner) const;
+  CameraResult cameraResult(std::size_t index) const;
+  ImuResult imuResult() const;
+  ImageResult imageResult(int image) const;
+  vec3 gravityResidual(const ImuReading& reading) const;
+  void addStandardDeviations(Result& result);
+  void addImuStandardDeviations(ImuResult& imu);
+
+  const Dataset& data_;
+  const Settings& settings_;
+  Estimator est_;
+  std::vector<VarID<Camera>> cameras_;
+  std::vector<VarID<SE3>> left2camera_;  ///< the first, the identity, is in no measurement and not a variable
+  std::map<int, VarID<SE3>> left2world_;
+  VarID<SO3> left2imu_;
+  VarID<vec3> acc_bias_;
+  VarID<mtk::Scalar<>> gravity_;
+};
+
+// ---- implementation ------------------------------------------------------------------------------------------
+
+template <class Camera>
+JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
+                                   const RigStart& rig, const std::optional<ImuStart>& imu)
+    : data_(data), settings_(settings) {
+  const std::string reference = data.cameras.front().name;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const std::string& name = data.cameras[c].name;
+    cameras_.push_back(est_.insertRV(cameras[c], true, name));
+    left2camera_.push_back(c == 0 ? VarID<SE3>() : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
+  }
+  for (const auto& [image, pose] : rig.left2world) {
+    left2world_.emplace(image, est_.insertRV(pose, true, reference + "2world[" + std::to_string(image) + "]"));
+  }
+  insertCorners();
+  if (imu) insertImu(*imu);
+}
+
+template <class Camera>
+void JointProblem<Camera>::insertCorners() {
+  const StandardDeviation noise(settings_.sigma_px);
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    for (const View& view : data_.cameras[c].views) {
+      const auto pose = left2world_.at(view.image);
+      for (const Corner& corner : view.corners) {
+        if (c == 0) {
+          est_.insertMeasurement(corner_in_left, cameras_[c], pose, corner.world, corner.pixel, noise);
+        } else {
+          est_.insertMeasurement(corner_in_other, cameras_[c], left2camera_[c], pose, corner.world, corner.pixel,
+                                 noise);
+        }
+      }
+    }
+  }
+}
+
+template <class Camera>
+void JointProblem<Camera>::insertImu(const ImuStart& start) {
+  left2imu_ = est_.insertRV(start.left2imu, true, data_.cameras.front().name + "2imu");
+  acc_bias_ = est_.insertRV(start.acc_bias, !settings_.fixed.acc_bias, "acc_bias");
+  gravity_ = est_.insertRV(mtk::Scalar<>(start.gravity), !settings_.fixed.gravity, "gravity");
+  for (const ImuReading& reading : data_.imu->readings) {
+    est_.insertMeasurement(gravity_in_reading, left2world_.at(reading.image), left2imu_, acc_bias_, gravity_,
+                           reading.acc, StandardDeviation(settings_.sigma_acc));
+  }
+}
+
+template <class Camera>
+vec2 JointProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
+  const SE3& pose = *left2world_.at(image);
+  if (camera == 0) return corner_in_left(*cameras_[0], pose, corner.world, corner.pixel);
+  return corner_in_other(*cameras_[camera], *left2camera_[camera], pose, corner.world, corner.pixel);
+}
+
+template <class Camera>
+vec3 JointProblem<Camera>::gravityResidual(const ImuReading& reading) const {
+  return gravity_in_reading(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_, reading.acc);
+}
+
+template <class Camera>
+CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
+  const CameraData& data = data_.cameras[index];
+  const Camera& camera = *cameras_[index];
+  CameraResult result;
+  result.name = data.name;
+  result.file = data.file;
+  result.model = Camera::model_name;
+  for (int i = 0; i < Camera::DOF; ++i) {
+    result.parameters.push_back({std::string(Camera::component_names[i]), camera[i]});
+  }
+  result.camera_matrix = camera.cameraMatrix();
+  result.distortion = camera.distortion();
+  if (index > 0) result.left2camera = *left2camera_[index];
+  result.images = data.views.size();
+  result.corners = data.cornerCount();
+  double square = 0;
+  for (const View& view : data.views) {
+    for (const Corner& corner : view.corners) square += residual(index, view.image, corner).squaredNorm();
+  }
+  result.rms_px = std::sqrt(square / double(result.corners));
+  return result;
+}
+
+template <class Camera>
+ImuResult JointProblem<Camera>::imuResult() const {
+  ImuResult imu;
+  imu.file = data_.imu->file;
+  imu.readings = data_.imu->readings.size();
+  imu.left2imu = *left2imu_;
+  imu.acc_bias = *acc_bias_;
+  imu.gravity = *gravity_;
+  imu.acc_bias_is_fixed = settings_.fixed.acc_bias.has_value();
+  imu.gravity_is_fixed = settings_.fixed.gravity.has_value();
+  double square = 0;
+  for (const ImuReading& reading : data_.imu->readings) square += gravityResidual(reading).squaredNorm();
+  imu.rms_acc = std::sqrt(square / double(imu.readings));
+  return imu;
+}
+
+template <class Camera>
+ImageResult JointProblem<Camera>::imageResult(int image) const {
+  ImageResult result;
+  result.image = image;
+  result.left2world = *left2world_.at(image);
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    const View* view = data_.cameras[c].find(image);
+    result.rms_px.emplace_back();
+    if (!view) continue;
+    double square = 0;
+    for (const Corner& corner : view->corners) {
+      const double error = residual(c, image, corner).norm();
+      square += error * error;
+      if (error > result.worst_corner.error_px) result.worst_corner = {c, corner.number, corner.line, error};
+    }
+    result.rms_px.back() = std::sqrt(square / double(view->corners.size()));
+    result.chi2 += square / (settings_.sigma_px * settings_.sigma_px);
+    result.measurements += 2 * int(view->corners.size());
+  }
+  if (!data_.imu) return result;
+  for (const ImuReading& reading : data_.imu->readings) {
+    if (reading.image != image) continue;
+    result.acc_error = gravityResidual(reading).norm();
+    result.chi2 += std::pow(*result.acc_error / settings_.sigma_acc, 2);
+    result.measurements += 3;
+  }
+  return result;
+}
+
+template <class Camera>
+Result JointProblem<Camera>::result(const Summary& summary) {
+  Result result;
+  result.converged = summary.converged;
+  result.stop_reason = toString(summary.stop_reason);
+  result.message = summary.message;
+  result.iterations = summary.iterations;
+  result.measurements = summary.measurements;
+  result.unknowns = summary.unknowns;
+  result.redundancy = summary.redundancy;
+  result.rss = summary.final_rss;
+  result.sigma_px = settings_.sigma_px;
+  result.sigma_acc = settings_.sigma_acc;
+  for (std::size_t c = 0; c < cameras_.size(); ++c) result.cameras.push_back(cameraResult(c));
+  if (data_.imu) result.imu = imuResult();
+  for (const int image : data_.images()) result.images.push_back(imageResult(image));
+  try {
+    addStandardDeviations(result);
+  } catch (const slom::Error& error) {
+    result.undetermined = error.what();
+  }
+  return result;
+}
+
+template <class Camera>
+void JointProblem<Camera>::addStandardDeviations(Result& result) {
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    CameraResult& camera = result.cameras[c];
+    const Eigen::VectorXd std = est_.standardDeviation(cameras_[c]);
+    for (int i = 0; i < Camera::DOF; ++i) camera.parameters[i].std = std[i];
+    const Eigen::VectorXd pose = c == 0 ? Eigen::VectorXd::Zero(6) : est_.standardDeviation(left2camera_[c]);
+    camera.translation_std = pose.head<3>();
+    camera.rotation_std = pose.tail<3>();
+  }
+  if (result.imu) addImuStandardDeviations(*result.imu);
+}
+
+template <class Camera>
+void JointProblem<Camera>::addImuStandardDeviations(ImuResult& imu) {
+  imu.rotation_std = est_.standardDeviation(left2imu_);
+  imu.acc_bias_std = est_.standardDeviation(acc_bias_);
+  imu.gravity_std = est_.standardDeviation(gravity_)[0];
+  if (imu.acc_bias_is_fixed || imu.gravity_is_fixed) return;
+  est_.optimizeRV(acc_bias_, false);
+  imu.gravity_std_if_bias_fixed = est_.standardDeviation(gravity_)[0];
+  est_.optimizeRV(acc_bias_, true);
+  est_.optimizeRV(gravity_, false);
+  imu.acc_bias_std_if_gravity_fixed = est_.standardDeviation(acc_bias_);
+  est_.optimizeRV(gravity_, true);
+}
+
+}  // namespace slom::app::calib

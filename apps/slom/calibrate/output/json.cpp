@@ -1,0 +1,108 @@
+#include "calibrate/output/json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace slom::app::calib {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list(const Eigen::Ref<const Eigen::VectorXd>& v) { return std::vector<double>(v.begin(), v.end()); }
+
+Json rowMajor(const SO3& R) {
+  Json numbers = Json::array();
+  const Eigen::Matrix3d matrix = R.toRotationMatrix();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) numbers.push_back(matrix(i, j));
+  }
+  return numbers;
+}
+
+Json pose(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translation", list(T.pos)}}; }
+
+Json cameraJson(const CameraResult& camera, const std::string& reference) {
+  Json parameters;
+  for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
+  Json from_reference = pose(camera.left2camera);
+  Eigen::VectorXd std(6);
+  std << camera.translation_std, camera.rotation_std;
+  from_reference["std"] = list(std);
+  return {{"model", camera.model},
+          {"file", camera.file},
+          {"images", camera.images},
+          {"corners", camera.corners},
+          {"parameters", parameters},
+          {"pose_from_" + reference, from_reference},
+          {"rms_px_alone", camera.rms_px_alone}};
+}
+
+Json imuJson(const ImuResult& imu, const std::string& reference) {
+  return {{"file", imu.file},
+          {"readings", imu.readings},
+          {"rotation_from_" + reference, rowMajor(imu.left2imu)},
+          {"std", list(imu.rotation_std)},
+          {"acc_bias", list(imu.acc_bias)},
+          {"acc_bias_std", list(imu.acc_bias_std)},
+          {"acc_bias_fixed", imu.acc_bias_is_fixed},
+          {"gravity", imu.gravity},
+          {"gravity_std", imu.gravity_std},
+          {"gravity_fixed", imu.gravity_is_fixed},
+          {"gravity_std_if_acc_bias_fixed", imu.gravity_std_if_bias_fixed},
+          {"acc_bias_std_if_gravity_fixed", list(imu.acc_bias_std_if_gravity_fixed)},
+          {"tilt_spread_rad", imu.tilt_spread},
+          {"sign_evidence", imu.sign_evidence}};
+}
+
+Json imageJson(const ImageResult& image, const std::vector<CameraResult>& cameras) {
+  Json rms;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    if (image.rms_px[c]) rms[cameras[c].name] = *image.rms_px[c];
+  }
+  const WorstCorner& worst = image.worst_corner;
+  Json json = {{"image", image.image},
+               {"rms_px", rms},
+               {"chi2_per_measurement", image.chi2PerMeasurement()},
+               {"worst_corner",
+                {{"camera", cameras[worst.camera].name},
+                 {"corner", worst.number},
+                 {"line", worst.line},
+                 {"error_px", worst.error_px}}},
+               {cameras.front().name + "2world", pose(image.left2world)}};
+  json["acc_error"] = image.acc_error ? Json(*image.acc_error) : Json();
+  return json;
+}
+
+}  // namespace
+
+std::string toJson(const Result& result) {
+  const std::string& reference = result.cameras.front().name;
+  Json rms, cameras, images = Json::array(), worst = Json::array();
+  for (const CameraResult& camera : result.cameras) {
+    rms[camera.name] = camera.rms_px;
+    cameras[camera.name] = cameraJson(camera, reference);
+  }
+  for (const ImageResult& image : result.images) images.push_back(imageJson(image, result.cameras));
+  for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
+  const Json json = {{"converged", result.converged},
+                     {"stop_reason", result.stop_reason},
+                     {"message", result.message},
+                     {"iterations", result.iterations},
+                     {"measurements", result.measurements},
+                     {"unknowns", result.unknowns},
+                     {"redundancy", result.redundancy},
+                     {"rss", result.rss},
+                     {"chi2_per_dof", result.chi2PerDof()},
+                     {"sigma_px", result.sigma_px},
+                     {"sigma_acc", result.sigma_acc},
+                     {"rms_px", rms},
+                     {"rms_acc", result.imu ? Json(result.imu->rms_acc) : Json()},
+                     {"undetermined", result.undetermined.empty() ? Json() : Json(result.undetermined)},
+                     {"reference", reference},
+                     {"cameras", cameras},
+                     {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
+                     {"worst_images", worst},
+                     {"images", images}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace slom::app::calib

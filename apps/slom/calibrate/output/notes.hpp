@@ -1,0 +1,15 @@
+// What the numbers mean for what to do next: sentences for the end of the report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrate/result.hpp"
+
+namespace slom::app::calib {
+
+/// Each one a sentence or two: residuals that do not fit the stated sigmas, cameras that fit worse together than
+/// alone, what the data hardly determine, a sign of gravity that is open.
+std::vector<std::string> notes(const Result& result);
+
+}  // namespace slom::app::calib

@@ -1,0 +1,139 @@
+#include "calibrate/output/report.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "calibrate/output/format.hpp"
+#include "calibrate/output/notes.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr std::size_t text_width = 100;
+
+std::string plural(std::size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+/// `  name        value +- std        unit`
+std::string valueLine(const std::string& name, double value, double std, const std::string& unit) {
+  const ValueText text = withStd(value, std);
+  const std::string uncertainty = std > 0 ? (std::isfinite(std) ? "+- " + text.std : text.std) : text.std;
+  return fmt::format("  {:<14}{:>12} {:<12} {}\n", name, text.value, uncertainty, unit);
+}
+
+std::string vectorLines(const std::string& name, const vec3& value, const vec3& std, const std::string& unit) {
+  std::string text;
+  for (int i = 0; i < 3; ++i) text += valueLine(fmt::format("{}.{}", name, "xyz"[i]), value[i], std[i], unit);
+  return text;
+}
+
+/// A rotation as its rotation vector; standard deviations are about the axes of the frame it starts from.
+std::string rotationLines(const SO3& R, const vec3& std) {
+  return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), "deg");
+}
+
+std::string unitOf(const std::string& parameter) { return parameter[0] == 'f' || parameter[0] == 'c' ? "px" : ""; }
+
+std::string cameraLines(const CameraResult& camera, const std::string& reference) {
+  std::string text = fmt::format("\ncamera {}: {}, {}, {}, RMS {:.4f} px", camera.name, camera.model,
+                                 plural(camera.images, "image"), plural(camera.corners, "corner"), camera.rms_px);
+  text += std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
+  for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
+  if (camera.name == reference) return text;
+  text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
+  text += vectorLines("translation", camera.left2camera.pos, camera.translation_std, "m");
+  return text + rotationLines(camera.left2camera.orient, camera.rotation_std);
+}
+
+std::string imuLines(const ImuResult& imu, const std::string& reference) {
+  std::string text = fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), imu.rms_acc);
+  text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
+  text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
+  text += fmt::format("  from {} to imu:\n", reference);
+  return text + rotationLines(imu.left2imu, imu.rotation_std);
+}
+
+std::string summaryLines(const Result& result) {
+  return fmt::format("\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  RSS {:.6g}, chi2/dof {:.4g}\n",
+                     result.converged ? "Converged" : "NOT CONVERGED", plural(result.iterations, "iteration"),
+                     result.stop_reason, result.measurements, result.unknowns, result.redundancy, result.rss,
+                     result.chi2PerDof());
+}
+
+std::string worstLines(const Result& result) {
+  std::string text = "\nworst images, by chi2 per measurement\n  image    chi2/m";
+  for (const CameraResult& camera : result.cameras) text += fmt::format("{:>12}", camera.name + " px");
+  if (result.imu) text += "   imu m/s^2";
+  text += "   worst corner\n";
+  for (const ImageResult* image : result.worstImages(5)) {
+    text += fmt::format("{:>7} {:>9.3f}", image->image, image->chi2PerMeasurement());
+    for (const auto& rms : image->rms_px) text += rms ? fmt::format("{:>12.3f}", *rms) : fmt::format("{:>12}", "-");
+    if (result.imu) text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
+    const WorstCorner& worst = image->worst_corner;
+    const CameraResult& camera = result.cameras[worst.camera];
+    text += fmt::format("   {:.2f} px, corner {} ({}:{})\n", worst.error_px, worst.number, camera.file, worst.line);
+  }
+  return text;
+}
+
+/// Broken into lines at spaces, the first with a bullet.
+std::string wrapped(const std::string& sentence) {
+  std::string text = "  *";
+  std::size_t column = 3, begin = 0;
+  while (begin < sentence.size()) {
+    const std::size_t end = std::min(sentence.find(' ', begin), sentence.size());
+    if (column + 1 + end - begin > text_width) text += "\n   ", column = 3;
+    text += " " + sentence.substr(begin, end - begin);
+    column += 1 + end - begin;
+    begin = end + 1;
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string dataText(const Dataset& data, const Settings& settings) {
+  std::string text = "data\n";
+  for (const CameraData& camera : data.cameras) {
+    text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
+                        camera.cornerCount(), camera.file);
+  }
+  if (data.imu) text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
+  return text + fmt::format("\neach camera alone, model {}\n", toString(settings.model));
+}
+
+std::string aloneText(const AloneReport& alone) {
+  const std::string outcome = alone.converged
+                                  ? fmt::format("RMS {:.4f} px after {}", alone.rms_px, plural(alone.iterations, "iteration"))
+                                  : "no fit of its own, goes on with the start values";
+  return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
+}
+
+std::string iterationHeader() {
+  return "\nall together\n  iteration            RSS   rel. decrease   step/sigma   gradient   algorithm\n";
+}
+
+std::string iterationText(const IterationRecord& r) {
+  if (r.iteration == 0) return fmt::format("  {:>9} {:>14.8g}\n", r.iteration, r.rss);
+  return fmt::format("  {:>9} {:>14.8g} {:>15.2e} {:>12.1e} {:>10.1e}   {}\n", r.iteration, r.rss, r.relative_decrease,
+                     r.step, r.gradient, r.algorithm);
+}
+
+std::string reportText(const Result& result) {
+  const std::string& reference = result.cameras.front().name;
+  std::string text = summaryLines(result);
+  if (!result.converged) text += "  " + result.message + "\n";
+  for (const CameraResult& camera : result.cameras) text += cameraLines(camera, reference);
+  if (result.imu) text += imuLines(*result.imu, reference);
+  text += worstLines(result);
+  const std::vector<std::string> sentences = notes(result);
+  if (!sentences.empty()) text += "\nnotes\n";
+  for (const std::string& sentence : sentences) text += wrapped(sentence);
+  return text;
+}
+
+}  // namespace slom::app::calib

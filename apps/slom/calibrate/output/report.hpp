@@ -1,0 +1,23 @@
+// The result as people read it.
+#pragma once
+
+#include <string>
+
+#include "calibrate/fit/calibration.hpp"
+
+namespace slom::app::calib {
+
+/// What was read: cameras, images, corners, readings.
+std::string dataText(const Dataset& data, const Settings& settings);
+
+/// One line for a camera's own fit.
+std::string aloneText(const AloneReport& alone);
+
+/// Header and lines of the progress table.
+std::string iterationHeader();
+std::string iterationText(const IterationRecord& record);
+
+/// Everything that came out.
+std::string reportText(const Result& result);
+
+}  // namespace slom::app::calib

@@ -1,0 +1,90 @@
+// What the calibration found, as plain numbers: what report, JSON and YAML are written from.
+// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data leave the
+// value open (`undetermined` then says what).
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrate/settings.hpp"
+
+namespace slom::app::calib {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct Parameter {
+  std::string name;
+  double value = 0, std = unknown;
+};
+
+struct CameraResult {
+  std::string name, file, model;
+  std::vector<Parameter> parameters;
+  Eigen::Matrix3d camera_matrix;
+  Eigen::Matrix<double, 5, 1> distortion;  ///< k1 k2 p1 p2 k3, as in OpenCV
+  SE3 left2camera;                         ///< from the reference camera; the identity for that one
+  vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
+  vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
+  std::size_t images = 0, corners = 0;
+  double rms_px = 0;               ///< sqrt(sum of squared corner distances / corners)
+  double rms_px_alone = unknown;   ///< of the fit of this camera without the others, where it converged
+};
+
+struct ImuResult {
+  std::string file;
+  std::size_t readings = 0;
+  SO3 left2imu;
+  vec3 rotation_std = vec3(unknown, unknown, unknown);  ///< about the axes of the reference camera [rad]
+  vec3 acc_bias;                                        ///< [m/s^2]
+  vec3 acc_bias_std = vec3(unknown, unknown, unknown);
+  double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
+  double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]
+  bool acc_bias_is_fixed = false, gravity_is_fixed = false;
+  // Were the other one fixed:
+  double gravity_std_if_bias_fixed = unknown;
+  vec3 acc_bias_std_if_gravity_fixed = vec3(unknown, unknown, unknown);
+  double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
+  double sign_evidence = 0;  ///< ImuStart::sign_evidence
+};
+
+struct WorstCorner {
+  std::size_t camera = 0;  ///< index into Result::cameras
+  int number = 0, line = 0;
+  double error_px = 0;
+};
+
+struct ImageResult {
+  int image = 0;
+  SE3 left2world;
+  std::vector<std::optional<double>> rms_px;  ///< by camera; nothing where it did not see the image
+  std::optional<double> acc_error;            ///< length of the difference of the reading [m/s^2]
+  double chi2 = 0;                            ///< sum of squared whitened residuals
+  int measurements = 0;                       ///< scalar residuals
+  WorstCorner worst_corner;
+
+  double chi2PerMeasurement() const { return chi2 / measurements; }
+};
+
+struct Result {
+  bool converged = false;
+  std::string stop_reason;  ///< as slom::toString says it
+  std::string message;      ///< the library's sentence on the stop
+  int iterations = 0;
+  int measurements = 0, unknowns = 0, redundancy = 0;
+  double rss = 0;
+  double sigma_px = 0, sigma_acc = 0;
+  std::string undetermined;  ///< empty, or why there are no standard deviations
+  std::vector<CameraResult> cameras;
+  std::optional<ImuResult> imu;
+  std::vector<ImageResult> images;  ///< by rising number
+
+  double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
+  bool success() const { return converged && undetermined.empty(); }
+  /// The `count` images with the largest chi2 per measurement, the worst first.
+  std::vector<const ImageResult*> worstImages(std::size_t count) const;
+};
+
+}  // namespace slom::app::calib
