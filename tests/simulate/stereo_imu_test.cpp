@@ -233,7 +233,7 @@ TEST(StereoImu, SomeImagesAreSeenByOneCameraAndSomeReadingsAreMissing) {
 /// last digit, hence not byte for byte.
 TEST(StereoImu, StoredDataAreItsOutput) {
   const Files stored = readFolder(sourcePath("data/simulated_stereo_imu")), made = simulate({});
-  const auto expectSameTable = [](const auto& a, const auto& b, const std::string& what) {
+  const auto expect_same_table = [](const auto& a, const auto& b, const std::string& what) {
     ASSERT_EQ(a.size(), b.size()) << what;
     for (std::size_t i = 0; i < a.size(); ++i) {
       ASSERT_EQ(a[i].size(), b[i].size()) << what << " row " << i + 1;
@@ -241,9 +241,9 @@ TEST(StereoImu, StoredDataAreItsOutput) {
         EXPECT_NEAR(a[i][j], b[i][j], 1.5e-9) << what << " row " << i + 1;
     }
   };
-  expectSameTable(stored.left, made.left, "left");
-  expectSameTable(stored.right, made.right, "right");
-  expectSameTable(stored.imu, made.imu, "imu");
+  expect_same_table(stored.left, made.left, "left");
+  expect_same_table(stored.right, made.right, "right");
+  expect_same_table(stored.imu, made.imu, "imu");
   const Json flat_stored = stored.truth.flatten(), flat_made = made.truth.flatten();
   ASSERT_EQ(flat_stored.size(), flat_made.size());
   for (const auto& [key, value] : flat_stored.items()) {

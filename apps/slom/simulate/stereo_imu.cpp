@@ -121,7 +121,8 @@ StereoImuData simulateStereoImu(const StereoImuOptions& options) {
   Random pixel_random(options.seed, kPixelStream);
   Random acceleration_random(options.seed, kAccelerationStream);
 
-  const auto addNoisy = [&](const std::vector<SimulatedCorner>& seen, std::vector<SimulatedCorner>& corners) {
+  const auto add_noisy = [&](const std::vector<SimulatedCorner>& seen,
+                             std::vector<SimulatedCorner>& corners) {
     for (SimulatedCorner corner : seen) {
       corner.pixel.x() += options.sigma_px * pixel_random.normal();
       corner.pixel.y() += options.sigma_px * pixel_random.normal();
@@ -133,8 +134,8 @@ StereoImuData simulateStereoImu(const StereoImuOptions& options) {
     const View view = drawUsableView(image - 1, data.truth, view_random);
     data.truth.left2world.push_back(view.left2world);
     const bool left_fails = image % 6 == 5, right_fails = image % 6 == 4, imu_fails = image % 5 == 3;
-    if (!left_fails) addNoisy(view.left, data.left);
-    if (!right_fails) addNoisy(view.right, data.right);
+    if (!left_fails) add_noisy(view.left, data.left);
+    if (!right_fails) add_noisy(view.right, data.right);
 
     SimulatedAcceleration acceleration{image, mtk::vect<3>(), !imu_fails};
     if (acceleration.valid) {

@@ -1,0 +1,11 @@
+# Installs the build tree BUILD into the empty folder PREFIX and checks that all of it has arrived.
+include("${CMAKE_CURRENT_LIST_DIR}/step.cmake")
+file(REMOVE_RECURSE "${PREFIX}")
+step("install" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREFIX}" --config "${CONFIG}")
+
+foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom)
+  if(NOT EXISTS "${PREFIX}/${file}")
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
+step("run the installed command" "${PREFIX}/bin/slom" --help)
