@@ -44,16 +44,19 @@ class SO3 {
     using std::cos;
     using std::sin;
     using std::sqrt;
-    const Vector v = scale * d;
-    const S square = v.squaredNorm();
-    SO3 result;
+    const S x = scale * d[0], y = scale * d[1], z = scale * d[2];
+    const S square = x * x + y * y + z * z;
+    S factor, w;
     if (square < std::numeric_limits<S>::epsilon()) {  // sin(t/2)/t = 1/2 (1 - t^2/24 + ...)
-      const S factor = (S(1) - square / S(24)) / S(2);
-      result.q_ << factor * v, S(1) - square / S(8);
+      factor = (S(1) - square / S(24)) / S(2);
+      w = S(1) - square / S(8);
     } else {
       const S angle = sqrt(square);
-      result.q_ << (sin(angle / S(2)) / angle) * v, cos(angle / S(2));
+      factor = sin(angle / S(2)) / angle;
+      w = cos(angle / S(2));
     }
+    SO3 result;
+    result.q_ << factor * x, factor * y, factor * z, w;
     return result;
   }
   /// The rotation vector with |.| <= pi whose exponential is R.
@@ -108,10 +111,13 @@ class SO3 {
     requires(bool(D::IsVectorAtCompileTime))
   Vector operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
-    const Eigen::Matrix<S, 3, 1> v = q_.template head<3>();
-    const Eigen::Matrix<S, 3, 1> point = p.template cast<S>();
-    const Eigen::Matrix<S, 3, 1> t = S(2) * v.cross(point);
-    return point + w() * t + v.cross(t);
+    const S px(p[0]), py(p[1]), pz(p[2]);
+    const S tx = S(2) * (y() * pz - z() * py);
+    const S ty = S(2) * (z() * px - x() * pz);
+    const S tz = S(2) * (x() * py - y() * px);
+    return Vector(px + w() * tx + (y() * tz - z() * ty),  //
+                  py + w() * ty + (z() * tx - x() * tz),  //
+                  pz + w() * tz + (x() * ty - y() * tx));
   }
 
   void boxplus(vectview<const S, 3> d, S scale = S(1)) { *this = *this * exp(d, scale); }
