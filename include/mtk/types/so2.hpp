@@ -73,7 +73,8 @@ class SO2 {
     using std::cos;
     using std::sin;
     const S c = cos(angle_), s = sin(angle_);
-    const S x(p[0]), y(p[1]);
+    const PlainVector<typename D::Scalar, 2> point = p;
+    const S x(point[0]), y(point[1]);
     return vect<2, S>(c * x - s * y, s * x + c * y);
   }
 

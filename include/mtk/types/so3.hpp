@@ -111,7 +111,8 @@ class SO3 {
     requires(bool(D::IsVectorAtCompileTime))
   Vector operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
-    const S px(p[0]), py(p[1]), pz(p[2]);
+    const PlainVector<typename D::Scalar, 3> point = p;
+    const S px(point[0]), py(point[1]), pz(point[2]);
     const S tx = S(2) * (y() * pz - z() * py);
     const S ty = S(2) * (z() * px - x() * pz);
     const S tz = S(2) * (x() * py - y() * px);

@@ -58,6 +58,72 @@ class vect : public PlainVector<S, N> {
   void magnitudes(vectview<S, N> out) const { out = this->cwiseAbs(); }
 };
 
+// Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
+// `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
+
+template <int N, class S>
+vect<N, S> operator+(const vect<N, S>& a, const vect<N, S>& b) {
+  vect<N, S> result = a;
+  result += b;
+  return result;
+}
+template <int N, class S>
+vect<N, S> operator-(const vect<N, S>& a, const vect<N, S>& b) {
+  vect<N, S> result = a;
+  result -= b;
+  return result;
+}
+template <int N, class S, class D>
+  requires(std::is_same_v<typename D::Scalar, S>)
+vect<N, S> operator+(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
+  vect<N, S> result = a;
+  result += b;
+  return result;
+}
+template <int N, class S, class D>
+  requires(std::is_same_v<typename D::Scalar, S>)
+vect<N, S> operator-(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
+  vect<N, S> result = a;
+  result -= b;
+  return result;
+}
+template <int N, class S, class D>
+  requires(std::is_same_v<typename D::Scalar, S>)
+vect<N, S> operator+(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
+  vect<N, S> result = a;
+  result += b;
+  return result;
+}
+template <int N, class S, class D>
+  requires(std::is_same_v<typename D::Scalar, S>)
+vect<N, S> operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
+  vect<N, S> result = a;
+  result -= b;
+  return result;
+}
+template <int N, class S>
+vect<N, S> operator-(const vect<N, S>& a) {
+  vect<N, S> result = a;
+  result *= S(-1);
+  return result;
+}
+template <int N, class S>
+vect<N, S> operator*(const vect<N, S>& a, const std::type_identity_t<S>& factor) {
+  vect<N, S> result = a;
+  result *= factor;
+  return result;
+}
+template <int N, class S>
+vect<N, S> operator*(const std::type_identity_t<S>& factor, const vect<N, S>& a) {
+  return a * factor;
+}
+template <int N, class S>
+vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor) {
+  vect<N, S> result = a;
+  result /= divisor;
+  return result;
+}
+
 namespace detail {
 inline constexpr std::array<std::string_view, 2> xy_names{"x", "y"};
 inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};

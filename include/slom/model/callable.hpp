@@ -70,6 +70,9 @@ struct Returned {
 template <class R>
   requires requires { typename R::PlainObject; }
 struct Returned<R> {
+  static_assert(requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
+                "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
+                "that are gone; give it a return type, such as `-> Eigen::Vector2d`");
   static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
   static constexpr int rows = R::RowsAtCompileTime;
   static void write(const R& value, Residual<rows>& ret) { ret = value; }

@@ -1,0 +1,194 @@
+// The sparse solver against dense QR on random block structures.
+#include <slom/solve/dense_qr.hpp>
+#include <slom/solve/sparse_cholesky.hpp>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <random>
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Blocks of the given sizes; groups of measurements with random rows that touch the given blocks.
+struct RandomProblem {
+  slom::BlockStructure structure;
+  struct Batch {
+    std::vector<int> rows, dof;
+    std::vector<double> r, J;
+  };
+  std::vector<Batch> batches;
+  std::mt19937 rng;
+
+  RandomProblem(const std::vector<int>& sizes, unsigned seed) : rng(seed) {
+    structure.offset.push_back(0);
+    for (const int size : sizes) structure.offset.push_back(structure.offset.back() + size);
+  }
+  double normal() { return std::normal_distribution<double>()(rng); }
+
+  /// `cliques`: the blocks of each measurement, all of the same number; -1 is a fixed variable of 2 dof.
+  void addGroup(const std::vector<std::vector<int>>& cliques, int rows) {
+    slom::MeasurementGroup group;
+    Batch batch;
+    group.arity = cliques.empty() ? 1 : static_cast<int>(cliques[0].size());
+    for (const auto& clique : cliques) {
+      group.blocks.insert(group.blocks.end(), clique.begin(), clique.end());
+      batch.rows.push_back(rows);
+      for (const int block : clique) {
+        const int dof = block < 0 ? 2 : structure.dof(block);
+        batch.dof.push_back(dof);
+        for (int i = 0; i < rows * dof; ++i) batch.J.push_back(block < 0 ? NAN : normal());
+      }
+      for (int i = 0; i < rows; ++i) batch.r.push_back(normal());
+    }
+    structure.groups.push_back(group);
+    batches.push_back(batch);
+  }
+  void linearizeInto(slom::LinearSolver& solver) const {
+    solver.analyze(structure);
+    solver.beginLinearization();
+    for (std::size_t g = 0; g < batches.size(); ++g) {
+      const Batch& b = batches[g];
+      solver.add({static_cast<int>(g), 0, static_cast<int>(b.rows.size()), b.rows.data(), b.dof.data(), b.r.data(), b.J.data()});
+    }
+    solver.endLinearization();
+  }
+};
+
+void expectSameAsOracle(const RandomProblem& problem) {
+  slom::SparseCholesky sparse;
+  slom::DenseQR dense;
+  problem.linearizeInto(sparse);
+  problem.linearizeInto(dense);
+  const int n = problem.structure.unknowns();
+  EXPECT_LT((sparse.gradient() - dense.gradient()).norm(), 1e-12 * (1 + dense.gradient().norm()));
+  EXPECT_LT((sparse.diagonal() - dense.diagonal()).norm(), 1e-12 * (1 + dense.diagonal().norm()));
+  const VectorXd d = VectorXd::LinSpaced(n, -1, 2);
+  EXPECT_NEAR(sparse.squaredImage(d), dense.squaredImage(d), 1e-11 * dense.squaredImage(d));
+
+  std::vector<VectorXd> dampings{VectorXd(), VectorXd(0.1 * dense.diagonal()), VectorXd(VectorXd::Constant(n, 1e3))};
+  for (const VectorXd& damping : dampings) {
+    VectorXd x, y;
+    ASSERT_TRUE(sparse.solve(damping, x).ok);
+    ASSERT_TRUE(dense.solve(damping, y).ok);
+    EXPECT_LT((x - y).norm(), 1e-10 * (1 + y.norm()));
+    // The oracle itself: the normal equations hold.
+    MatrixXd H = dense.jacobian().transpose() * dense.jacobian();
+    if (damping.size() > 0) H.diagonal() += damping;
+    EXPECT_LT((H * y + dense.gradient()).norm(), 1e-9 * (1 + dense.gradient().norm()));
+  }
+  MatrixXd X, Y;
+  ASSERT_TRUE(sparse.solveFor(MatrixXd::Identity(n, n), X).ok);
+  ASSERT_TRUE(dense.solveFor(MatrixXd::Identity(n, n), Y).ok);
+  const MatrixXd inverse = (dense.jacobian().transpose() * dense.jacobian()).inverse();
+  EXPECT_LT((X - inverse).norm(), 1e-8 * inverse.norm());
+  EXPECT_LT((Y - inverse).norm(), 1e-8 * inverse.norm());
+}
+
+std::vector<int> randomSizes(int count, std::mt19937& rng) {
+  std::vector<int> sizes;
+  for (int i = 0; i < count; ++i) sizes.push_back(std::uniform_int_distribution<int>(1, 7)(rng));
+  return sizes;
+}
+
+/// Every block gets a prior, so that the system has full rank.
+void addPriors(RandomProblem& problem) {
+  std::vector<std::vector<int>> priors;
+  for (int b = 0; b < problem.structure.blockCount(); ++b) priors.push_back({b});
+  problem.addGroup(priors, 8);
+}
+
+TEST(Solvers, AgreeOnChainsStarsGridsCliquesAndIslands) {
+  std::mt19937 rng(11);
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const int n = 25;
+    RandomProblem chain(randomSizes(n, rng), seed), star(randomSizes(n, rng), seed), grid(randomSizes(n, rng), seed),
+        clique(randomSizes(7, rng), seed), islands(randomSizes(n, rng), seed), dense(randomSizes(n, rng), seed);
+    std::vector<std::vector<int>> steps, spokes, edges, pairs, near, random;
+    for (int i = 0; i + 1 < n; ++i) steps.push_back({i, i + 1});
+    for (int i = 1; i < n; ++i) spokes.push_back({i, 0});
+    for (int i = 0; i < n; ++i) {
+      if (i % 5 < 4) edges.push_back({i + 1, i});
+      if (i + 5 < n) edges.push_back({i, i + 5});
+      if (i % 5 < 3) near.push_back({i, i + 1});
+    }
+    for (int i = 0; i < 7; ++i) for (int j = 0; j < i; ++j) pairs.push_back({i, j});
+    std::uniform_int_distribution<int> any(-1, n - 1);  // -1: fixed
+    for (int i = 0; i < 60; ++i) random.push_back({any(rng), any(rng), any(rng)});  // may repeat a block
+    chain.addGroup(steps, 3);
+    star.addGroup(spokes, 2);
+    grid.addGroup(edges, 4);
+    clique.addGroup(pairs, 2);
+    islands.addGroup(near, 3);
+    dense.addGroup(random, 2);
+    for (RandomProblem* problem : {&chain, &star, &grid, &clique, &islands, &dense}) {
+      addPriors(*problem);
+      expectSameAsOracle(*problem);
+    }
+  }
+}
+
+TEST(Solvers, HandleOneGiantBlockAndEmptyGroups) {
+  RandomProblem problem({120, 1, 1}, 3);
+  problem.addGroup({{0, 1}, {0, 2}, {1, 0}}, 60);
+  problem.addGroup({}, 2);
+  expectSameAsOracle(problem);
+}
+
+TEST(Solvers, NameAnUnknownOfTheSingularPart) {
+  // Blocks 0 - 1 - 2 are determined only against each other, 3 is determined, 4 is in no measurement.
+  for (const bool unseen : {false, true}) {
+    RandomProblem problem(unseen ? std::vector<int>{2, 2, 2, 2, 2} : std::vector<int>{2, 2, 2, 2}, 5);
+    problem.addGroup({{0, 1}, {1, 2}, {2, 0}}, 2);
+    for (std::size_t m = 0; m < 3; ++m) {  // r = x_a - x_b
+      for (int i = 0; i < 8; ++i) problem.batches[0].J[8 * m + static_cast<std::size_t>(i)] = i < 4 ? (i % 3 == 0) : -(i % 3 == 1);
+    }
+    problem.addGroup({{3}}, 3);
+    slom::SparseCholesky sparse;
+    slom::DenseQR dense;
+    for (slom::LinearSolver* solver : {static_cast<slom::LinearSolver*>(&sparse), static_cast<slom::LinearSolver*>(&dense)}) {
+      problem.linearizeInto(*solver);
+      VectorXd step = VectorXd::Constant(1, 7);
+      const slom::SolveStatus status = solver->solve({}, step);
+      EXPECT_FALSE(status.ok);
+      EXPECT_EQ(step, VectorXd(VectorXd::Constant(1, 7))) << "untouched on failure";
+      EXPECT_TRUE(status.unknown < 6 || status.unknown >= 8) << status.unknown;
+      EXPECT_LT(status.pivot, 1e-12);
+      // Damped, it can be solved.
+      const VectorXd damping = VectorXd::Constant(problem.structure.unknowns(), 0.5);
+      EXPECT_TRUE(solver->solve(damping, step).ok);
+      EXPECT_EQ(step.size(), problem.structure.unknowns());
+    }
+  }
+}
+
+TEST(Solvers, FindTheRankWhateverTheUnits) {
+  for (const double unit : {1e-9, 1.0, 1e9}) {
+    RandomProblem problem({2, 1}, 9);
+    problem.addGroup({{0, 1}, {0, 1}, {0, 1}}, 2);
+    for (std::size_t m = 0; m < 3; ++m) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        double* J = problem.batches[0].J.data() + 6 * m;
+        J[i] *= unit;
+        J[4 + i] = J[i] / unit + 2 * J[2 + i];  // the third column is a combination of the others
+      }
+    }
+    slom::SparseCholesky sparse;
+    slom::DenseQR dense;
+    VectorXd step;
+    problem.linearizeInto(sparse);
+    problem.linearizeInto(dense);
+    EXPECT_FALSE(sparse.solve({}, step).ok) << unit;
+    EXPECT_FALSE(dense.solve({}, step).ok) << unit;
+    problem.batches[0].J[5] += 1e-3;  // now it is not
+    problem.linearizeInto(sparse);
+    problem.linearizeInto(dense);
+    EXPECT_TRUE(sparse.solve({}, step).ok) << unit;
+    EXPECT_TRUE(dense.solve({}, step).ok) << unit;
+  }
+}
+
+}  // namespace
