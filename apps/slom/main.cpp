@@ -1,6 +1,8 @@
 // The command slom: subcommands, and how errors end.
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,20 +15,33 @@ namespace {
 
 using namespace slom::app;
 
-/// Prints `slom: <text>` on standard error.
+/// The list of subcommands shows one line of each: the one that follows the sample run, where there is one.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_subcommand(const CLI::App* sub) const override {
+    std::string text = sub->get_description();
+    if (const auto sample_end = text.find("\n\n"); sample_end != std::string::npos) text.erase(0, sample_end + 2);
+    return fmt::format("  {:<28}{}\n", sub->get_name(), text.substr(0, text.find('\n')));
+  }
+};
+
+/// What CLI11 ends parsing by: --help and --version; CLI::RuntimeError, by which a subcommand that has said all there
+/// is to say sets the exit code; and options that are wrong.
+int endParsing(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_name() == "CallForVersion") return fmt::print("{}\n", error.what()), exit_success;
+  if (error.get_exit_code() == exit_success) return app.exit(error);
+  if (error.get_name() == "RuntimeError") return error.get_exit_code();
+  const auto subcommands = app.get_subcommands();
+  const std::string command = subcommands.empty() ? "" : " " + subcommands.front()->get_name();
+  std::string text = error.what();
+  if (subcommands.empty() && !app.remaining().empty()) text = app.remaining().front() + " is no subcommand";
+  fmt::print(stderr, "slom: {}; see slom{} --help\n", text, command);
+  return exit_user_error;
+}
+
 int fail(const std::exception& error, int exit_code) {
   fmt::print(stderr, "slom: {}\n", error.what());
   return exit_code;
-}
-
-/// Options that CLI11 refuses, and what it reports the same way: --help, --version, and CLI::RuntimeError, by which a
-/// subcommand that has said all there is to say sets the exit code.
-int endParsing(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) return app.exit(error);
-  if (error.get_name() == "RuntimeError") return error.get_exit_code();
-  fail(error, exit_user_error);
-  fmt::print(stderr, "Run `slom --help` or `slom SUBCOMMAND --help` for the options.\n");
-  return exit_user_error;
 }
 
 }  // namespace
@@ -34,8 +49,9 @@ int endParsing(const CLI::App& app, const CLI::ParseError& error) {
 int main(int argc, char** argv) {
   CLI::App app(
       "slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --json result.json\n\n"
-      "Sparse least squares on manifolds: fits models to measurements and says how well it knows them.",
+      "Sparse least squares on manifolds: fits models to measurements and says how well it knows them.\n",
       "slom");
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", "slom " SLOM_VERSION);
   app.require_subcommand(1);
   addCalibrateCommand(app);

@@ -42,7 +42,7 @@ inline RigTruth simulateTruth(const RigOptions& options, std::mt19937_64& random
     if (options.distorted) camera.tail<5>() << -0.2, 0.08, 0.001, -0.0005, 0.01;
     truth.cameras.push_back(camera);
     truth.left2camera.push_back(
-        c == 0 ? SE3() : SE3(SO3::exp(vec3(0.01, 0.03 * c, -0.02)), vec3(-0.08 * c, 0.002, 0.004)));
+        c == 0 ? SE3() : SE3(SO3::exp(vec3(6 / f, 18 * c / f, -0.02)), vec3(-0.08 * c, 0.002, 0.004)));
   }
   const double width = options.square_m * (options.columns - 1), height = options.square_m * (options.rows - 1);
   for (int image = 1; image <= options.images; ++image) {

@@ -202,7 +202,7 @@ TEST(ImuStart, PrecisionIsThatOfRepeatedFits) {
   fixed.acc_bias = truth.acc_bias;
   // With rotation and bias known to first order, gravity is the mean of the readings along up.
   EXPECT_NEAR(imuPrecision(pairs, at, fixed, 0.05).gravity, 0.05 / std::sqrt(double(pairs.size())), 1e-9);
-  EXPECT_TRUE(imuPrecision(pairs, at, {}, 0.05).determined());
+  EXPECT_TRUE(isDetermined(imuPrecision(pairs, at, {}, 0.05)));
   EXPECT_GT(imuPrecision(pairs, at, {}, 0.05).gravity, imuPrecision(pairs, at, fixed, 0.05).gravity);
 }
 

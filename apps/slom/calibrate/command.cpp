@@ -25,13 +25,14 @@ constexpr const char* help_text =
     R"(slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --imu imu.csv \
                --json result.json --output calibration.yaml
 
-Calibrates cameras, and an IMU on the same rig, from corners of a flat board with a vertical z axis.
-Needs no initial guess. The first camera is the reference.
+Calibrate cameras, and an IMU on the same rig, from the corners of a flat board.
+Needs no initial guess. The first camera is the reference. With an IMU, the world's z axis must be vertical.
 
 Corner files: image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px
 IMU file:     image,ax_m_s2,ay_m_s2,az_m_s2,valid
 One row for each corner or reading, below this header. Images with the same number were taken at the same
-time; images and corners may be missing in some cameras.)";
+time; images and corners may be missing in some cameras.
+)";
 
 constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
@@ -44,11 +45,16 @@ Dataset readDataset(const Settings& settings) {
   return data;
 }
 
+/// Where a symbolic link leads, so that the file is replaced and not the link.
+std::string target(const std::string& file) {
+  return std::filesystem::is_symlink(file) ? std::filesystem::weakly_canonical(file).string() : file;
+}
+
 /// Finds out before the fit, not after it, that a file cannot be written.
 void requireWritable(const Settings& settings) {
   OutputFiles probe;  // removes what it wrote when it goes
   for (const std::string& file : {settings.json_file, settings.yaml_file}) {
-    if (!file.empty()) probe.add(file, "");
+    if (!file.empty()) probe.add(target(file), "");
   }
 }
 
@@ -65,9 +71,9 @@ Progress printedProgress() {
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
 void writeFiles(const Result& result, const Settings& settings) {
   OutputFiles files;
-  if (!settings.json_file.empty()) files.add(settings.json_file, toJson(result));
+  if (!settings.json_file.empty()) files.add(target(settings.json_file), toJson(result));
   const bool yaml = !settings.yaml_file.empty() && result.success();
-  if (yaml) files.add(settings.yaml_file, toOpencvYaml(result));
+  if (yaml) files.add(target(settings.yaml_file), toOpencvYaml(result));
   files.commit();
   if (settings.quiet || (settings.json_file.empty() && settings.yaml_file.empty())) return;
   fmt::print("\n");
@@ -111,8 +117,8 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("NUMBER")
       ->capture_default_str();
   command.add_option("--fix", raw->fixed,
-                     "hold a value instead of estimating it: acc_bias (0,0,0 unless given as acc_bias=X,Y,Z) or the "
-                     "magnitude of gravity (9.80665 unless given, as in gravity=9.81); may be repeated [m/s^2]")
+                     "hold a value instead of estimating it [m/s^2]; may be repeated:\n"
+                     "acc_bias (0,0,0) or acc_bias=X,Y,Z; gravity (9.80665) or gravity=MAGNITUDE")
       ->type_name("NAME[=VALUE]")
       ->allow_extra_args(false);
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")->type_name("NUMBER")->capture_default_str();

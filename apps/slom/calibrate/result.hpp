@@ -33,6 +33,13 @@ struct CameraResult {
   double rms_px_alone = unknown;   ///< of the fit of this camera without the others, where it converged
 };
 
+/// Largest standard deviations of the axes; 0 for what is fixed.
+struct ImuPrecision {
+  double rotation = unknown;  ///< [rad]
+  double acc_bias = unknown;  ///< [m/s^2]
+  double gravity = unknown;   ///< [m/s^2]
+};
+
 struct ImuResult {
   std::string file;
   std::size_t readings = 0;
@@ -43,9 +50,7 @@ struct ImuResult {
   double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
   double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]
   bool acc_bias_is_fixed = false, gravity_is_fixed = false;
-  // Were the other one fixed:
-  double gravity_std_if_bias_fixed = unknown;
-  vec3 acc_bias_std_if_gravity_fixed = vec3(unknown, unknown, unknown);
+  ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
   double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
   double sign_evidence = 0;  ///< ImuStart::sign_evidence
 };

@@ -117,6 +117,17 @@ void requirePositive(const char* option, double value) {
   throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
 }
 
+/// Results replace whole files: a device or a pipe cannot be one.
+void requireFile(const std::string& option, const std::string& file) {
+  if (file.empty()) return;
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  const bool is_file = !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
+  if (is_file && !file.starts_with("/dev/")) return;  // /dev/stdout may lead to a file, and is a link to keep
+  throw UserError(fmt::format("{} {}: this is {}; give the name of a file", option, file,
+                              std::filesystem::is_directory(status) ? "a folder" : "a device or a pipe"));
+}
+
 /// No output may replace an input or another output.
 void checkPaths(const Settings& settings) {
   std::map<std::filesystem::path, std::string> uses;
@@ -134,6 +145,8 @@ void checkPaths(const Settings& settings) {
   use("--imu", settings.imu_file);
   use("--json", settings.json_file);
   use("--output", settings.yaml_file);
+  requireFile("--json", settings.json_file);
+  requireFile("--output", settings.yaml_file);
 }
 
 }  // namespace
@@ -157,6 +170,9 @@ Settings parseSettings(const RawOptions& raw) {
   settings.model = parseModel(raw.model);
   requirePositive("--sigma-px", settings.sigma_px);
   requirePositive("--sigma-acc", settings.sigma_acc);
+  if (settings.max_iterations < 1) {
+    throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", settings.max_iterations));
+  }
   if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
     throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));

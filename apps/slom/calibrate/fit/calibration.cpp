@@ -16,7 +16,7 @@ void requireEnoughMeasurements(const Dataset& data, const Settings& settings, in
   const std::size_t cameras = data.cameras.size();
   const std::size_t unknowns = cameras * parameters_per_camera + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
-  throw UserError(fmt::format("{}: the corners give {} numbers for {} unknowns of the model {}; add images or corners, "
+  throw UserError(fmt::format("{}:2: the corners give {} numbers for {} unknowns of the model {}; add images or corners, "
                               "or choose a model with fewer parameters by --intrinsics",
                               data.cameras.front().file, measured, unknowns, toString(settings.model)));
 }
@@ -58,6 +58,13 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
 }
 
 }  // namespace
+
+std::string sentenceOf(const slom::Error& error) {
+  const std::string text = error.what();
+  const std::size_t id_end = text.find("] ");
+  const std::size_t begin = id_end == std::string::npos ? 0 : id_end + 2;
+  return text.substr(begin, text.find_first_of(":;", begin) - begin);
+}
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkDataset(data);

@@ -9,6 +9,7 @@
 #include <slom/slom.hpp>
 
 #include "calibrate/fit/alone.hpp"
+#include "calibrate/fit/imu_precision.hpp"
 #include "calibrate/start/imu.hpp"
 
 namespace slom::app::calib {
@@ -44,6 +45,9 @@ class JointProblem {
   VarID<vec3> acc_bias_;
   VarID<mtk::Scalar<>> gravity_;
 };
+
+/// What is wrong, without the library's id before it and its remedy for programmers behind it.
+std::string sentenceOf(const slom::Error& error);
 
 // ---- implementation ------------------------------------------------------------------------------------------
 
@@ -193,7 +197,7 @@ Result JointProblem<Camera>::result(const Summary& summary) {
   try {
     addStandardDeviations(result);
   } catch (const slom::Error& error) {
-    result.undetermined = error.what();
+    result.undetermined = sentenceOf(error);
   }
   return result;
 }
@@ -213,16 +217,17 @@ void JointProblem<Camera>::addStandardDeviations(Result& result) {
 
 template <class Camera>
 void JointProblem<Camera>::addImuStandardDeviations(ImuResult& imu) {
-  imu.rotation_std = est_.standardDeviation(left2imu_);
-  imu.acc_bias_std = est_.standardDeviation(acc_bias_);
-  imu.gravity_std = est_.standardDeviation(gravity_)[0];
-  if (imu.acc_bias_is_fixed || imu.gravity_is_fixed) return;
-  est_.optimizeRV(acc_bias_, false);
-  imu.gravity_std_if_bias_fixed = est_.standardDeviation(gravity_)[0];
-  est_.optimizeRV(acc_bias_, true);
-  est_.optimizeRV(gravity_, false);
-  imu.acc_bias_std_if_gravity_fixed = est_.standardDeviation(acc_bias_);
-  est_.optimizeRV(gravity_, true);
+  Eigen::MatrixXd covariance(7, 7);  // rotation, acc_bias, gravity
+  covariance << est_.covariance(left2imu_), est_.covariance(left2imu_, acc_bias_),
+      est_.covariance(left2imu_, gravity_), est_.covariance(acc_bias_, left2imu_), est_.covariance(acc_bias_),
+      est_.covariance(acc_bias_, gravity_), est_.covariance(gravity_, left2imu_),
+      est_.covariance(gravity_, acc_bias_), est_.covariance(gravity_);
+  imu.rotation_std = covariance.diagonal().head<3>().cwiseSqrt();
+  imu.acc_bias_std = covariance.diagonal().segment<3>(3).cwiseSqrt();
+  imu.gravity_std = std::sqrt(covariance(6, 6));
+  imu.precision = precisionOf(covariance);
+  imu.if_acc_bias_fixed = precisionOf(imu.acc_bias_is_fixed ? covariance : whenKnown(covariance, 3, 3));
+  imu.if_gravity_fixed = precisionOf(imu.gravity_is_fixed ? covariance : whenKnown(covariance, 6, 1));
 }
 
 }  // namespace slom::app::calib

@@ -47,6 +47,7 @@ void checkView(const CameraData& camera, const View& view) {
 }  // namespace
 
 void checkViews(const CameraData& camera) {
+  if (camera.views.empty()) throw UserError(fmt::format("{}: there is no corner in it; add some", camera.file));
   for (const View& view : camera.views) checkView(camera, view);
   if (camera.views.size() < 2) {
     throw UserError(fmt::format("{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images "

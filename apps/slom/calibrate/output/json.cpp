@@ -36,6 +36,10 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
           {"rms_px_alone", camera.rms_px_alone}};
 }
 
+Json precision(const ImuPrecision& p) {
+  return {{"rotation", p.rotation}, {"acc_bias", p.acc_bias}, {"gravity", p.gravity}};
+}
+
 Json imuJson(const ImuResult& imu, const std::string& reference) {
   return {{"file", imu.file},
           {"readings", imu.readings},
@@ -47,8 +51,9 @@ Json imuJson(const ImuResult& imu, const std::string& reference) {
           {"gravity", imu.gravity},
           {"gravity_std", imu.gravity_std},
           {"gravity_fixed", imu.gravity_is_fixed},
-          {"gravity_std_if_acc_bias_fixed", imu.gravity_std_if_bias_fixed},
-          {"acc_bias_std_if_gravity_fixed", list(imu.acc_bias_std_if_gravity_fixed)},
+          {"largest_std", precision(imu.precision)},
+          {"largest_std_if_gravity_fixed", precision(imu.if_gravity_fixed)},
+          {"largest_std_if_acc_bias_fixed", precision(imu.if_acc_bias_fixed)},
           {"tilt_spread_rad", imu.tilt_spread},
           {"sign_evidence", imu.sign_evidence}};
 }

@@ -17,39 +17,38 @@ constexpr double weak_gravity = 0.1;      // m/s^2
 
 void noteDetermination(const Result& result, std::vector<std::string>& notes) {
   if (result.undetermined.empty()) return;
-  notes.push_back(fmt::format("The images do not determine all parameters, so there are no standard deviations, and the "
-                              "values must not be used: {}. Add images from other directions and distances, or choose "
-                              "a model with fewer parameters by --intrinsics.", result.undetermined));
+  notes.push_back(fmt::format("Not all parameters are determined ({}), so there are no standard deviations, and the "
+                              "values must not be used. Add images from other directions and distances, or choose a "
+                              "model with fewer parameters by --intrinsics.", result.undetermined));
 }
 
-/// Root mean square of the residuals of one component, corrected for the unknowns they were fitted with.
-double observedSigma(double rms_per_component, const Result& result) {
-  return rms_per_component * std::sqrt(double(result.measurements) / std::max(1, result.redundancy));
-}
-
-void noteSigma(const char* what, const char* option, double stated, double observed, const char* unit,
+/// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
+void noteSigma(const char* what, const char* option, double stated, double squares, double residuals, double unknowns,
                std::vector<std::string>& notes) {
-  if (!(observed > 0) || std::abs(std::log(observed / stated)) < std::log(sigma_mismatch)) return;
+  if (!(squares > 0) || residuals <= unknowns) return;
+  const double observed = std::sqrt(squares / (residuals - unknowns));
+  if (std::abs(std::log(observed / stated)) < std::log(sigma_mismatch)) return;
   const bool larger = observed > stated;
-  const double factor = larger ? observed / stated : stated / observed;
-  notes.push_back(fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says. If that is their noise and not a "
-                              "flaw of the model, pass {} {} {}; all standard deviations here are those of the stated "
-                              "sigma [{}].",
-                              what, factor, larger ? "larger" : "smaller", option, stated, option, twoDigits(observed),
-                              larger ? "and look at the worst images" : "to get the smaller standard deviations", unit));
+  notes.push_back(fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
+                              "standard deviations above are those of the stated sigmas.",
+                              what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
+                              stated, option, twoDigits(observed),
+                              larger ? ", unless the model is too simple or the worst images are wrong" : ""));
 }
 
 void noteSigmas(const Result& result, std::vector<std::string>& notes) {
-  double square = 0, corners = 0;
+  double squares = 0, corners = 0;
   for (const CameraResult& camera : result.cameras) {
-    square += camera.rms_px * camera.rms_px * double(camera.corners);
+    squares += camera.rms_px * camera.rms_px * double(camera.corners);
     corners += double(camera.corners);
   }
-  noteSigma("the corners", "--sigma-px", result.sigma_px, observedSigma(std::sqrt(square / corners / 2), result), "px",
-            notes);
+  double of_imu = 0;  // unknowns that the readings alone determine
+  if (result.imu) of_imu = 3 + (result.imu->acc_bias_is_fixed ? 0 : 3) + (result.imu->gravity_is_fixed ? 0 : 1);
+  noteSigma("the corners", "--sigma-px", result.sigma_px, squares, 2 * corners, result.unknowns - of_imu, notes);
   if (!result.imu) return;
-  noteSigma("the IMU", "--sigma-acc", result.sigma_acc, observedSigma(result.imu->rms_acc / std::sqrt(3.0), result),
-            "m/s^2", notes);
+  const double readings = double(result.imu->readings);
+  noteSigma("the IMU", "--sigma-acc", result.sigma_acc, std::pow(result.imu->rms_acc, 2) * readings, 3 * readings, of_imu,
+            notes);
 }
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
@@ -70,17 +69,14 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
                     "the IMU turned half round) fits as well. Add images tilted about another axis.");
   }
   if (imu.acc_bias_is_fixed || imu.gravity_is_fixed || !std::isfinite(imu.gravity_std)) return;
-  const double ratio = imu.gravity_std / imu.gravity_std_if_bias_fixed;
-  const bool weak = ratio > weak_ratio || imu.gravity_std > weak_gravity;
-  const vec3& bias = imu.acc_bias_std;
-  const vec3& better = imu.acc_bias_std_if_gravity_fixed;
+  const double ratio = imu.gravity_std / imu.if_acc_bias_fixed.gravity;
+  if (ratio < weak_ratio && imu.gravity_std < weak_gravity) return;
   notes.push_back(fmt::format(
-      "acc_bias and gravity are {} determined: the tilts of the images spread by {:.1f} deg, which leaves gravity known "
-      "to {} and acc_bias to ({}, {}, {}) m/s^2. With the local gravity given (--fix gravity=9.81) acc_bias would be "
-      "known to ({}, {}, {}); with the bias given (--fix acc_bias=X,Y,Z) gravity would be known to {}.",
-      weak ? "weakly" : "well", imu.tilt_spread * 180 / std::numbers::pi, twoDigits(imu.gravity_std),
-      twoDigits(bias[0]), twoDigits(bias[1]), twoDigits(bias[2]), twoDigits(better[0]), twoDigits(better[1]),
-      twoDigits(better[2]), twoDigits(imu.gravity_std_if_bias_fixed)));
+      "acc_bias and gravity are weakly determined, because the tilts of the images spread by {:.1f} deg only: they trade "
+      "off against each other and against the rotation (multiple correlation of gravity with acc_bias {:.4f}). The table "
+      "of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with more tilt, about both "
+      "axes, help without assuming anything.",
+      imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
 
 }  // namespace

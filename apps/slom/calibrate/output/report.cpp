@@ -49,12 +49,28 @@ std::string cameraLines(const CameraResult& camera, const std::string& reference
   return text + rotationLines(camera.left2camera.orient, camera.rotation_std);
 }
 
+/// What is known how well, and what fixing would bring: largest standard deviations of the axes.
+std::string precisionTable(const ImuResult& imu) {
+  const auto row = [&](const char* name, const char* unit, double scale, double ImuPrecision::*what) {
+    std::string text = fmt::format("    {:<10}{:<8}", name, unit);
+    for (const ImuPrecision* p : {&imu.precision, &imu.if_gravity_fixed, &imu.if_acc_bias_fixed}) {
+      text += fmt::format("{:>16}", p->*what > 1e-12 ? twoDigits(scale * (p->*what)) : "fixed");
+    }
+    return text + "\n";
+  };
+  return fmt::format("  largest std {:>22}{:>16}{:>16}\n", "now", "gravity fixed", "acc_bias fixed") +
+         row("rotation", "deg", degrees, &ImuPrecision::rotation) + row("acc_bias", "m/s^2", 1, &ImuPrecision::acc_bias) +
+         row("gravity", "m/s^2", 1, &ImuPrecision::gravity);
+}
+
 std::string imuLines(const ImuResult& imu, const std::string& reference) {
   std::string text = fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), imu.rms_acc);
   text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
   text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
   text += fmt::format("  from {} to imu:\n", reference);
-  return text + rotationLines(imu.left2imu, imu.rotation_std);
+  text += rotationLines(imu.left2imu, imu.rotation_std);
+  const bool is_open = std::isfinite(imu.gravity_std) && !(imu.acc_bias_is_fixed && imu.gravity_is_fixed);
+  return is_open ? text + precisionTable(imu) : text;
 }
 
 std::string summaryLines(const Result& result) {

@@ -78,8 +78,6 @@ ImuStart startImu(const std::vector<TiltPair>& pairs, const Fixed& fixed, double
   return start;
 }
 
-bool ImuPrecision::determined() const { return rotation < 1 && acc_bias < 10 && gravity < 10; }
-
 ImuPrecision imuPrecision(const std::vector<TiltPair>& pairs, const ImuStart& at, const Fixed& fixed,
                           double sigma_acc) {
   const Sensitivity s = sensitivity(pairs, at, fixed);
@@ -99,6 +97,10 @@ ImuPrecision imuPrecision(const std::vector<TiltPair>& pairs, const ImuStart& at
           s.gravity_at < 0 ? 0 : std[s.gravity_at]};
 }
 
+bool isDetermined(const ImuPrecision& precision) {
+  return precision.rotation < 1 && precision.acc_bias < 10 && precision.gravity < 10;
+}
+
 double tiltSpread(const std::vector<TiltPair>& pairs) {
   vec3 mean;
   for (const TiltPair& pair : pairs) mean += pair.up_in_left;
@@ -111,12 +113,12 @@ double tiltSpread(const std::vector<TiltPair>& pairs) {
 
 void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs, const ImuStart& at,
                           const Fixed& fixed, double sigma_acc) {
-  if (imuPrecision(pairs, at, fixed, sigma_acc).determined()) return;
+  if (isDetermined(imuPrecision(pairs, at, fixed, sigma_acc))) return;
   const auto helps = [&](bool fix_bias, bool fix_gravity) {
     Fixed more = fixed;
     if (fix_bias) more.acc_bias = at.acc_bias;
     if (fix_gravity) more.gravity = std::abs(at.gravity);
-    return imuPrecision(pairs, at, more, sigma_acc).determined();
+    return isDetermined(imuPrecision(pairs, at, more, sigma_acc));
   };
   std::string remedy;
   if (!fixed.gravity && helps(false, true)) remedy = ", or pass --fix gravity=9.81";

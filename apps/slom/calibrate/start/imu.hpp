@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "calibrate/settings.hpp"
+#include "calibrate/result.hpp"
 #include "calibrate/start/rig.hpp"
 
 namespace slom::app::calib {
@@ -31,17 +31,12 @@ struct ImuStart {
 /// as the mean of the readings'. What is fixed keeps its value.
 ImuStart startImu(const std::vector<TiltPair>& pairs, const Fixed& fixed, double sigma_acc);
 
-/// How well the pairs determine the IMU, poses taken as known: standard deviations with `fixed` held.
-struct ImuPrecision {
-  double rotation;  ///< largest of the three [rad]; infinite where not determined
-  double acc_bias;  ///< largest of the three [m/s^2]
-  double gravity;   ///< [m/s^2]
-
-  /// Whether an estimate would say anything: rotation to a radian, the others to 10 m/s^2.
-  bool determined() const;
-};
+/// How well the pairs determine the IMU, poses taken as known, with `fixed` held; infinite where they do not.
 ImuPrecision imuPrecision(const std::vector<TiltPair>& pairs, const ImuStart& at, const Fixed& fixed,
                           double sigma_acc);
+
+/// Whether an estimate would say anything: rotation to a radian, the others to 10 m/s^2.
+bool isDetermined(const ImuPrecision& precision);
 
 /// Root mean square angle between the directions of up and their mean [rad].
 double tiltSpread(const std::vector<TiltPair>& pairs);

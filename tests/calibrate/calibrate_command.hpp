@@ -1,0 +1,47 @@
+// The command `slom calibrate` on files that a test writes.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrate/simulated_rig.hpp"
+#include "support/paths.hpp"
+#include "support/run_command.hpp"
+
+namespace slom::app::calib::testing {
+
+using slom::testing::CommandResult;
+using slom::testing::TemporaryFolder;
+
+inline CommandResult runCalibrate(const std::vector<std::string>& options) {
+  std::vector<std::string> words{slom::testing::commandPath().string(), "calibrate"};
+  words.insert(words.end(), options.begin(), options.end());
+  return slom::testing::runCommand(words);
+}
+
+inline const std::string corner_header = "image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n";
+inline const std::string imu_header = "image,ax_m_s2,ay_m_s2,az_m_s2,valid\n";
+
+inline std::string cornerFile(const CameraData& camera) {
+  std::string text = corner_header;
+  for (const View& view : camera.views) {
+    for (const Corner& c : view.corners) {
+      text += fmt::format("{},{},{},{},{},{},{}\n", view.image, c.number, c.world[0], c.world[1], c.world[2],
+                          c.pixel[0], c.pixel[1]);
+    }
+  }
+  return text;
+}
+
+inline std::string imuFile(const ImuData& imu) {
+  std::string text = imu_header;
+  for (const ImuReading& r : imu.readings) {
+    text += fmt::format("{},{},{},{},1\n", r.image, r.acc[0], r.acc[1], r.acc[2]);
+  }
+  return text;
+}
+
+}  // namespace slom::app::calib::testing
