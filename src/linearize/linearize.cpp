@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -38,7 +39,8 @@ void Linearizer::forEachChunk(int count, const F& f) {
     for (int i = 0; i < count; ++i) f(i);
     return;
   }
-  tbb::task_arena arena(threads_ > 0 ? threads_ : tbb::task_arena::automatic);
+  const int most = tbb::info::default_concurrency();
+  tbb::task_arena arena(threads_ > 0 ? std::min(threads_, most) : most);
   arena.execute([&] { tbb::parallel_for(0, count, f); });
 }
 

@@ -40,6 +40,7 @@ std::string readableTypeName(std::string_view compiler_text) {
   eraseAll(text, "<double>");
   eraseAll(text, ", double");
   for (auto at = text.find(" >"); at != std::string::npos; at = text.find(" >")) text.erase(at, 1);
+  eraseAll(text, "<>");
   return text;
 }
 

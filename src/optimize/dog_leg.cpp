@@ -33,10 +33,15 @@ DogLeg::DogLeg(double initial_radius) : initial_radius_(initial_radius), radius_
                        "; pass a positive number, or 0 for the length of the first Gauss-Newton step");
 }
 
+void DogLeg::reset() {
+  radius_ = initial_radius_;
+  scales_.reset();
+}
+
 StepOutcome DogLeg::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
-  const VectorXd scale = system.solver().diagonal().cwiseSqrt();
+  const VectorXd scale = scales_.update(system).cwiseSqrt();
   VectorXd newton;
   outcome.status = system.solver().solve({}, newton);
   if (!outcome.status.ok) {

@@ -9,12 +9,19 @@ namespace slom {
 
 namespace {
 constexpr double kLargestDamping = 1e32;
-
-/// Diagonal of J^T J; an unknown that no measurement sees gets 1, so that the damping holds it where it is.
-Eigen::VectorXd scaling(const Eigen::VectorXd& diagonal) {
-  return diagonal.unaryExpr([](double h) { return h > 0 ? h : 1.0; });
-}
 }  // namespace
+
+const Eigen::VectorXd& UnknownScales::update(System& system) {
+  const Eigen::VectorXd& diagonal = system.solver().diagonal();
+  if (largest_.size() != diagonal.size() || structure_revision_ != system.problem().structureRevision()) {
+    structure_revision_ = system.problem().structureRevision();
+    largest_ = diagonal;
+  }
+  largest_ = largest_.cwiseMax(diagonal);
+  // An unknown that no measurement sees gets 1, so that damping holds it where it is.
+  scale_ = largest_.unaryExpr([](double h) { return h > 0 ? h : 1.0; });
+  return scale_;
+}
 
 LevenbergMarquardt::LevenbergMarquardt(double initial_damping) : initial_damping_(initial_damping), mu_(initial_damping) {
   if (initial_damping > 0 && std::isfinite(initial_damping)) return;
@@ -25,12 +32,13 @@ LevenbergMarquardt::LevenbergMarquardt(double initial_damping) : initial_damping
 void LevenbergMarquardt::reset() {
   mu_ = initial_damping_;
   nu_ = 2;
+  scales_.reset();
 }
 
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
-  const Eigen::VectorXd D = scaling(system.solver().diagonal());
+  const Eigen::VectorXd D = scales_.update(system);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;

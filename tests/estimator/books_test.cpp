@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <sstream>
 
@@ -376,8 +377,9 @@ TEST(Progress, IsSilentUnlessAskedAndThenATable) {
   const slom::Summary summary = loop.est.optimize(options);
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-  EXPECT_EQ(table.str().substr(0, 27), "iter              RSS    de");
-  EXPECT_EQ(static_cast<int>(std::count(table.str().begin(), table.str().end(), '\n')), summary.iterations + 2);
+  const std::string text = table.str();
+  EXPECT_EQ(text.substr(0, 27), "iter              RSS    de");
+  EXPECT_EQ(static_cast<int>(std::count(text.begin(), text.end(), '\n')), summary.iterations + 2);
   options.observer = [&](const slom::IterationRecord& r) { EXPECT_EQ(r.iteration, calls++); };
   const slom::Summary again = loop.est.optimize(options);
   EXPECT_EQ(calls, again.iterations + 1);

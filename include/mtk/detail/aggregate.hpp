@@ -95,8 +95,9 @@ constexpr auto memberAddress() {
 }
 template <auto Address>
 constexpr std::string_view addressName() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto Address = (& ...::member); ...]"
-  text = text.substr(0, text.find(')', text.find("Address = (")));
+  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto Address = (& ...::member); std::string_view = ...]"
+  text = text.substr(0, text.rfind("; std::string_view"));
+  text = text.substr(0, text.rfind(')'));
   text = text.substr(text.rfind(':') + 1);
   return text;
 }

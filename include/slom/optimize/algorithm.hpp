@@ -47,8 +47,22 @@ class GaussNewton final : public Algorithm {
   StepOutcome step(System& system, const Options& options) override;
 };
 
-/// d = -(J^T J + mu D)^-1 J^T r with D the diagonal of J^T J (1 where that is 0), mu raised until the RSS falls.
-///   damping     Marquardt 1963: scale invariant
+/// The scale of each unknown: the largest diagonal entry of J^T J that it has had in this fit (1 while that is 0), so
+/// that no unit counts for more than another and the scale does not swing with the linearisation.
+///   source   More, "The Levenberg-Marquardt algorithm: implementation and theory", 1978, section 6
+class UnknownScales {
+ public:
+  /// Takes the linearisation of `system` into account.
+  const Eigen::VectorXd& update(System& system);
+  void reset() { largest_.resize(0); }
+
+ private:
+  std::uint64_t structure_revision_ = 0;
+  Eigen::VectorXd largest_, scale_;
+};
+
+/// d = -(J^T J + mu D)^-1 J^T r with D the UnknownScales, mu raised until the RSS falls.
+///   damping     Marquardt 1963, with the scale of More 1978
 ///   gain ratio and update of mu   Nielsen 1999, as in Madsen, Nielsen and Tingleff, "Methods for non-linear least
 ///               squares problems", 2004, algorithm 3.16: rho = actual / predicted decrease; for rho > 0
 ///               mu *= max(1/3, 1 - (2 rho - 1)^3), nu = 2; otherwise mu *= nu, nu *= 2.
@@ -66,10 +80,10 @@ class LevenbergMarquardt final : public Algorithm {
   double initial_damping_;
   double mu_;
   double nu_ = 2;
+  UnknownScales scales_;
 };
 
-/// The Gauss-Newton step where it fits into the trust region |D^1/2 d| <= radius, D the diagonal of J^T J; otherwise
-/// the point where the path from the best steepest-descent step to it leaves the region.
+/// The Gauss-Newton step where it fits into the trust region |D^1/2 d| <= radius, D the UnknownScales; otherwise the point where the path from the best steepest-descent step to it leaves the region.
 ///   source   Powell 1970, as in Madsen, Nielsen and Tingleff 2004, algorithm 3.21, in scaled unknowns; the radius
 ///            becomes max(radius, 3 |d|) for rho > 3/4 and half of it for rho < 1/4. The first radius is the length of
 ///            the first Gauss-Newton step.
@@ -80,12 +94,13 @@ class DogLeg final : public Algorithm {
 
   std::string name() const override { return "dog leg"; }
   std::unique_ptr<Algorithm> clone() const override { return std::make_unique<DogLeg>(*this); }
-  void reset() override { radius_ = initial_radius_; }
+  void reset() override;
   StepOutcome step(System& system, const Options& options) override;
 
  private:
   double initial_radius_;
   double radius_;
+  UnknownScales scales_;
 };
 
 }  // namespace slom
