@@ -54,7 +54,7 @@ SE3 drawView(int index, Random& random) {
   const double shift_x = random.uniform(-0.08, 0.08);
   const double shift_y = random.uniform(-0.06, 0.06);
   const mtk::vect<3> target =
-      boardPoint(kBoardColumns - 1, kBoardRows - 1) / 2 + mtk::vect<3>(shift_x, shift_y, 0.0);
+      0.5 * boardPoint(kBoardColumns - 1, kBoardRows - 1) + mtk::vect<3>(shift_x, shift_y, 0.0);
 
   const mtk::vect<3> towards_camera(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
                                     std::cos(tilt));
