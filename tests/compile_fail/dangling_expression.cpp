@@ -1,0 +1,10 @@
+// expect: slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries that are gone; give it a return type, such as `-> Eigen::Vector2d`
+#include <slom/slom.hpp>
+
+void f(slom::Estimator& est, slom::VarID<Eigen::Vector2d> x) {
+#ifdef MUST_FAIL
+  est.insertMeasurement([](const auto& v) { return 2 * v.eval(); }, x);
+#else
+  est.insertMeasurement([](const auto& v) -> Eigen::Vector2d { return 2 * v.eval(); }, x);
+#endif
+}
