@@ -149,9 +149,24 @@ std::istream& operator>>(std::istream& is, trafo<R>& T) {
   return is;
 }
 
+/// Whether M and all its parts have operator<<.
+template <class M>
+constexpr bool isWritable() {
+  if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
+    return []<class... P>(std::type_identity<std::tuple<P...>>) {
+      return (isWritable<std::remove_cvref_t<P>>() && ...);
+    }(std::type_identity<decltype(detail::tieAny(std::declval<M&>()))>{});
+  } else if constexpr (requires { std::tuple_size<M>::value; }) {
+    return isWritable<typename M::value_type>();
+  } else {
+    return requires(std::ostream& os, const M& x) { os << x; };
+  }
+}
+
 /// Writes any manifold, plain aggregates included (for which `<<` is not found by name look-up).
 template <Manifold M>
 std::ostream& write(std::ostream& os, const M& x) {
+  static_assert(isWritable<M>(), "mtk: to be written, this type or one of its parts needs an operator<<");
   if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
     return detail::writeMembers(os, detail::tieAny(x));
   } else if constexpr (requires { std::tuple_size<M>::value; }) {

@@ -137,7 +137,7 @@ class AxiomCheck {
     std::ostringstream text;
     text.precision(std::numeric_limits<S>::max_digits10);
     text << axiom << " is off by " << error << " at x = (";
-    write(text, x);
+    if constexpr (isWritable<M>()) write(text, x);
     text << "), d = (" << d.transpose() << ")";
     return text.str();
   }

@@ -91,12 +91,12 @@ class VariableStore final : public VariableStoreBase {
     return mtk::componentNames(values_[slot], path);
   }
   std::string valueText(std::uint32_t slot) const override {
-    if constexpr (requires(std::ostream& os, const T& x) { mtk::write(os, x); }) {
+    if constexpr (mtk::isWritable<T>()) {
       std::ostringstream text;
       mtk::write(text, values_[slot]);
       return text.str();
     } else {
-      return "(" + typeName() + ")";
+      return "a " + typeName();
     }
   }
   void magnitudes(std::uint32_t slot, double* out) const override {
