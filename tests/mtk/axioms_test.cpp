@@ -43,13 +43,23 @@ struct Wrong : Heading {
   }
 };
 
+struct PlainCamera : mtk::vect<9> {};
+namespace documented {
+using Camera = PlainCamera;
+struct Head {
+  Camera left, right;
+  mtk::trafo<mtk::SO3<>> left2right;
+  double gravity;
+};
+}  // namespace documented
+
 template <class M>
 class Axioms : public ::testing::Test {};
 using Types = ::testing::Types<
     double, float, mtk::Scalar<double>, mtk::Scalar<float>, mtk::vect<1>, mtk::vect<3>, mtk::vect<7, float>, Eigen::Vector2d,
     mtk::SO2<double>, mtk::SO2<float>, mtk::SO3<double>, mtk::SO3<float>, mtk::S2<double>, mtk::S2<float>,
     mtk::trafo<mtk::SO2<double>>, mtk::trafo<mtk::SO2<float>>, mtk::trafo<mtk::SO3<double>>, mtk::trafo<mtk::SO3<float>>,
-    std::array<mtk::SO3<double>, 2>, Camera<double>, Rig<double>, Rig<float>, Macro, Nested, Heading>;
+    std::array<mtk::SO3<double>, 2>, Camera<double>, Rig<double>, Rig<float>, Macro, Nested, Heading, documented::Head>;
 TYPED_TEST_SUITE(Axioms, Types);
 
 TYPED_TEST(Axioms, Hold) {

@@ -1,0 +1,73 @@
+// Every fenced block of C++ and CMake in the documentation stands, letter by letter, in a source that the test suite
+// compiles and runs; what the README says that its program prints is what it prints.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/paths.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path);
+  EXPECT_TRUE(file.good()) << path;
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> blocks(const std::string& page, const std::string& language) {
+  std::vector<std::string> result;
+  const std::string fence = "```" + language + "\n";
+  for (auto at = page.find(fence); at != std::string::npos; at = page.find(fence, at)) {
+    at += fence.size();
+    result.push_back(page.substr(at, page.find("```", at) - at));
+  }
+  return result;
+}
+
+/// All sources of examples and tests, one after the other.
+std::string sources(const std::string& extension) {
+  std::string all;
+  for (const char* folder : {"examples", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath(folder))) {
+      if (entry.is_regular_file() && (entry.path().extension() == extension || entry.path().filename() == extension)) {
+        all += contents(entry.path());
+      }
+    }
+  }
+  return all;
+}
+
+TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
+  const std::string cpp = sources(".cpp") + sources(".hpp"), cmake = sources("CMakeLists.txt");
+  std::vector<fs::path> pages{slom::testing::sourcePath("README.md")};
+  for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath("docs"))) pages.push_back(entry.path());
+  int count = 0;
+  for (const fs::path& page : pages) {
+    if (page.extension() != ".md") continue;
+    for (const std::string& block : blocks(contents(page), "cpp")) {
+      EXPECT_NE(cpp.find(block), std::string::npos) << page << " shows code that is in no example or test:\n" << block;
+      ++count;
+    }
+    for (const std::string& block : blocks(contents(page), "cmake")) {
+      EXPECT_NE(cmake.find(block), std::string::npos) << page << " shows a build that no test makes:\n" << block;
+      ++count;
+    }
+  }
+  EXPECT_GE(count, 9);
+}
+
+TEST(Documentation, ShowsWhatTheFirstProgramPrints) {
+  const auto printed = blocks(contents(slom::testing::sourcePath("README.md")), "text");
+  ASSERT_FALSE(printed.empty());
+  EXPECT_EQ(printed[0], contents(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
+}
+
+}  // namespace
