@@ -249,7 +249,7 @@ TEST(CalibrateFaults, TooFewCornersForTheModel) {
   files.left = filtered(files.left, [](int image, int corner) {
     return image < 3 && (corner == 1 || corner == 4 || corner == 13 || corner == 16);
   });
-  expectRefused(files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json"},
+  expectRefused(files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"},
                 "left.csv:2: the corners give 16 numbers for 21 unknowns of the model opencv5; add images or corners, or "
                 "choose a model with fewer parameters by --intrinsics");
 }

@@ -1,0 +1,151 @@
+// How numbers and sentences are written.
+#include <gtest/gtest.h>
+
+#include "calibrate/calibrate_command.hpp"
+#include "calibrate/output/format.hpp"
+#include "calibrate/output/notes.hpp"
+#include "calibrate/output/report.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+void expectText(double value, double std, const std::string& value_text, const std::string& std_text) {
+  const ValueText text = withStd(value, std);
+  EXPECT_EQ(text.value, value_text);
+  EXPECT_EQ(text.std, std_text);
+}
+
+TEST(Format, ShowsTwoDigitsOfTheUncertainty) {
+  expectText(532.7981, 0.21234, "532.80", "0.21");
+  expectText(-0.000123456, 0.0000456, "-0.000123", "0.000046");
+  expectText(532.7981, 21.2, "533", "21");
+  expectText(532.7981, 212, "533", "212");
+  expectText(1.23456, 0.0996, "1.23", "0.10");
+  expectText(1.23456, 0.0994, "1.235", "0.099");
+  expectText(9.81, 0, "9.81", "fixed");
+  expectText(9.81, unknown, "9.81", "not determined");
+  expectText(1234.5678, 1e-12, "1234.5678", "1.0e-12");
+}
+
+TEST(Format, TwoDigits) {
+  EXPECT_EQ(twoDigits(0.21), "0.21");
+  EXPECT_EQ(twoDigits(13.4), "13");
+  EXPECT_EQ(twoDigits(0.996), "1.0");
+  EXPECT_EQ(twoDigits(0), "0");
+  EXPECT_EQ(twoDigits(2.13e-9), "2.1e-09");
+}
+
+/// A result with one camera whose residuals are what the sigmas say, and an IMU that is well determined.
+Result goodResult() {
+  Result result;
+  result.converged = true;
+  result.sigma_px = 0.25;
+  result.sigma_acc = 0.05;
+  result.measurements = 1030;
+  result.unknowns = 37;
+  result.redundancy = 993;
+  CameraResult camera;
+  camera.name = "left";
+  camera.corners = 500;
+  camera.rms_px = 0.25 * std::sqrt(2 * (1000 - 30) / 1000.0);
+  camera.rms_px_alone = 0.345;
+  result.cameras.push_back(camera);
+  ImuResult imu;
+  imu.readings = 10;
+  imu.rms_acc = 0.05 * std::sqrt(3 * (30 - 7) / 30.0);
+  imu.gravity = 9.8;
+  imu.gravity_std = 0.02;
+  imu.if_acc_bias_fixed = {0.01, 0, 0.015};
+  imu.sign_evidence = 1000;
+  imu.tilt_spread = 0.5;
+  result.imu = imu;
+  return result;
+}
+
+TEST(Notes, NothingToSayOfAGoodResult) { EXPECT_EQ(notes(goodResult()), std::vector<std::string>()); }
+
+TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
+  Result result = goodResult();
+  result.cameras[0].rms_px *= 0.6;
+  result.imu->rms_acc *= 3;
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "The residuals of the corners are 1.7 times smaller than --sigma-px 0.25 says; --sigma-px 0.15 would fit "
+                "them. The standard deviations above are those of the stated sigmas.",
+                "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 says; --sigma-acc 0.15 would fit "
+                "them, unless the model is too simple or the worst images are wrong. The standard deviations above are "
+                "those of the stated sigmas."}));
+}
+
+TEST(Notes, CameraThatFitsWorseTogether) {
+  Result result = goodResult();
+  result.cameras[0].rms_px_alone = 0.2;
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "Camera left fits its images to 0.200 px alone, but to 0.348 px together with the rest: look for images "
+                "that were not taken at the same time, image numbers that do not belong together, or a part that "
+                "moved."}));
+}
+
+TEST(Notes, WeakGravityAndOpenSign) {
+  Result result = goodResult();
+  result.imu->gravity_std = 0.15;
+  result.imu->sign_evidence = 1;
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with the "
+                "IMU turned half round) fits as well. Add images tilted about another axis.",
+                "acc_bias and gravity are weakly determined, because the tilts of the images spread by 28.6 deg only: "
+                "they trade off against each other and against the rotation (multiple correlation of gravity with "
+                "acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would "
+                "bring; images with more tilt, about both axes, help without assuming anything."}));
+}
+
+TEST(Notes, ParametersThatAreNotDetermined) {
+  Result result = goodResult();
+  result.undetermined = "the measurements do not determine left.k3";
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "Not all parameters are determined (the measurements do not determine left.k3), so there are no standard "
+                "deviations, and the values must not be used. Add images from other directions and distances, or choose "
+                "a model with fewer parameters by --intrinsics."}));
+}
+
+TEST(Report, HelpOpensWithASampleRun) {
+  const auto help = testing::runCalibrate({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_TRUE(help.output.starts_with("slom calibrate --camera left=left_corners.csv")) << help.output;
+  for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix", "--json",
+                                   "--output", "--quiet"}) {
+    EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;
+  }
+}
+
+TEST(Report, CommandWithoutOrWithUnknownSubcommand) {
+  const std::string command = slom::testing::commandPath().string();
+  EXPECT_EQ(slom::testing::runCommand({command}).errors, "slom: A subcommand is required; see slom --help\n");
+  const auto unknown_one = slom::testing::runCommand({command, "callibrate"});
+  EXPECT_EQ(unknown_one.errors, "slom: callibrate is no subcommand; see slom --help\n");
+  EXPECT_EQ(unknown_one.exit_code, 2);
+  const auto version = slom::testing::runCommand({command, "--version"});
+  EXPECT_EQ(version.output, "slom " SLOM_VERSION "\n");
+  EXPECT_EQ(version.exit_code, 0);
+}
+
+TEST(Report, SaysWhatMatters) {
+  const auto folder = slom::testing::sourcePath("data/simulated_stereo_imu");
+  const auto run = testing::runCalibrate({"--camera", "left=" + (folder / "left_corners.csv").string(), "--camera",
+                                          "right=" + (folder / "right_corners.csv").string(), "--imu",
+                                          (folder / "imu.csv").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+  for (const std::string part :
+       {"left         10 images     900 corners", "iteration            RSS", "Converged after",
+        "3678 measurements - 103 unknowns = redundancy 3575", "chi2/dof", "camera left: opencv5, 10 images, 900 corners, RMS",
+        "camera right: opencv5", "from left to right, p_right = R p_left + t:", "imu: 10 readings, RMS", "gravity",
+        "largest std", "worst images", "acc_bias and gravity are weakly determined"}) {
+    EXPECT_NE(run.output.find(part), std::string::npos) << "\"" << part << "\" is not in\n" << run.output;
+  }
+}
+
+}  // namespace
+}  // namespace slom::app::calib
