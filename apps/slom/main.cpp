@@ -20,13 +20,14 @@ class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_subcommand(const CLI::App* sub) const override {
     std::string text = sub->get_description();
-    if (const auto sample_end = text.find("\n\n"); sample_end != std::string::npos) text.erase(0, sample_end + 2);
+    if (const auto sample_end = text.find("\n\n"); sample_end != std::string::npos)
+      text.erase(0, sample_end + 2);
     return fmt::format("  {:<28}{}\n", sub->get_name(), text.substr(0, text.find('\n')));
   }
 };
 
-/// What CLI11 ends parsing by: --help and --version; CLI::RuntimeError, by which a subcommand that has said all there
-/// is to say sets the exit code; and options that are wrong.
+/// What CLI11 ends parsing by: --help and --version; CLI::RuntimeError, by which a subcommand that has said
+/// all there is to say sets the exit code; and options that are wrong.
 int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_name() == "CallForVersion") return fmt::print("{}\n", error.what()), exit_success;
   if (error.get_exit_code() == exit_success) return app.exit(error);

@@ -28,18 +28,21 @@ json calibrated(std::vector<std::string> options) {
 }
 
 std::vector<std::string> stereo(const std::filesystem::path& folder, const std::string& model) {
-  return {"--camera", "left=" + (folder / "left_corners.csv").string(), "--camera",
-          "right=" + (folder / "right_corners.csv").string(), "--intrinsics", model};
+  return {"--camera",     "left=" + (folder / "left_corners.csv").string(),
+          "--camera",     "right=" + (folder / "right_corners.csv").string(),
+          "--intrinsics", model};
 }
 
 /// Runs tests/calibrate_reference/opencv_stereo.py; exit code 3 means that OpenCV is not there.
 testing::CommandResult runReference(std::vector<std::string> options) {
-  options.insert(options.begin(), {"/usr/bin/python3", sourcePath("tests/calibrate_reference/opencv_stereo.py").string()});
+  options.insert(options.begin(),
+                 {"/usr/bin/python3", sourcePath("tests/calibrate_reference/opencv_stereo.py").string()});
   return slom::testing::runCommand(options);
 }
 
 void expectNoWorseThanOpenCV(const std::filesystem::path& folder, const std::string& model) {
-  std::vector<std::string> options{(folder / "left_corners.csv").string(), (folder / "right_corners.csv").string()};
+  std::vector<std::string> options{(folder / "left_corners.csv").string(),
+                                   (folder / "right_corners.csv").string()};
   if (model == "opencv4") options.push_back("--fix-k3");
   const auto reference = runReference(options);
   if (reference.exit_code == 3) GTEST_SKIP() << reference.errors;
@@ -97,15 +100,17 @@ TEST(CalibrateData, BundledSimulationFindsItsTruth) {
   const json &imu = result["imu"], &true_imu = truth["imu"];
   EXPECT_NEAR(imu["gravity"], true_imu["gravity"].get<double>(), sigmas * imu["gravity_std"].get<double>());
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(imu["acc_bias"][i], true_imu["acc_bias"][i].get<double>(), sigmas * imu["acc_bias_std"][i].get<double>());
+    EXPECT_NEAR(imu["acc_bias"][i], true_imu["acc_bias"][i].get<double>(),
+                sigmas * imu["acc_bias_std"][i].get<double>());
   }
   EXPECT_NEAR(result["chi2_per_dof"], 1, 0.1);
   EXPECT_EQ(result["measurements"], 2 * (900 + 924) + 3 * 10);
   EXPECT_EQ(result["unknowns"], 18 + 6 + 12 * 6 + 7);
 }
 
-/// The expected figures come from an independent fit of the same model by SciPy's least_squares from the start values
-/// of the data set's initial_guess.csv: RSS 7594.147610, values equal to 1e-5 standard deviations.
+/// The expected figures come from an independent fit of the same model by SciPy's least_squares from the
+/// start values of the data set's initial_guess.csv: RSS 7594.147610, values equal to 1e-5 standard
+/// deviations.
 TEST(CalibrateData, JustinEqualsAnIndependentFit) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
@@ -119,7 +124,8 @@ TEST(CalibrateData, JustinEqualsAnIndependentFit) {
     EXPECT_NEAR(p["value"], value, 1e-4 * std);
     EXPECT_NEAR(p["std"], std, 1e-5 * std);
   };
-  const json &left = result["cameras"]["left"]["parameters"], &right = result["cameras"]["right"]["parameters"];
+  const json &left = result["cameras"]["left"]["parameters"],
+             &right = result["cameras"]["right"]["parameters"];
   expect(left["f"], 1872.7169469, 0.579881006);
   expect(left["cx"], 858.2617352, 0.662163800);
   expect(left["cy"], 618.3835691, 0.758251114);
@@ -138,7 +144,8 @@ TEST(CalibrateData, JustinWithGravityFixedKeepsTheSignOfTheData) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
   std::vector<std::string> options = stereo(folder, "radial1");
-  options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--fix", "gravity=9.81", "--fix", "acc_bias"});
+  options.insert(options.end(),
+                 {"--imu", (folder / "imu.csv").string(), "--fix", "gravity=9.81", "--fix", "acc_bias"});
   const json result = calibrated(options);
   EXPECT_EQ(result["imu"]["gravity"], -9.81);
   EXPECT_EQ(result["imu"]["gravity_std"], 0);
@@ -149,8 +156,8 @@ TEST(CalibrateData, JustinWithGravityFixedKeepsTheSignOfTheData) {
 
 TEST(CalibrateData, MonoIsTheLeftCameraOfJustin) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("mono");
-  const json result =
-      calibrated({"--camera", "cam=" + sharedDataPath("mono/corners.csv").string(), "--intrinsics", "radial1"});
+  const json result = calibrated(
+      {"--camera", "cam=" + sharedDataPath("mono/corners.csv").string(), "--intrinsics", "radial1"});
   EXPECT_EQ(result["measurements"], 3326);
   EXPECT_EQ(result["unknowns"], 112);
   // The same problem in 1 / (1 + k r^2) has 4035.56; 1 + k1 r^2 bends a little differently.
@@ -166,8 +173,8 @@ TEST(CalibrateData, JsonHoldsTheKeysThatAreDocumented) {
   std::vector<std::string> options = stereo(folder, "opencv5");
   options.insert(options.end(), {"--imu", (folder / "imu.csv").string()});
   const json result = calibrated(options);
-  for (const std::string key : {"converged", "stop_reason", "iterations", "measurements", "unknowns", "redundancy",
-                                "rss", "chi2_per_dof", "rms_px", "rms_acc", "cameras", "imu"}) {
+  for (const std::string key : {"converged", "stop_reason", "iterations", "measurements", "unknowns",
+                                "redundancy", "rss", "chi2_per_dof", "rms_px", "rms_acc", "cameras", "imu"}) {
     EXPECT_TRUE(result.contains(key)) << key;
   }
   EXPECT_EQ(result["converged"], true);

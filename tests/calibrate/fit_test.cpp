@@ -54,7 +54,8 @@ void expectTruth(const Calibrated& r) {
     const CameraResult& camera = r.result.cameras[c];
     for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
       const double truth = r.truth.cameras[c][Eigen::Index(i)];
-      EXPECT_NEAR(camera.parameters[i].value, truth, 1e-5 * camera.parameters[i].std + 1e-9) << camera.parameters[i].name;
+      EXPECT_NEAR(camera.parameters[i].value, truth, 1e-5 * camera.parameters[i].std + 1e-9)
+          << camera.parameters[i].name;
     }
     EXPECT_LT((camera.left2camera.pos - r.truth.left2camera[c].pos).norm(), 1e-7);
     EXPECT_LT(angleBetween(camera.left2camera.orient, r.truth.left2camera[c].orient), 1e-7);
@@ -203,7 +204,8 @@ TEST(CalibrateFit, TheFiguresOfTheResultAddUp) {
   EXPECT_NEAR(result.chi2PerDof(), 1, 0.15);
   const auto worst = result.worstImages(5);
   ASSERT_EQ(worst.size(), 5u);
-  for (std::size_t i = 1; i < 5; ++i) EXPECT_GE(worst[i - 1]->chi2PerMeasurement(), worst[i]->chi2PerMeasurement());
+  for (std::size_t i = 1; i < 5; ++i)
+    EXPECT_GE(worst[i - 1]->chi2PerMeasurement(), worst[i]->chi2PerMeasurement());
 }
 
 TEST(CalibrateFit, UncertaintyIsThatOfTheStatedSigmas) {

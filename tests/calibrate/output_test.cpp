@@ -69,54 +69,61 @@ TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
   result.cameras[0].rms_px *= 0.6;
   result.imu->rms_acc *= 3;
   EXPECT_EQ(notes(result),
-            (std::vector<std::string>{
-                "The residuals of the corners are 1.7 times smaller than --sigma-px 0.25 says; --sigma-px 0.15 would fit "
-                "them. The standard deviations above are those of the stated sigmas.",
-                "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 says; --sigma-acc 0.15 would fit "
-                "them, unless the model is too simple or the worst images are wrong. The standard deviations above are "
-                "those of the stated sigmas."}));
+            (std::vector<std::string>{"The residuals of the corners are 1.7 times smaller than --sigma-px "
+                                      "0.25 says; --sigma-px 0.15 would fit "
+                                      "them. The standard deviations above are those of the stated sigmas.",
+                                      "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 "
+                                      "says; --sigma-acc 0.15 would fit "
+                                      "them, unless the model is too simple or the worst images are wrong. "
+                                      "The standard deviations above are "
+                                      "those of the stated sigmas."}));
 }
 
 TEST(Notes, CameraThatFitsWorseTogether) {
   Result result = goodResult();
   result.cameras[0].rms_px_alone = 0.2;
-  EXPECT_EQ(notes(result),
-            (std::vector<std::string>{
-                "Camera left fits its images to 0.200 px alone, but to 0.348 px together with the rest: look for images "
-                "that were not taken at the same time, image numbers that do not belong together, or a part that "
-                "moved."}));
+  EXPECT_EQ(
+      notes(result),
+      (std::vector<std::string>{
+          "Camera left fits its images to 0.200 px alone, but to 0.348 px together with the rest: look for "
+          "images "
+          "that were not taken at the same time, image numbers that do not belong together, or a part that "
+          "moved."}));
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {
   Result result = goodResult();
   result.imu->gravity_std = 0.15;
   result.imu->sign_evidence = 1;
-  EXPECT_EQ(notes(result),
-            (std::vector<std::string>{
-                "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with the "
-                "IMU turned half round) fits as well. Add images tilted about another axis.",
-                "acc_bias and gravity are weakly determined, because the tilts of the images spread by 28.6 deg only: "
-                "they trade off against each other and against the rotation (multiple correlation of gravity with "
-                "acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would "
-                "bring; images with more tilt, about both axes, help without assuming anything."}));
+  EXPECT_EQ(
+      notes(result),
+      (std::vector<std::string>{
+          "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
+          "the "
+          "IMU turned half round) fits as well. Add images tilted about another axis.",
+          "acc_bias and gravity are weakly determined, because the tilts of the images spread by 28.6 deg "
+          "only: "
+          "they trade off against each other and against the rotation (multiple correlation of gravity with "
+          "acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would "
+          "bring; images with more tilt, about both axes, help without assuming anything."}));
 }
 
 TEST(Notes, ParametersThatAreNotDetermined) {
   Result result = goodResult();
   result.undetermined = "the measurements do not determine left.k3";
-  EXPECT_EQ(notes(result),
-            (std::vector<std::string>{
-                "Not all parameters are determined (the measurements do not determine left.k3), so there are no standard "
-                "deviations, and the values must not be used. Add images from other directions and distances, or choose "
-                "a model with fewer parameters by --intrinsics."}));
+  EXPECT_EQ(notes(result), (std::vector<std::string>{"Not all parameters are determined (the measurements do "
+                                                     "not determine left.k3), so there are no standard "
+                                                     "deviations, and the values must not be used. Add "
+                                                     "images from other directions and distances, or choose "
+                                                     "a model with fewer parameters by --intrinsics."}));
 }
 
 TEST(Report, HelpOpensWithASampleRun) {
   const auto help = testing::runCalibrate({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_TRUE(help.output.starts_with("slom calibrate --camera left=left_corners.csv")) << help.output;
-  for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix", "--json",
-                                   "--output", "--quiet"}) {
+  for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix",
+                                   "--json", "--output", "--quiet"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;
   }
 }
@@ -134,15 +141,16 @@ TEST(Report, CommandWithoutOrWithUnknownSubcommand) {
 
 TEST(Report, SaysWhatMatters) {
   const auto folder = slom::testing::sourcePath("data/simulated_stereo_imu");
-  const auto run = testing::runCalibrate({"--camera", "left=" + (folder / "left_corners.csv").string(), "--camera",
-                                          "right=" + (folder / "right_corners.csv").string(), "--imu",
-                                          (folder / "imu.csv").string()});
+  const auto run = testing::runCalibrate({"--camera", "left=" + (folder / "left_corners.csv").string(),
+                                          "--camera", "right=" + (folder / "right_corners.csv").string(),
+                                          "--imu", (folder / "imu.csv").string()});
   EXPECT_EQ(run.exit_code, 0) << run.errors;
   for (const std::string part :
        {"left         10 images     900 corners", "iteration            RSS", "Converged after",
-        "3678 measurements - 103 unknowns = redundancy 3575", "chi2/dof", "camera left: opencv5, 10 images, 900 corners, RMS",
-        "camera right: opencv5", "from left to right, p_right = R p_left + t:", "imu: 10 readings, RMS", "gravity",
-        "largest std", "worst images", "acc_bias and gravity are weakly determined"}) {
+        "3678 measurements - 103 unknowns = redundancy 3575", "chi2/dof",
+        "camera left: opencv5, 10 images, 900 corners, RMS", "camera right: opencv5",
+        "from left to right, p_right = R p_left + t:", "imu: 10 readings, RMS", "gravity", "largest std",
+        "worst images", "acc_bias and gravity are weakly determined"}) {
     EXPECT_NE(run.output.find(part), std::string::npos) << "\"" << part << "\" is not in\n" << run.output;
   }
 }

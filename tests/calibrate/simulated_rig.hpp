@@ -1,4 +1,5 @@
-// A rig of cameras with an IMU that looks at a level board, with known truth, for the tests of the calibration.
+// A rig of cameras with an IMU that looks at a level board, with known truth, for the tests of the
+// calibration.
 #pragma once
 
 #include <map>
@@ -22,19 +23,21 @@ struct RigTruth {
 struct RigOptions {
   int cameras = 2;
   int images = 8;
-  int columns = 8, rows = 6;   ///< corners of the board
+  int columns = 8, rows = 6;  ///< corners of the board
   double square_m = 0.05;
   double sigma_px = 0.25, sigma_acc = 0.05;
-  double tilt = 0.5;           ///< of the line of sight against the vertical, at most [rad]
-  bool z_down = false;         ///< the board's z axis points away from the cameras
+  double tilt = 0.5;    ///< of the line of sight against the vertical, at most [rad]
+  bool z_down = false;  ///< the board's z axis points away from the cameras
   bool distorted = true;
-  double focal_length = 600;   ///< [px]
-  double distance = 0.6;       ///< to the board [m]
+  double focal_length = 600;  ///< [px]
+  double distance = 0.6;      ///< to the board [m]
 };
 
 /// A rig that looks at the board from above, every image from another side.
 inline RigTruth simulateTruth(const RigOptions& options, std::mt19937_64& random) {
-  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
   RigTruth truth;
   for (int c = 0; c < options.cameras; ++c) {
     const double f = options.focal_length + 10 * c;
@@ -44,9 +47,11 @@ inline RigTruth simulateTruth(const RigOptions& options, std::mt19937_64& random
     truth.left2camera.push_back(
         c == 0 ? SE3() : SE3(SO3::exp(vec3(6 / f, 18 * c / f, -0.02)), vec3(-0.08 * c, 0.002, 0.004)));
   }
-  const double width = options.square_m * (options.columns - 1), height = options.square_m * (options.rows - 1);
+  const double width = options.square_m * (options.columns - 1),
+               height = options.square_m * (options.rows - 1);
   for (int image = 1; image <= options.images; ++image) {
-    // Camera above the centre of the board, looking down (x right, y towards the viewer), then tilted about it.
+    // Camera above the centre of the board, looking down (x right, y towards the viewer), then tilted about
+    // it.
     const SO3 down = SO3::exp(vec3(options.z_down ? 0. : M_PI, 0., 0.));
     const SO3 spin = SO3::exp(vec3(0., 0., uniform(-1, 1)));
     const double direction = uniform(0, 2 * M_PI), tilt = options.tilt * uniform(0.4, 1);
@@ -62,7 +67,8 @@ inline RigTruth simulateTruth(const RigOptions& options, std::mt19937_64& random
 }
 
 /// Measurements of it, with noise; corners outside 640 x 480 px are missing.
-inline Dataset simulateMeasurements(const RigTruth& truth, const RigOptions& options, std::mt19937_64& random) {
+inline Dataset simulateMeasurements(const RigTruth& truth, const RigOptions& options,
+                                    std::mt19937_64& random) {
   std::normal_distribution<> normal;
   Dataset data;
   for (std::size_t c = 0; c < truth.cameras.size(); ++c) {
@@ -71,7 +77,8 @@ inline Dataset simulateMeasurements(const RigTruth& truth, const RigOptions& opt
     for (const auto& [image, left2world] : truth.left2world) {
       View view{image, {}};
       for (int k = 0; k < options.columns * options.rows; ++k) {
-        const vec3 world(options.square_m * (k % options.columns), options.square_m * (k / options.columns), 0.);
+        const vec3 world(options.square_m * (k % options.columns), options.square_m * (k / options.columns),
+                         0.);
         const vec3 point = truth.left2camera[c] * (left2world.inverse() * world);
         const vec2 pixel = truth.cameras[c].project(point);
         const vec2 noise(normal(random), normal(random));

@@ -56,9 +56,11 @@ TEST(Homography, MapsBoardToPixels) {
 }
 
 TEST(Homography, FourCornersAreEnough) {
-  const std::vector<vec2> board{{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}}, pixels{{10., 20.}, {110., 25.}, {100., 130.}, {5., 90.}};
+  const std::vector<vec2> board{{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}},
+      pixels{{10., 20.}, {110., 25.}, {100., 130.}, {5., 90.}};
   const Eigen::Matrix3d H = findHomography(board, pixels);
-  for (int i = 0; i < 4; ++i) EXPECT_LT(((H * board[i].homogeneous()).hnormalized() - pixels[i]).norm(), 1e-10);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_LT(((H * board[i].homogeneous()).hnormalized() - pixels[i]).norm(), 1e-10);
 }
 
 TEST(Zhang, IsExactOnIdealViews) {
@@ -99,8 +101,10 @@ TEST(Zhang, ParallelBoardsAreLeftToTheFallback) {
 TEST(ViewPose, IsExactOnIdealViewsOfAnyPlane) {
   RigOptions options = ideal();
   Simulated s = simulate(options, 4);
-  const SE3 moved(SO3::exp(vec3(0.4, 1.1, -0.3)), vec3(2., -1., 5.));  // the board's plane somewhere in the world
-  const Pinhole camera{s.truth.cameras[0][0], s.truth.cameras[0][1], s.truth.cameras[0][2], s.truth.cameras[0][3]};
+  const SE3 moved(SO3::exp(vec3(0.4, 1.1, -0.3)),
+                  vec3(2., -1., 5.));  // the board's plane somewhere in the world
+  const Pinhole camera{s.truth.cameras[0][0], s.truth.cameras[0][1], s.truth.cameras[0][2],
+                       s.truth.cameras[0][3]};
   for (View view : s.data.cameras[0].views) {
     const SE3 truth = s.truth.left2world[view.image].inverse() * moved.inverse();
     for (Corner& corner : view.corners) corner.world = moved * corner.world;
@@ -239,16 +243,20 @@ std::vector<TiltPair> arc(double step, int count) {
 
 TEST(ImuStart, RefusesWhatIsNotDeterminedAndSaysWhatHelps) {
   EXPECT_EQ(refusal(cone(0.5, 6)), "");
-  EXPECT_EQ(refusal(arc(0.02, 6)),
-            "imu.csv:2: 6 valid readings of tilts that spread by 2 deg do not determine the orientation of the IMU, "
-            "acc_bias, gravity; add readings at other tilts, about more than one axis, or pass --fix acc_bias");
-  EXPECT_EQ(refusal(cone(0, 1)),
-            "imu.csv:2: 1 valid reading of tilts that spread by 0 deg do not determine the orientation of the IMU, "
-            "acc_bias, gravity; add readings at other tilts, about more than one axis");
+  EXPECT_EQ(
+      refusal(arc(0.02, 6)),
+      "imu.csv:2: 6 valid readings of tilts that spread by 2 deg do not determine the orientation of the "
+      "IMU, "
+      "acc_bias, gravity; add readings at other tilts, about more than one axis, or pass --fix acc_bias");
+  EXPECT_EQ(
+      refusal(cone(0, 1)),
+      "imu.csv:2: 1 valid reading of tilts that spread by 0 deg do not determine the orientation of the IMU, "
+      "acc_bias, gravity; add readings at other tilts, about more than one axis");
   Fixed bias;
   bias.acc_bias = vec3();
   EXPECT_EQ(refusal(cone(0, 4), bias),
-            "imu.csv:2: 4 valid readings of tilts that spread by 0 deg do not determine the orientation of the IMU, "
+            "imu.csv:2: 4 valid readings of tilts that spread by 0 deg do not determine the orientation of "
+            "the IMU, "
             "gravity; add readings at other tilts, about more than one axis");
 }
 

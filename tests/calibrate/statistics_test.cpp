@@ -1,8 +1,9 @@
-// 100 simulated calibrations: is what they say about their own uncertainty true? Each estimate less the truth, over
-// its standard deviation, must be a sample of N(0, 1); seeds are fixed, so the test passes or fails for good.
-//   each parameter   sum of 100 squares within the chi-square distribution, and the Kolmogorov-Smirnov distance
-//                    from N(0, 1), both at a significance of 1e-3: standard deviations that
-//                    are off by 30 % are found (29 parameters; a false alarm has 6 % at first writing)
+// 100 simulated calibrations: is what they say about their own uncertainty true? Each estimate less the
+// truth, over its standard deviation, must be a sample of N(0, 1); seeds are fixed, so the test passes or
+// fails for good.
+//   each parameter   sum of 100 squares within the chi-square distribution, and the Kolmogorov-Smirnov
+//   distance
+//                    from N(0, 1), both at a significance of 1e-3; finds standard deviations off by 30 %
 //   all runs         sum of the RSS within the chi-square distribution, significance 1e-3
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,8 @@ void addRun(Samples& samples, const Result& result, const RigTruth& truth) {
     add(samples, camera.name + ".rotation",
         SO3::log(truth.left2camera[c].orient.inverse() * camera.left2camera.orient), camera.rotation_std);
   }
-  add(samples, "imu.rotation", SO3::log(truth.left2imu.inverse() * result.imu->left2imu), result.imu->rotation_std);
+  add(samples, "imu.rotation", SO3::log(truth.left2imu.inverse() * result.imu->left2imu),
+      result.imu->rotation_std);
   add(samples, "imu.acc_bias", vec3(result.imu->acc_bias - truth.acc_bias), result.imu->acc_bias_std);
   samples["imu.gravity"].push_back((result.imu->gravity - truth.gravity) / result.imu->gravity_std);
 }
@@ -90,7 +92,8 @@ TEST(CalibrateStatistics, ErrorsOverTheirStandardDeviationsAreUnitNormal) {
   for (const auto& [name, z] : samples) {
     double square = 0;
     for (const double value : z) square += value * value;
-    EXPECT_LT(std::abs(normalOfChiSquare(square, runs)), normal_quantile) << name << ": mean square " << square / runs;
+    EXPECT_LT(std::abs(normalOfChiSquare(square, runs)), normal_quantile)
+        << name << ": mean square " << square / runs;
     EXPECT_LT(kolmogorovSmirnov(z), ks_limit) << name;
   }
   EXPECT_LT(std::abs(normalOfChiSquare(rss, redundancy)), normal_quantile) << rss << " for " << redundancy;

@@ -19,7 +19,8 @@ struct Pinhole {
 };
 
 /// fx fy cx cy k1 k2 p1 p2 k3, as in OpenCV:
-///   g = 1 + k1 r2 + k2 r2^2 + k3 r2^3,  x' = x g + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y g + p1 (r2 + 2 y^2) + 2 p2 x y
+///   g = 1 + k1 r2 + k2 r2^2 + k3 r2^3,  x' = x g + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y g + p1 (r2 + 2 y^2) +
+///   2 p2 x y
 template <class S = double>
 struct Opencv5 : mtk::vect<9, S> {
   using mtk::vect<9, S>::vect;
@@ -43,7 +44,8 @@ struct Opencv4 : mtk::vect<8, S> {
   using mtk::vect<8, S>::vect;
   using mtk::vect<8, S>::operator=;
   static constexpr std::string_view model_name = "opencv4";
-  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
+                                                                   "k1", "k2", "p1", "p2"};
 
   static Opencv4 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0.}; }
   Eigen::Matrix3d cameraMatrix() const;
@@ -69,17 +71,20 @@ struct Radial1 : mtk::vect<4, S> {
   mtk::vect<2, S> project(const Point& point) const;
 };
 
-// ---- implementation ------------------------------------------------------------------------------------------
+// ---- implementation
+// ------------------------------------------------------------------------------------------
 
 namespace detail {
 
 /// OpenCV's distortion of (x, y) = (X/Z, Y/Z).
 template <class S>
-mtk::vect<2, S> distorted(const S& x, const S& y, const S& k1, const S& k2, const S& p1, const S& p2, const S& k3) {
+mtk::vect<2, S> distorted(const S& x, const S& y, const S& k1, const S& k2, const S& p1, const S& p2,
+                          const S& k3) {
   const S r2 = x * x + y * y;
   const S g = S(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
   const S two_xy = S(2) * x * y;
-  return {S(x * g + p1 * two_xy + p2 * (r2 + S(2) * x * x)), S(y * g + p1 * (r2 + S(2) * y * y) + p2 * two_xy)};
+  return {S(x * g + p1 * two_xy + p2 * (r2 + S(2) * x * x)),
+          S(y * g + p1 * (r2 + S(2) * y * y) + p2 * two_xy)};
 }
 
 }  // namespace detail

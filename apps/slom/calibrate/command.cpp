@@ -40,7 +40,8 @@ constexpr const char* footer_text =
 
 Dataset readDataset(const Settings& settings) {
   Dataset data;
-  for (const CameraFile& camera : settings.cameras) data.cameras.push_back(readCorners(camera.name, camera.file));
+  for (const CameraFile& camera : settings.cameras)
+    data.cameras.push_back(readCorners(camera.name, camera.file));
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
   return data;
 }
@@ -79,7 +80,8 @@ void writeFiles(const Result& result, const Settings& settings) {
   fmt::print("\n");
   if (!settings.json_file.empty()) fmt::print("written: {}\n", settings.json_file);
   if (yaml) fmt::print("written: {}\n", settings.yaml_file);
-  if (!settings.yaml_file.empty() && !yaml) fmt::print("not written, because the fit failed: {}\n", settings.yaml_file);
+  if (!settings.yaml_file.empty() && !yaml)
+    fmt::print("not written, because the fit failed: {}\n", settings.yaml_file);
 }
 
 void run(const RawOptions& raw) {
@@ -106,24 +108,32 @@ void addCalibrateCommand(CLI::App& app) {
   command.add_option("--camera", raw->cameras, "a camera's name and corner file; once for each camera")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
-  command.add_option("--imu", settings.imu_file, "accelerometer readings, one for an image at most")->type_name("FILE");
-  command.add_option("--intrinsics", raw->model, "fx fy cx cy k1 k2 p1 p2 k3, the same without k3, or f cx cy k1")
+  command.add_option("--imu", settings.imu_file, "accelerometer readings, one for an image at most")
+      ->type_name("FILE");
+  command
+      .add_option("--intrinsics", raw->model,
+                  "fx fy cx cy k1 k2 p1 p2 k3, the same without k3, or f cx cy k1")
       ->type_name("opencv5|opencv4|radial1")
       ->capture_default_str();
   command.add_option("--sigma-px", settings.sigma_px, "standard deviation of u and of v [px]")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--sigma-acc", settings.sigma_acc, "standard deviation of each axis of a reading [m/s^2]")
+  command
+      .add_option("--sigma-acc", settings.sigma_acc, "standard deviation of each axis of a reading [m/s^2]")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--fix", raw->fixed,
-                     "hold a value instead of estimating it [m/s^2]; may be repeated:\n"
-                     "acc_bias (0,0,0) or acc_bias=X,Y,Z; gravity (9.80665) or gravity=MAGNITUDE")
+  command
+      .add_option("--fix", raw->fixed,
+                  "hold a value instead of estimating it [m/s^2]; may be repeated:\n"
+                  "acc_bias (0,0,0) or acc_bias=X,Y,Z; gravity (9.80665) or gravity=MAGNITUDE")
       ->type_name("NAME[=VALUE]")
       ->allow_extra_args(false);
-  command.add_option("--max-iterations", settings.max_iterations, "of a fit")->type_name("NUMBER")->capture_default_str();
+  command.add_option("--max-iterations", settings.max_iterations, "of a fit")
+      ->type_name("NUMBER")
+      ->capture_default_str();
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
-  command.add_option("--output", settings.yaml_file, "calibration as YAML for OpenCV's FileStorage")->type_name("FILE");
+  command.add_option("--output", settings.yaml_file, "calibration as YAML for OpenCV's FileStorage")
+      ->type_name("FILE");
   command.add_flag("--quiet", settings.quiet, "print errors only");
   command.callback([raw] { run(*raw); });
 }

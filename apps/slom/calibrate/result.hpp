@@ -1,6 +1,6 @@
 // What the calibration found, as plain numbers: what report, JSON and YAML are written from.
-// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data leave the
-// value open (`undetermined` then says what).
+// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data
+// leave the value open (`undetermined` then says what).
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct CameraResult {
   vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
   std::size_t images = 0, corners = 0;
-  double rms_px = 0;               ///< sqrt(sum of squared corner distances / corners)
-  double rms_px_alone = unknown;   ///< of the fit of this camera without the others, where it converged
+  double rms_px = 0;              ///< sqrt(sum of squared corner distances / corners)
+  double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
 };
 
 /// Largest standard deviations of the axes; 0 for what is fixed.

@@ -32,15 +32,19 @@ std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals + 1 == text.size() || equals == 0) {
-      throw UserError(fmt::format("--camera {}: write NAME=FILE, as in --camera left=left_corners.csv", text));
+      throw UserError(
+          fmt::format("--camera {}: write NAME=FILE, as in --camera left=left_corners.csv", text));
     }
     const std::string name = text.substr(0, equals);
     if (!isName(name)) {
-      throw UserError(fmt::format("--camera {}: the name must begin with a letter and hold letters, digits, _ and - "
-                                  "only; rename the camera", text));
+      throw UserError(
+          fmt::format("--camera {}: the name must begin with a letter and hold letters, digits, _ and - "
+                      "only; rename the camera",
+                      text));
     }
     if (!names.insert(name).second) {
-      throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text, name));
+      throw UserError(
+          fmt::format("--camera {}: there is a camera {} already; give each its own name", text, name));
     }
     cameras.push_back({name, text.substr(equals + 1)});
   }
@@ -62,8 +66,9 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
     ++at;
   }
   if (numbers.size() != count || at != end) {
-    throw UserError(fmt::format("{}: the value must be {}", option,
-                                count == 1 ? "a number" : fmt::format("{} numbers separated by commas", count)));
+    throw UserError(
+        fmt::format("{}: the value must be {}", option,
+                    count == 1 ? "a number" : fmt::format("{} numbers separated by commas", count)));
   }
   return numbers;
 }
@@ -78,8 +83,10 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
   if (fixed.gravity) throw UserError(fmt::format("{}: gravity is fixed already; give it once", option));
   fixed.gravity = value ? parseNumbers(option, *value, 1)[0] : standard_gravity;
   if (!(*fixed.gravity > 0)) {
-    throw UserError(fmt::format("{}: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
-                                "from the data", option));
+    throw UserError(
+        fmt::format("{}: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
+                    "from the data",
+                    option));
   }
 }
 
@@ -136,7 +143,8 @@ void checkPaths(const Settings& settings) {
     if (file.empty()) return;
     const auto [known, is_new] = uses.emplace(std::filesystem::weakly_canonical(file, ignored), option);
     if (!is_new) {
-      throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", option, file, known->second));
+      throw UserError(
+          fmt::format("{} {}: this is the file of {} too; give another one", option, file, known->second));
     }
   };
   for (const CameraFile& camera : settings.cameras) {

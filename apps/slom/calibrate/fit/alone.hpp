@@ -57,7 +57,8 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
              : world2camera;
 }
 
-/// A small board seen from afar looks nearly the same when it is tilted the other way: fits both and keeps the better.
+/// A small board seen from afar looks nearly the same when it is tilted the other way: fits both and keeps
+/// the better.
 template <class Camera>
 SE3 fitPoseOfEitherTilt(const Camera& camera, const SE3& world2camera, const View& view) {
   const SE3 one = fitPose(camera, world2camera, view);

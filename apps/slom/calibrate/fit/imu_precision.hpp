@@ -5,7 +5,8 @@
 
 namespace slom::app::calib {
 
-/// The covariance of all if the `count` parameters from `first` on were known: theirs is 0, the others' shrink.
+/// The covariance of all if the `count` parameters from `first` on were known: theirs is 0, the others'
+/// shrink.
 Eigen::MatrixXd whenKnown(const Eigen::MatrixXd& covariance, int first, int count);
 
 /// Largest standard deviation of each.

@@ -49,20 +49,24 @@ class JointProblem {
 /// What is wrong, without the library's id before it and its remedy for programmers behind it.
 std::string sentenceOf(const slom::Error& error);
 
-// ---- implementation ------------------------------------------------------------------------------------------
+// ---- implementation
+// ------------------------------------------------------------------------------------------
 
 template <class Camera>
-JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
-                                   const RigStart& rig, const std::optional<ImuStart>& imu)
+JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings,
+                                   const std::vector<Camera>& cameras, const RigStart& rig,
+                                   const std::optional<ImuStart>& imu)
     : data_(data), settings_(settings) {
   const std::string reference = data.cameras.front().name;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = data.cameras[c].name;
     cameras_.push_back(est_.insertRV(cameras[c], true, name));
-    left2camera_.push_back(c == 0 ? VarID<SE3>() : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
+    left2camera_.push_back(c == 0 ? VarID<SE3>()
+                                  : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
   }
   for (const auto& [image, pose] : rig.left2world) {
-    left2world_.emplace(image, est_.insertRV(pose, true, reference + "2world[" + std::to_string(image) + "]"));
+    left2world_.emplace(image,
+                        est_.insertRV(pose, true, reference + "2world[" + std::to_string(image) + "]"));
   }
   insertCorners();
   if (imu) insertImu(*imu);
@@ -78,8 +82,8 @@ void JointProblem<Camera>::insertCorners() {
         if (c == 0) {
           est_.insertMeasurement(corner_in_left, cameras_[c], pose, corner.world, corner.pixel, noise);
         } else {
-          est_.insertMeasurement(corner_in_other, cameras_[c], left2camera_[c], pose, corner.world, corner.pixel,
-                                 noise);
+          est_.insertMeasurement(corner_in_other, cameras_[c], left2camera_[c], pose, corner.world,
+                                 corner.pixel, noise);
         }
       }
     }

@@ -14,12 +14,14 @@ BoardPlane fitPlane(const std::vector<Corner>& corners) {
     const Eigen::Vector3d d = corner.world - centre;
     scatter += d * d.transpose() / double(corners.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);  // eigenvalues rise: the normal comes first
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      scatter);  // eigenvalues rise: the normal comes first
   Eigen::Matrix3d axes;
   axes.col(0) = eigen.eigenvectors().col(2);
   axes.col(2) = eigen.eigenvectors().col(0);
   axes.col(1) = axes.col(2).cross(axes.col(0));
-  return {SE3(SO3(axes), vec3(centre)), std::sqrt(scatter.trace()), std::sqrt(std::max(0.0, eigen.eigenvalues()[0]))};
+  return {SE3(SO3(axes), vec3(centre)), std::sqrt(scatter.trace()),
+          std::sqrt(std::max(0.0, eigen.eigenvalues()[0]))};
 }
 
 namespace {

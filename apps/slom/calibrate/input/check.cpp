@@ -16,11 +16,13 @@ constexpr double pixel_line_tolerance = 2e-3;  // 1 px over a board that fills 5
 constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other targets are not
 
 void checkView(const CameraData& camera, const View& view) {
-  const std::string place = fmt::format("{}:{}: image {}", camera.file, view.corners.front().line, view.image);
+  const std::string place =
+      fmt::format("{}:{}: image {}", camera.file, view.corners.front().line, view.image);
   const std::size_t count = view.corners.size();
   if (count < 4) {
-    throw UserError(fmt::format("{} has only {} corner{}; a pose needs at least 4, so add corners or remove the image",
-                                place, count, count == 1 ? "" : "s"));
+    throw UserError(
+        fmt::format("{} has only {} corner{}; a pose needs at least 4, so add corners or remove the image",
+                    place, count, count == 1 ? "" : "s"));
   }
   const BoardPlane plane = fitPlane(view.corners);
   std::vector<vec2> on_board, in_image;
@@ -29,31 +31,36 @@ void checkView(const CameraData& camera, const View& view) {
     in_image.push_back(corner.pixel);
   }
   if (onLineButOne(on_board, world_line_tolerance)) {
-    throw UserError(fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two off "
-                                "it, so add corners or remove the image",
-                                place));
+    throw UserError(
+        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two off "
+                    "it, so add corners or remove the image",
+                    place));
   }
   if (onLineButOne(in_image, pixel_line_tolerance)) {
-    throw UserError(fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; remove the image",
-                                place));
+    throw UserError(
+        fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; "
+                    "remove the image",
+                    place));
   }
   if (plane.thickness > plane_tolerance * plane.size) {
-    throw UserError(fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
-                                "values need a flat board, so correct the points or remove the image",
-                                place, plane.thickness));
+    throw UserError(
+        fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
+                    "values need a flat board, so correct the points or remove the image",
+                    place, plane.thickness));
   }
 }
 
 }  // namespace
 
 void checkViews(const CameraData& camera) {
-  if (camera.views.empty()) throw UserError(fmt::format("{}: there is no corner in it; add some", camera.file));
+  if (camera.views.empty())
+    throw UserError(fmt::format("{}: there is no corner in it; add some", camera.file));
   for (const View& view : camera.views) checkView(camera, view);
   if (camera.views.size() < 2) {
-    throw UserError(fmt::format("{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images "
-                                "from different directions, so add images",
-                                camera.file, camera.views.front().corners.front().line, camera.views.front().image,
-                                camera.name));
+    throw UserError(fmt::format(
+        "{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images "
+        "from different directions, so add images",
+        camera.file, camera.views.front().corners.front().line, camera.views.front().image, camera.name));
   }
 }
 
@@ -73,10 +80,10 @@ void checkConnected(const Dataset& data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     if (tied[c]) continue;
     const CameraData& camera = data.cameras[c];
-    throw UserError(fmt::format("{}:{}: camera {} has no image in common with camera {}, nor with one that has; take "
-                                "images of the board with both at the same time, or calibrate them apart",
-                                camera.file, camera.views.front().corners.front().line, camera.name,
-                                data.cameras.front().name));
+    throw UserError(fmt::format(
+        "{}:{}: camera {} has no image in common with camera {}, nor with one that has; take "
+        "images of the board with both at the same time, or calibrate them apart",
+        camera.file, camera.views.front().corners.front().line, camera.name, data.cameras.front().name));
   }
 }
 
@@ -85,9 +92,10 @@ void checkImuImages(const Dataset& data) {
   const std::vector<int> images = data.images();
   for (const ImuReading& reading : data.imu->readings) {
     if (std::binary_search(images.begin(), images.end(), reading.image)) continue;
-    throw UserError(fmt::format("{}:{}: there are no corners of image {} in any camera; correct the number, or set "
-                                "valid to 0",
-                                data.imu->file, reading.line, reading.image));
+    throw UserError(
+        fmt::format("{}:{}: there are no corners of image {} in any camera; correct the number, or set "
+                    "valid to 0",
+                    data.imu->file, reading.line, reading.image));
   }
 }
 

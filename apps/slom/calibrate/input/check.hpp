@@ -1,4 +1,5 @@
-// Whether the data can be calibrated from at all. Each function throws UserError with the first thing it finds.
+// Whether the data can be calibrated from at all. Each function throws UserError with the first thing it
+// finds.
 #pragma once
 
 #include "calibrate/input/dataset.hpp"

@@ -60,7 +60,9 @@ bool nextLine(std::ifstream& stream, std::string& text, int& line) {
 }
 
 /// Long lines (of a file that is no table) shortened for a message.
-std::string shortened(const std::string& text) { return text.size() <= 80 ? text : text.substr(0, 77) + "..."; }
+std::string shortened(const std::string& text) {
+  return text.size() <= 80 ? text : text.substr(0, 77) + "...";
+}
 
 }  // namespace
 
@@ -71,8 +73,8 @@ CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns,
 std::string CsvRow::place() const { return fmt::format("{}:{}", *file_, line_); }
 
 void CsvRow::fail(std::size_t column, const std::string& expectation) const {
-  throw UserError(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column), shortened(fields_[column]),
-                              expectation));
+  throw UserError(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column),
+                              shortened(fields_[column]), expectation));
 }
 
 double CsvRow::number(std::size_t column) const {
@@ -84,7 +86,8 @@ double CsvRow::number(std::size_t column) const {
 
 int CsvRow::index(std::size_t column) const {
   int value = 0;
-  if (!parse(fields_.at(column), value) || value < 0) fail(column, "write a whole number (0, 1, 2, ...) there");
+  if (!parse(fields_.at(column), value) || value < 0)
+    fail(column, "write a whole number (0, 1, 2, ...) there");
   return value;
 }
 
@@ -95,11 +98,14 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
   std::string text;
   int line = 0;
   if (!nextLine(stream, text, line)) {
-    throw UserError(fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
-                                "measurement below", file_, header));
+    throw UserError(
+        fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
+                    "measurement below",
+                    file_, header));
   }
   if (split(text) != columns_) {
-    throw UserError(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line, shortened(text), header));
+    throw UserError(
+        fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line, shortened(text), header));
   }
   while (nextLine(stream, text, line)) {
     std::vector<std::string> fields = split(text);
@@ -110,8 +116,8 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
     rows_.emplace_back(file_, columns_, line, std::move(fields));
   }
   if (rows_.empty()) {
-    throw UserError(fmt::format("{}:{}: there is nothing below the header; add one row for each measurement", file_,
-                                line));
+    throw UserError(fmt::format("{}:{}: there is nothing below the header; add one row for each measurement",
+                                file_, line));
   }
 }
 

@@ -9,7 +9,8 @@ namespace slom::app::calib {
 /// One line below the header. Fields are text until they are asked for as numbers.
 class CsvRow {
  public:
-  CsvRow(const std::string& file, const std::vector<std::string>& columns, int line, std::vector<std::string> fields);
+  CsvRow(const std::string& file, const std::vector<std::string>& columns, int line,
+         std::vector<std::string> fields);
 
   int line() const { return line_; }
   /// `file:line`, as errors begin.
@@ -28,12 +29,12 @@ class CsvRow {
   std::vector<std::string> fields_;
 };
 
-/// A file with a header line of known column names. Blank lines and lines that start with # are skipped; spaces
-/// around fields, Windows line ends and a byte order mark do not matter.
+/// A file with a header line of known column names. Blank lines and lines that start with # are skipped;
+/// spaces around fields, Windows line ends and a byte order mark do not matter.
 class CsvTable {
  public:
-  /// Reads all of the file; UserError if it cannot be read, its header is another one, or a row has not as many
-  /// fields as the header, or there is no row at all.
+  /// Reads all of the file; UserError if it cannot be read, its header is another one, or a row has not as
+  /// many fields as the header, or there is no row at all.
   CsvTable(std::string file, std::vector<std::string> columns);
   CsvTable(const CsvTable&) = delete;
   CsvTable& operator=(const CsvTable&) = delete;

@@ -12,8 +12,8 @@ std::size_t CameraData::cornerCount() const {
 }
 
 const View* CameraData::find(int image) const {
-  const auto view =
-      std::lower_bound(views.begin(), views.end(), image, [](const View& v, int number) { return v.image < number; });
+  const auto view = std::lower_bound(views.begin(), views.end(), image,
+                                     [](const View& v, int number) { return v.image < number; });
   return view != views.end() && view->image == image ? &*view : nullptr;
 }
 

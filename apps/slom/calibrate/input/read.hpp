@@ -7,12 +7,12 @@
 
 namespace slom::app::calib {
 
-/// Reads `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px`. A corner that is listed twice in an image is an
-/// error.
+/// Reads `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px`. A corner that is listed twice in an image is
+/// an error.
 CameraData readCorners(const std::string& camera_name, const std::string& file);
 
-/// Reads `image,ax_m_s2,ay_m_s2,az_m_s2,valid`. Rows with valid = 0 are skipped: neither their reading nor their
-/// image is looked at. An image with two valid rows is an error.
+/// Reads `image,ax_m_s2,ay_m_s2,az_m_s2,valid`. Rows with valid = 0 are skipped: neither their reading nor
+/// their image is looked at. An image with two valid rows is an error.
 ImuData readImu(const std::string& file);
 
 }  // namespace slom::app::calib

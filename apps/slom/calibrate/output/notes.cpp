@@ -10,30 +10,34 @@
 namespace slom::app::calib {
 namespace {
 
-constexpr double sigma_mismatch = 1.25;   // residuals larger or smaller than stated by this factor are worth a note
-constexpr double together_mismatch = 1.2; // RMS together over RMS alone
-constexpr double weak_ratio = 3;          // std over what it would be if the other were fixed
-constexpr double weak_gravity = 0.1;      // m/s^2
+constexpr double sigma_mismatch =
+    1.25;  // residuals larger or smaller than stated by this factor are worth a note
+constexpr double together_mismatch = 1.2;  // RMS together over RMS alone
+constexpr double weak_ratio = 3;           // std over what it would be if the other were fixed
+constexpr double weak_gravity = 0.1;       // m/s^2
 
 void noteDetermination(const Result& result, std::vector<std::string>& notes) {
   if (result.undetermined.empty()) return;
-  notes.push_back(fmt::format("Not all parameters are determined ({}), so there are no standard deviations, and the "
-                              "values must not be used. Add images from other directions and distances, or choose a "
-                              "model with fewer parameters by --intrinsics.", result.undetermined));
+  notes.push_back(
+      fmt::format("Not all parameters are determined ({}), so there are no standard deviations, and the "
+                  "values must not be used. Add images from other directions and distances, or choose a "
+                  "model with fewer parameters by --intrinsics.",
+                  result.undetermined));
 }
 
 /// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
-void noteSigma(const char* what, const char* option, double stated, double squares, double residuals, double unknowns,
-               std::vector<std::string>& notes) {
+void noteSigma(const char* what, const char* option, double stated, double squares, double residuals,
+               double unknowns, std::vector<std::string>& notes) {
   if (!(squares > 0) || residuals <= unknowns) return;
   const double observed = std::sqrt(squares / (residuals - unknowns));
   if (std::abs(std::log(observed / stated)) < std::log(sigma_mismatch)) return;
   const bool larger = observed > stated;
-  notes.push_back(fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
-                              "standard deviations above are those of the stated sigmas.",
-                              what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
-                              stated, option, twoDigits(observed),
-                              larger ? ", unless the model is too simple or the worst images are wrong" : ""));
+  notes.push_back(
+      fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
+                  "standard deviations above are those of the stated sigmas.",
+                  what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
+                  stated, option, twoDigits(observed),
+                  larger ? ", unless the model is too simple or the worst images are wrong" : ""));
 }
 
 void noteSigmas(const Result& result, std::vector<std::string>& notes) {
@@ -43,21 +47,24 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
     corners += double(camera.corners);
   }
   double of_imu = 0;  // unknowns that the readings alone determine
-  if (result.imu) of_imu = 3 + (result.imu->acc_bias_is_fixed ? 0 : 3) + (result.imu->gravity_is_fixed ? 0 : 1);
-  noteSigma("the corners", "--sigma-px", result.sigma_px, squares, 2 * corners, result.unknowns - of_imu, notes);
+  if (result.imu)
+    of_imu = 3 + (result.imu->acc_bias_is_fixed ? 0 : 3) + (result.imu->gravity_is_fixed ? 0 : 1);
+  noteSigma("the corners", "--sigma-px", result.sigma_px, squares, 2 * corners, result.unknowns - of_imu,
+            notes);
   if (!result.imu) return;
   const double readings = double(result.imu->readings);
-  noteSigma("the IMU", "--sigma-acc", result.sigma_acc, std::pow(result.imu->rms_acc, 2) * readings, 3 * readings, of_imu,
-            notes);
+  noteSigma("the IMU", "--sigma-acc", result.sigma_acc, std::pow(result.imu->rms_acc, 2) * readings,
+            3 * readings, of_imu, notes);
 }
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
   for (const CameraResult& camera : result.cameras) {
     if (!(camera.rms_px > together_mismatch * camera.rms_px_alone)) continue;
-    notes.push_back(fmt::format("Camera {} fits its images to {:.3f} px alone, but to {:.3f} px together with the rest: "
-                                "look for images that were not taken at the same time, image numbers that do not belong "
-                                "together, or a part that moved.",
-                                camera.name, camera.rms_px_alone, camera.rms_px));
+    notes.push_back(
+        fmt::format("Camera {} fits its images to {:.3f} px alone, but to {:.3f} px together with the rest: "
+                    "look for images that were not taken at the same time, image numbers that do not belong "
+                    "together, or a part that moved.",
+                    camera.name, camera.rms_px_alone, camera.rms_px));
   }
 }
 
@@ -65,18 +72,22 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
   if (!result.imu) return;
   const ImuResult& imu = *result.imu;
   if (imu.sign_evidence < 9) {
-    notes.push_back("The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
-                    "the IMU turned half round) fits as well. Add images tilted about another axis.");
+    notes.push_back(
+        "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
+        "the IMU turned half round) fits as well. Add images tilted about another axis.");
   }
   if (imu.acc_bias_is_fixed || imu.gravity_is_fixed || !std::isfinite(imu.gravity_std)) return;
   const double ratio = imu.gravity_std / imu.if_acc_bias_fixed.gravity;
   if (ratio < weak_ratio && imu.gravity_std < weak_gravity) return;
-  notes.push_back(fmt::format(
-      "acc_bias and gravity are weakly determined, because the tilts of the images spread by {:.1f} deg only: they trade "
-      "off against each other and against the rotation (multiple correlation of gravity with acc_bias {:.4f}). The table "
-      "of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with more tilt, about both "
-      "axes, help without assuming anything.",
-      imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
+  notes.push_back(
+      fmt::format("acc_bias and gravity are weakly determined, because the tilts of the images spread by "
+                  "{:.1f} deg only: they trade "
+                  "off against each other and against the rotation (multiple correlation of gravity with "
+                  "acc_bias {:.4f}). The table "
+                  "of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with "
+                  "more tilt, about both "
+                  "axes, help without assuming anything.",
+                  imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ std::string valueLine(const std::string& name, double value, double std, const s
   return fmt::format("  {:<14}{:>12} {:<12} {}\n", name, text.value, uncertainty, unit);
 }
 
-std::string vectorLines(const std::string& name, const vec3& value, const vec3& std, const std::string& unit) {
+std::string vectorLines(const std::string& name, const vec3& value, const vec3& std,
+                        const std::string& unit) {
   std::string text;
   for (int i = 0; i < 3; ++i) text += valueLine(fmt::format("{}.{}", name, "xyz"[i]), value[i], std[i], unit);
   return text;
@@ -36,12 +37,16 @@ std::string rotationLines(const SO3& R, const vec3& std) {
   return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), "deg");
 }
 
-std::string unitOf(const std::string& parameter) { return parameter[0] == 'f' || parameter[0] == 'c' ? "px" : ""; }
+std::string unitOf(const std::string& parameter) {
+  return parameter[0] == 'f' || parameter[0] == 'c' ? "px" : "";
+}
 
 std::string cameraLines(const CameraResult& camera, const std::string& reference) {
-  std::string text = fmt::format("\ncamera {}: {}, {}, {}, RMS {:.4f} px", camera.name, camera.model,
-                                 plural(camera.images, "image"), plural(camera.corners, "corner"), camera.rms_px);
-  text += std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
+  std::string text =
+      fmt::format("\ncamera {}: {}, {}, {}, RMS {:.4f} px", camera.name, camera.model,
+                  plural(camera.images, "image"), plural(camera.corners, "corner"), camera.rms_px);
+  text +=
+      std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
   for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
@@ -59,12 +64,14 @@ std::string precisionTable(const ImuResult& imu) {
     return text + "\n";
   };
   return fmt::format("  largest std {:>22}{:>16}{:>16}\n", "now", "gravity fixed", "acc_bias fixed") +
-         row("rotation", "deg", degrees, &ImuPrecision::rotation) + row("acc_bias", "m/s^2", 1, &ImuPrecision::acc_bias) +
+         row("rotation", "deg", degrees, &ImuPrecision::rotation) +
+         row("acc_bias", "m/s^2", 1, &ImuPrecision::acc_bias) +
          row("gravity", "m/s^2", 1, &ImuPrecision::gravity);
 }
 
 std::string imuLines(const ImuResult& imu, const std::string& reference) {
-  std::string text = fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), imu.rms_acc);
+  std::string text =
+      fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), imu.rms_acc);
   text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
   text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
   text += fmt::format("  from {} to imu:\n", reference);
@@ -74,10 +81,11 @@ std::string imuLines(const ImuResult& imu, const std::string& reference) {
 }
 
 std::string summaryLines(const Result& result) {
-  return fmt::format("\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  RSS {:.6g}, chi2/dof {:.4g}\n",
-                     result.converged ? "Converged" : "NOT CONVERGED", plural(result.iterations, "iteration"),
-                     result.stop_reason, result.measurements, result.unknowns, result.redundancy, result.rss,
-                     result.chi2PerDof());
+  return fmt::format(
+      "\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  RSS {:.6g}, chi2/dof {:.4g}\n",
+      result.converged ? "Converged" : "NOT CONVERGED", plural(result.iterations, "iteration"),
+      result.stop_reason, result.measurements, result.unknowns, result.redundancy, result.rss,
+      result.chi2PerDof());
 }
 
 std::string worstLines(const Result& result) {
@@ -87,11 +95,14 @@ std::string worstLines(const Result& result) {
   text += "   worst corner\n";
   for (const ImageResult* image : result.worstImages(5)) {
     text += fmt::format("{:>7} {:>9.3f}", image->image, image->chi2PerMeasurement());
-    for (const auto& rms : image->rms_px) text += rms ? fmt::format("{:>12.3f}", *rms) : fmt::format("{:>12}", "-");
-    if (result.imu) text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
+    for (const auto& rms : image->rms_px)
+      text += rms ? fmt::format("{:>12.3f}", *rms) : fmt::format("{:>12}", "-");
+    if (result.imu)
+      text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
     const WorstCorner& worst = image->worst_corner;
     const CameraResult& camera = result.cameras[worst.camera];
-    text += fmt::format("   {:.2f} px, corner {} ({}:{})\n", worst.error_px, worst.number, camera.file, worst.line);
+    text += fmt::format("   {:.2f} px, corner {} ({}:{})\n", worst.error_px, worst.number, camera.file,
+                        worst.line);
   }
   return text;
 }
@@ -103,7 +114,8 @@ std::string wrapped(const std::string& sentence) {
   while (begin < sentence.size()) {
     const std::size_t end = std::min(sentence.find(' ', begin), sentence.size());
     if (column + 1 + end - begin > text_width) text += "\n   ", column = 3;
-    text += " " + sentence.substr(begin, end - begin);
+    text += ' ';
+    text.append(sentence, begin, end - begin);
     column += 1 + end - begin;
     begin = end + 1;
   }
@@ -118,14 +130,16 @@ std::string dataText(const Dataset& data, const Settings& settings) {
     text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
                         camera.cornerCount(), camera.file);
   }
-  if (data.imu) text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
+  if (data.imu)
+    text +=
+        fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
   return text + fmt::format("\neach camera alone, model {}\n", toString(settings.model));
 }
 
 std::string aloneText(const AloneReport& alone) {
-  const std::string outcome = alone.converged
-                                  ? fmt::format("RMS {:.4f} px after {}", alone.rms_px, plural(alone.iterations, "iteration"))
-                                  : "no fit of its own, goes on with the start values";
+  const std::string outcome = alone.converged ? fmt::format("RMS {:.4f} px after {}", alone.rms_px,
+                                                            plural(alone.iterations, "iteration"))
+                                              : "no fit of its own, goes on with the start values";
   return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
 }
 
@@ -135,14 +149,14 @@ std::string iterationHeader() {
 
 std::string iterationText(const IterationRecord& r) {
   if (r.iteration == 0) return fmt::format("  {:>9} {:>14.8g}\n", r.iteration, r.rss);
-  return fmt::format("  {:>9} {:>14.8g} {:>15.2e} {:>12.1e} {:>10.1e}   {}\n", r.iteration, r.rss, r.relative_decrease,
-                     r.step, r.gradient, r.algorithm);
+  return fmt::format("  {:>9} {:>14.8g} {:>15.2e} {:>12.1e} {:>10.1e}   {}\n", r.iteration, r.rss,
+                     r.relative_decrease, r.step, r.gradient, r.algorithm);
 }
 
 std::string reportText(const Result& result) {
   const std::string& reference = result.cameras.front().name;
   std::string text = summaryLines(result);
-  if (!result.converged) text += "  " + result.message + "\n";
+  if (!result.converged) text += fmt::format("  {}\n", result.message);
   for (const CameraResult& camera : result.cameras) text += cameraLines(camera, reference);
   if (result.imu) text += imuLines(*result.imu, reference);
   text += worstLines(result);

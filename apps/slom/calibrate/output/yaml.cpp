@@ -7,8 +7,9 @@ namespace {
 
 /// A matrix as `key`, in OpenCV's notation, one row a line.
 std::string matrix(const std::string& indent, const std::string& key, const Eigen::MatrixXd& m) {
-  std::string text = fmt::format("{0}{1}: !!opencv-matrix\n{0}   rows: {2}\n{0}   cols: {3}\n{0}   dt: d\n{0}   data: [", indent,
-                                 key, m.rows(), m.cols());
+  std::string text =
+      fmt::format("{0}{1}: !!opencv-matrix\n{0}   rows: {2}\n{0}   cols: {3}\n{0}   dt: d\n{0}   data: [",
+                  indent, key, m.rows(), m.cols());
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
     for (Eigen::Index j = 0; j < m.cols(); ++j) {
       const bool is_last = i + 1 == m.rows() && j + 1 == m.cols();
@@ -21,8 +22,8 @@ std::string matrix(const std::string& indent, const std::string& key, const Eige
 
 std::string cameraYaml(const CameraResult& camera, const std::string& reference) {
   const std::string indent(6, ' ');
-  std::string text = fmt::format("   {}:\n{}model: \"{}\"\n{}rms_px: {}\n", camera.name, indent, camera.model, indent,
-                                 camera.rms_px);
+  std::string text = fmt::format("   {}:\n{}model: \"{}\"\n{}rms_px: {}\n", camera.name, indent, camera.model,
+                                 indent, camera.rms_px);
   text += matrix(indent, "camera_matrix", camera.camera_matrix);
   text += matrix(indent, "distortion_coefficients", camera.distortion.transpose());
   text += matrix(indent, "rotation_from_" + reference, camera.left2camera.orient.toRotationMatrix());

@@ -21,7 +21,8 @@ Eigen::Matrix3d normalisation(const std::vector<vec2>& points) {
 
 Eigen::Matrix3d findHomography(const std::vector<vec2>& board, const std::vector<vec2>& pixels) {
   const Eigen::Matrix3d from_board = normalisation(board), from_pixels = normalisation(pixels);
-  Eigen::MatrixXd A(2 * std::max<std::size_t>(board.size(), 5), 9);  // a zero row makes 4 pairs give 9 directions
+  Eigen::MatrixXd A(2 * std::max<std::size_t>(board.size(), 5),
+                    9);  // a zero row makes 4 pairs give 9 directions
   A.setZero();
   for (std::size_t i = 0; i < board.size(); ++i) {
     const Eigen::RowVector3d p = (from_board * board[i].homogeneous()).transpose();

@@ -30,7 +30,8 @@ Rotation kabsch(const std::vector<TiltPair>& pairs, const vec3& bias, double gra
   return result;
 }
 
-/// Derivative of the readings by (rotation 3, acc_bias 3, gravity 1) without the fixed ones, and which are left.
+/// Derivative of the readings by (rotation 3, acc_bias 3, gravity 1) without the fixed ones, and which are
+/// left.
 struct Sensitivity {
   Eigen::MatrixXd J;
   int bias_at = -1, gravity_at = -1;
@@ -127,10 +128,11 @@ void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs
   std::string what = "the orientation of the IMU";
   if (!fixed.acc_bias) what += ", acc_bias";
   if (!fixed.gravity) what += ", gravity";
-  throw UserError(fmt::format("{}:{}: {} valid reading{} of tilts that spread by {:.2g} deg do not determine {}; add "
-                              "readings at other tilts, about more than one axis{}",
-                              imu.file, imu.readings.front().line, pairs.size(), pairs.size() == 1 ? "" : "s",
-                              tiltSpread(pairs) * 180 / std::numbers::pi, what, remedy));
+  throw UserError(
+      fmt::format("{}:{}: {} valid reading{} of tilts that spread by {:.2g} deg do not determine {}; add "
+                  "readings at other tilts, about more than one axis{}",
+                  imu.file, imu.readings.front().line, pairs.size(), pairs.size() == 1 ? "" : "s",
+                  tiltSpread(pairs) * 180 / std::numbers::pi, what, remedy));
 }
 
 }  // namespace slom::app::calib

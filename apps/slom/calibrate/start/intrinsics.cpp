@@ -11,13 +11,15 @@
 namespace slom::app::calib {
 namespace {
 
-/// Pixels shifted and scaled so that the numbers of the conic are of similar size: normalised = scale * (pixel - centre).
+/// Pixels shifted and scaled so that the numbers of the conic are of similar size: normalised = scale *
+/// (pixel - centre).
 struct PixelScale {
   Eigen::Vector2d centre;
   double scale;
 
   Eigen::Matrix3d matrix() const {
-    return (Eigen::Matrix3d() << scale, 0, -scale * centre.x(), 0, scale, -scale * centre.y(), 0, 0, 1).finished();
+    return (Eigen::Matrix3d() << scale, 0, -scale * centre.x(), 0, scale, -scale * centre.y(), 0, 0, 1)
+        .finished();
   }
   Pinhole undo(const Pinhole& p) const {
     return {p.fx / scale, p.fy / scale, p.cx / scale + centre.x(), p.cy / scale + centre.y()};
@@ -25,12 +27,14 @@ struct PixelScale {
 };
 
 /// Around the places where the homographies put the centres of their boards.
-PixelScale pixelScale(const std::vector<Eigen::Matrix3d>& homographies, const Eigen::Vector2d* centre = nullptr) {
+PixelScale pixelScale(const std::vector<Eigen::Matrix3d>& homographies,
+                      const Eigen::Vector2d* centre = nullptr) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const auto& H : homographies) mean += H.col(2).hnormalized() / double(homographies.size());
   if (centre) mean = *centre;
   double square = 0;
-  for (const auto& H : homographies) square += (H.col(2).hnormalized() - mean).squaredNorm() / double(homographies.size());
+  for (const auto& H : homographies)
+    square += (H.col(2).hnormalized() - mean).squaredNorm() / double(homographies.size());
   return {mean, 1 / std::max(100.0, std::sqrt(square))};
 }
 
@@ -56,7 +60,8 @@ bool plausible(const Pinhole& p, const Eigen::Vector2d& low, const Eigen::Vector
 
 double squaredPixelError(const std::vector<PlaneView>& views, const Pinhole& camera) {
   double sum = 0;
-  for (const PlaneView& view : views) sum += squaredPixelError(view, camera, poseFromHomography(view, camera));
+  for (const PlaneView& view : views)
+    sum += squaredPixelError(view, camera, poseFromHomography(view, camera));
   return sum;
 }
 
@@ -79,7 +84,8 @@ std::optional<Pinhole> zhang(const std::vector<Eigen::Matrix3d>& homographies) {
   return scale.undo({std::sqrt(lambda / b[0]), std::sqrt(lambda / b[1]), -b[2] / b[0], -b[3] / b[1]});
 }
 
-std::optional<Pinhole> zhangFocalLength(const std::vector<Eigen::Matrix3d>& homographies, const vec2& centre) {
+std::optional<Pinhole> zhangFocalLength(const std::vector<Eigen::Matrix3d>& homographies,
+                                        const vec2& centre) {
   const Eigen::Vector2d at = centre;
   const PixelScale scale = pixelScale(homographies, &at);
   double numerator = 0, denominator = 0;  // least squares of p w + q = 0, w = 1 / f^2

@@ -9,12 +9,13 @@
 
 namespace slom::app::calib {
 
-/// fx, fy, cx, cy in closed form, without skew, from at least two homographies. Nothing when the views leave them
-/// open (boards parallel to each other or to the image) or noise makes the conic no camera's.
-/// Source: Zhang, A flexible new technique for camera calibration, PAMI 2000, section 3.1.
+/// fx, fy, cx, cy in closed form, without skew, from at least two homographies. Nothing when the views leave
+/// them open (boards parallel to each other or to the image) or noise makes the conic no camera's. Source:
+/// Zhang, A flexible new technique for camera calibration, PAMI 2000, section 3.1.
 std::optional<Pinhole> zhang(const std::vector<Eigen::Matrix3d>& homographies);
 
-/// The focal length alone (fx = fy), for a known principal point. Nothing when all boards are parallel to the image.
+/// The focal length alone (fx = fy), for a known principal point. Nothing when all boards are parallel to the
+/// image.
 std::optional<Pinhole> zhangFocalLength(const std::vector<Eigen::Matrix3d>& homographies, const vec2& centre);
 
 /// How a start value of the intrinsics was found.

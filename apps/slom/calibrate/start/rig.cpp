@@ -25,8 +25,8 @@ std::vector<Vote> votes(const CameraData& a, const ViewPoses& world2a, const Vie
   return result;
 }
 
-/// The vote that the others agree with best: least sum of the angles by which both move the others' boards, plus
-/// the differences in rotation. One bad pose among three does no harm.
+/// The vote that the others agree with best: least sum of the angles by which both move the others' boards,
+/// plus the differences in rotation. One bad pose among three does no harm.
 SE3 elected(const std::vector<Vote>& all) {
   const SE3* best = nullptr;
   double least = std::numeric_limits<double>::infinity();

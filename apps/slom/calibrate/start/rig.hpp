@@ -12,8 +12,8 @@ namespace slom::app::calib {
 using ViewPoses = std::map<int, SE3>;
 
 struct RigStart {
-  std::vector<SE3> left2camera;    ///< by camera; the identity for the first, the reference ("left")
-  std::map<int, SE3> left2world;   ///< by image
+  std::vector<SE3> left2camera;   ///< by camera; the identity for the first, the reference ("left")
+  std::map<int, SE3> left2world;  ///< by image
 };
 
 /// Camera to camera by common images, along the tree that shares the most of them; the board poses from the

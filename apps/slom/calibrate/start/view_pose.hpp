@@ -9,11 +9,12 @@ namespace slom::app::calib {
 /// World to camera, from the homography: rotation by the nearest orthonormal matrix, board before the camera.
 SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera);
 
-/// The pose that looks nearly the same when the board is small or far: tilted the other way, about the line of sight
-/// to its centre.
+/// The pose that looks nearly the same when the board is small or far: tilted the other way, about the line
+/// of sight to its centre.
 SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera);
 
-/// Sum of squared distances between the corners and their pixels [px^2]; infinite if a corner lies behind the camera.
+/// Sum of squared distances between the corners and their pixels [px^2]; infinite if a corner lies behind the
+/// camera.
 double squaredPixelError(const PlaneView& view, const Pinhole& camera, const SE3& world2camera);
 
 }  // namespace slom::app::calib

@@ -1,0 +1,154 @@
+// Every mistake in the options, files that cannot be written, and fits that fail.
+#include <algorithm>
+
+#include "calibrate/faults.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+using testing::corner_header;
+using testing::expectRefused;
+using testing::Files;
+using testing::runIn;
+using testing::TemporaryFolder;
+using testing::usual;
+
+TEST(CalibrateFaults, NoCamera) {
+  expectRefused(Files(), {"--imu", "DIR/imu.csv"},
+                "no --camera; give at least one, as in --camera left=left_corners.csv");
+}
+TEST(CalibrateFaults, CameraSyntax) {
+  for (const std::string text : {"left", "left=", "=left.csv"}) {
+    expectRefused(Files(), {"--camera", text},
+                  "--camera " + text + ": write NAME=FILE, as in --camera left=left_corners.csv");
+  }
+  for (const std::string text : {"1=a.csv", "left cam=a.csv", "l\"=a.csv"}) {
+    expectRefused(Files(), {"--camera", text},
+                  "--camera " + text +
+                      ": the name must begin with a letter and hold letters, digits, _ and - only; "
+                      "rename the camera");
+  }
+}
+TEST(CalibrateFaults, CameraNamedTwice) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/right.csv"},
+                "--camera left=right.csv: there is a camera left already; give each its own name");
+}
+TEST(CalibrateFaults, UnknownModel) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--intrinsics", "fisheye"},
+                "--intrinsics fisheye: the models are opencv5, opencv4 and radial1");
+}
+TEST(CalibrateFaults, Sigmas) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "0"},
+                "--sigma-px 0: a standard deviation must be positive");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-acc", "-1"},
+                "--sigma-acc -1: a standard deviation must be positive");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "small"},
+                "Could not convert: --sigma-px = small; see slom calibrate --help");
+}
+TEST(CalibrateFaults, MaxIterations) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--max-iterations", "0"},
+                "--max-iterations 0: give a number from 1 on");
+}
+TEST(CalibrateFaults, Fix) {
+  const auto with = [](std::vector<std::string> more) {
+    std::vector<std::string> options = usual();
+    options.insert(options.end(), more.begin(), more.end());
+    return options;
+  };
+  expectRefused(Files(), with({"--fix", "k3"}),
+                "--fix k3: nothing is called \"k3\"; what can be fixed is acc_bias and gravity");
+  expectRefused(
+      Files(), with({"--fix", "gravity=-9.81"}),
+      "--fix gravity=-9.81: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
+      "from the data");
+  expectRefused(Files(), with({"--fix", "gravity=g"}), "--fix gravity=g: the value must be a number");
+  expectRefused(Files(), with({"--fix", "gravity="}), "--fix gravity=: the value must be a number");
+  expectRefused(Files(), with({"--fix", "acc_bias=0,0"}),
+                "--fix acc_bias=0,0: the value must be 3 numbers separated by commas");
+  expectRefused(Files(), with({"--fix", "gravity", "--fix", "gravity=9.8"}),
+                "--fix gravity=9.8: gravity is fixed already; give it once");
+  expectRefused(Files(), with({"--fix", "acc_bias", "--fix", "acc_bias"}),
+                "--fix acc_bias: acc_bias is fixed already; give it once");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--fix", "gravity"},
+                "--fix gravity: there is no IMU to fix it for; add --imu FILE, or leave out --fix");
+}
+TEST(CalibrateFaults, UnknownOption) {
+  expectRefused(
+      Files(), {"--cameras", "left=DIR/left.csv"},
+      "The following arguments were not expected: left=left.csv --cameras; see slom calibrate --help");
+}
+
+TEST(CalibrateFaults, OutputsThatCannotBeWritten) {
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/no/such/folder.json", "--quiet"},
+      "cannot write no/such/folder.json: No such file or directory; name a file in a folder that exists and "
+      "may be written");
+  expectRefused(
+      Files(),
+      {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--output", "DIR/no/such.yaml",
+       "--quiet"},
+      "cannot write no/such.yaml: No such file or directory; name a file in a folder that exists and may be "
+      "written");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/."},
+                "--json .: this is a folder; give the name of a file");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--output", "/dev/stdout"},
+                "--output /dev/stdout: this is a device or a pipe; give the name of a file");
+}
+TEST(CalibrateFaults, OutputsOverInputs) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/./left.csv"},
+                "--json ./left.csv: this is the file of --camera left too; give another one");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/r", "--output", "DIR/r"},
+                "--output r: this is the file of --json too; give another one");
+  const TemporaryFolder folder;
+  const Files files;
+  runIn(folder, files, {"--camera", "left=DIR/left.csv", "--json", "DIR/left.csv"});
+  EXPECT_EQ(slom::testing::readFile(folder / "left.csv"), files.left);
+}
+
+TEST(CalibrateFaults, AFailedRunLeavesTheOldResultAlone) {
+  const TemporaryFolder folder;
+  slom::testing::writeFile(folder / "result.json", "the old one");
+  Files files;
+  files.left = corner_header;
+  EXPECT_EQ(runIn(folder, files, usual()).exit_code, 2);
+  EXPECT_EQ(slom::testing::readFile(folder / "result.json"), "the old one");
+}
+
+TEST(CalibrateFaults, AFitThatDoesNotConvergeSaysSo) {
+  const TemporaryFolder folder;
+  auto options = usual();
+  options.insert(options.end(), {"--max-iterations", "1"});
+  options.erase(std::find(options.begin(), options.end(), "--quiet"));
+  const auto result = runIn(folder, Files(), options);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.errors, "slom: the calibration failed: iteration limit of 1 reached\n");
+  EXPECT_NE(result.output.find("NOT CONVERGED after 1 iteration"), std::string::npos) << result.output;
+  EXPECT_NE(slom::testing::readFile(folder / "result.json").find("\"converged\": false"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "result.yaml"));
+}
+
+/// Two views of a board that is parallel in both: intrinsics are not determined.
+TEST(CalibrateFaults, ParametersThatAreNotDeterminedAreNamed) {
+  testing::RigOptions options;
+  options.cameras = 1;
+  options.distorted = false;
+  options.sigma_px = 0;
+  std::mt19937_64 random(1);
+  testing::RigTruth truth = testing::simulateTruth(options, random);
+  truth.left2world.clear();
+  for (int i = 1; i <= 4; ++i) {
+    truth.left2world[i] = SE3(SO3::exp(vec3(M_PI, 0., 0.)), vec3(0.15 + 0.02 * i, 0.12, 0.6));
+  }
+  const Dataset data = testing::simulateMeasurements(truth, options, random);
+  const TemporaryFolder folder;
+  slom::testing::writeFile(folder / "a.csv", testing::cornerFile(data.cameras[0]));
+  const auto result = testing::runCalibrate({"--camera", "a=" + (folder / "a.csv").string(), "--json",
+                                             (folder / "result.json").string(), "--intrinsics", "radial1"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.output.find("Not all parameters are determined"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("not determined"), std::string::npos);
+  EXPECT_NE(slom::testing::readFile(folder / "result.json").find("\"std\": null"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slom::app::calib
