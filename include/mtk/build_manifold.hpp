@@ -81,7 +81,11 @@
     void boxminus(::mtk::vectview<scalar, DOF> out, const Name& y) const {                                   \
       ::mtk::detail::NamedTraits<Name>::boxminus(out, *this, y);                                             \
     }                                                                                                        \
-    friend ::std::ostream& operator<<(::std::ostream& os, const Name& x) { return ::mtk::write(os, x); }     \
-    friend ::std::istream& operator>>(::std::istream& is, Name& x) { return ::mtk::read(is, x); }            \
+    [[maybe_unused]] friend ::std::ostream& operator<<(::std::ostream& os, const Name& x) {                  \
+      return ::mtk::write(os, x);                                                                            \
+    }                                                                                                        \
+    [[maybe_unused]] friend ::std::istream& operator>>(::std::istream& is, Name& x) {                        \
+      return ::mtk::read(is, x);                                                                             \
+    }                                                                                                        \
   };
 // clang-format on

@@ -108,15 +108,14 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   ++structure_revision_;
 }
 
-std::string Problem::nameForPool(std::string type) const {
-  if (type.rfind("CallableMeasurement", 0) == 0) type = "function";
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == name; });
+std::string Problem::nameForPool(const std::string& name) const {
+  const auto taken = [&](const std::string& candidate) {
+    return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == candidate; });
   };
-  if (!taken(type)) return type;
+  if (!taken(name)) return name;
   int number = 2;
-  while (taken(type + "-" + std::to_string(number))) ++number;
-  return type + "-" + std::to_string(number);
+  while (taken(name + "-" + std::to_string(number))) ++number;
+  return name + "-" + std::to_string(number);
 }
 
 void Problem::save() {

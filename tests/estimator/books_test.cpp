@@ -162,6 +162,11 @@ TEST(Estimator, CallsEverythingCallable) {
   EXPECT_EQ(est.residual(c)[0], -7);
   EXPECT_EQ(est.whitenedResidual(c)[0], -3.5);
   EXPECT_EQ(est.getRSS(c), 12.25);
+  std::vector<std::string> names;
+  for (const auto& group : est.optimize().groups) names.push_back(group.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"Functor", "lambda", "function"}));
+  est.reinitRV(x, 1.0);
+  est.reinitRV(y, 2.0);
   EXPECT_EQ(est.residuals(), (VectorXd(4) << -2, 1, -3, -3.5).finished());
 }
 

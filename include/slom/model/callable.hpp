@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -126,6 +127,8 @@ class CallableMeasurement {
 
  public:
   static constexpr int residual_dim = rows();
+  /// What messages call measurements of this callable: its type, `lambda` or `function`.
+  static std::string groupName() { return std::is_class_v<F> ? typeName<F>() : "function"; }
 
   explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_(Stored<Args>(args)...) {}
 

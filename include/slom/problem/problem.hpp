@@ -110,7 +110,13 @@ class Problem {
   TypedPool<M>& findPool() {
     auto& entry = pool_of_type_[typeid(M)];
     if (entry == nullptr) {
-      pools_.push_back(std::make_unique<TypedPool<M>>(nameForPool(slom::typeName<M>()), table_));
+      std::string name;
+      if constexpr (requires { M::groupName(); }) {
+        name = M::groupName();
+      } else {
+        name = slom::typeName<M>();
+      }
+      pools_.push_back(std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
       entry = pools_.back().get();
     }
     return static_cast<TypedPool<M>&>(*entry);
@@ -122,7 +128,8 @@ class Problem {
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
   void checkNewDof(int variable, int dof) const;
   std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
-  std::string nameForPool(std::string type) const;
+  /// The name, with a number behind it when another pool has it already.
+  std::string nameForPool(const std::string& name) const;
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
