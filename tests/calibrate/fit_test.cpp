@@ -223,6 +223,20 @@ TEST(CalibrateFit, UncertaintyIsThatOfTheStatedSigmas) {
   EXPECT_NEAR(one.result.rss, 4 * two.result.rss, 1e-8 * one.result.rss);
 }
 
+TEST(CalibrateFit, ImagesOfDifferentMomentsAreNamed) {
+  RigOptions options;
+  options.images = 10;
+  const auto r = run(options, Settings{}, 11, [](Dataset& data) {
+    data.imu.reset();
+    std::swap(data.cameras[1].views[2].corners, data.cameras[1].views[4].corners);
+  });
+  ASSERT_EQ(r.result.strays.size(), 2u);
+  EXPECT_EQ(r.result.strays[0].image, 3);
+  EXPECT_EQ(r.result.strays[1].image, 5);
+  EXPECT_EQ(r.result.strays[0].camera, "b");
+  EXPECT_TRUE(run(options, Settings{}, 11).result.strays.empty());
+}
+
 TEST(CalibrateFit, StrongDistortionAndLongLensesConverge) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     RigOptions wide;

@@ -91,6 +91,17 @@ TEST(Notes, CameraThatFitsWorseTogether) {
           "moved."}));
 }
 
+TEST(Notes, ImagesThatContradictTheOthers) {
+  Result result = goodResult();
+  result.strays.push_back({"right", 3, 47.3});
+  result.cameras.push_back(result.cameras[0]);
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "Image 3 of camera right contradicts the others: where they put it, its corners are "
+                "47 px off. Was it taken at the same time as image 3 of camera left? If not, remove it "
+                "or correct its number."}));
+}
+
 TEST(Notes, WeakGravityAndOpenSign) {
   Result result = goodResult();
   result.imu->gravity_std = 0.15;

@@ -73,6 +73,13 @@ struct ImageResult {
   double chi2PerMeasurement() const { return chi2 / measurements; }
 };
 
+/// A view that the start values of the rig, elected by all common images, do not fit.
+struct Stray {
+  std::string camera;
+  int image = 0;
+  double error_px = 0;  ///< root mean square distance of its corners before the joint fit
+};
+
 struct Result {
   bool converged = false;
   std::string stop_reason;  ///< as slom::toString says it
@@ -84,6 +91,7 @@ struct Result {
   std::string undetermined;  ///< empty, or why there are no standard deviations
   std::vector<CameraResult> cameras;
   std::optional<ImuResult> imu;
+  std::vector<Stray> strays;
   std::vector<ImageResult> images;  ///< by rising number
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }

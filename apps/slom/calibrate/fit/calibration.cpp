@@ -1,5 +1,8 @@
 #include "calibrate/fit/calibration.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "calibrate/fit/joint.hpp"
@@ -20,6 +23,26 @@ void requireEnoughMeasurements(const Dataset& data, const Settings& settings, in
       fmt::format("{}:2: the corners give {} numbers for {} unknowns of the model {}; add images or corners, "
                   "or choose a model with fewer parameters by --intrinsics",
                   data.cameras.front().file, measured, unknowns, toString(settings.model)));
+}
+
+/// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
+/// images that were not taken at the same time.
+template <class Camera>
+std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig) {
+  std::vector<Stray> views;
+  std::vector<double> errors;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const View& view : data.cameras[c].views) {
+      const SE3 world2camera = rig.left2camera[c] * rig.left2world.at(view.image).inverse();
+      const double square = squaredPixelError(cameras[c], world2camera, view);
+      errors.push_back(std::sqrt(square / double(view.corners.size())));
+      views.push_back({data.cameras[c].name, view.image, errors.back()});
+    }
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  const double limit = std::max(10.0, 10 * errors[errors.size() / 2]);
+  std::erase_if(views, [&](const Stray& view) { return view.error_px <= limit; });
+  return views;
 }
 
 template <class Camera>
@@ -51,6 +74,7 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
+  result.strays = findStrays(data, cameras, rig);
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
     result.imu->sign_evidence = imu->sign_evidence;

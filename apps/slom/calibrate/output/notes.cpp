@@ -57,6 +57,17 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
             3 * readings, of_imu, notes);
 }
 
+void noteStrays(const Result& result, std::vector<std::string>& notes) {
+  for (const Stray& stray : result.strays) {
+    notes.push_back(fmt::format(
+        "Image {} of camera {} contradicts the others: where they put it, its corners are {:.0f} px off. Was "
+        "it "
+        "taken at the same time as image {} of {}? If not, remove it or correct its number.",
+        stray.image, stray.camera, stray.error_px, stray.image,
+        result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras"));
+  }
+}
+
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
   for (const CameraResult& camera : result.cameras) {
     if (!(camera.rms_px > together_mismatch * camera.rms_px_alone)) continue;
@@ -95,8 +106,9 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
 std::vector<std::string> notes(const Result& result) {
   std::vector<std::string> notes;
   noteDetermination(result, notes);
-  noteSigmas(result, notes);
-  noteTogether(result, notes);
+  noteStrays(result, notes);
+  if (result.strays.empty()) noteTogether(result, notes);
+  if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteGravity(result, notes);
   return notes;
 }
