@@ -7,7 +7,11 @@
 #include <random>
 #include <sstream>
 
+#include "support/message_of.hpp"
+
 namespace {
+
+using slom::testing::messageOf;
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -29,16 +33,6 @@ SLOM_BUILD_MEASUREMENT(Samples, slom::Dynamic, ((vec2, line)), ((VectorXd, y)))
 SLOM_IMPLEMENT_MEASUREMENT(Samples, ret) {
   ret.resize(y.size());
   for (int i = 0; i < ret.size(); ++i) ret[i] = (*line)[0] + (*line)[1] * i - y[i];
-}
-
-template <class F>
-std::string messageOf(F&& f) {
-  try {
-    f();
-  } catch (const mtk::Error& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 TEST(Handles, StayValidWhateverIsInsertedAndRemoved) {

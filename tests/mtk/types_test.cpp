@@ -6,7 +6,11 @@
 #include <random>
 #include <sstream>
 
+#include "support/message_of.hpp"
+
 namespace {
+
+using slom::testing::messageOf;
 
 typedef mtk::vect<2> vec2;
 typedef mtk::vect<3> vec3;
@@ -184,16 +188,6 @@ TEST(Statistics, WeightsCountAsRepetition) {
   const auto mean = mtk::weightedMean(samples, weights);
   EXPECT_NEAR(mtk::difference(mean, mtk::weightedMean(repeated))[0], 0, 1e-15);
   EXPECT_NEAR(mtk::weightedCovariance(samples, mean, weights)(0, 0), mtk::weightedCovariance(repeated, mean)(0, 0), 1e-15);
-}
-
-template <class F>
-std::string messageOf(F&& f) {
-  try {
-    f();
-  } catch (const mtk::Error& e) {
-    return e.what();
-  }
-  return "no error";
 }
 
 TEST(Statistics, SayWhatIsWrong) {

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "support/message_of.hpp"
+
 namespace {
+
+using slom::testing::messageOf;
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -320,24 +324,16 @@ TEST(Stopping, OnAPerfectFitWithoutNoise) {
 }
 
 TEST(BadOptions, AreNamed) {
-  const auto message = [](auto f) -> std::string {
-    try {
-      f();
-    } catch (const mtk::Error& e) {
-      return e.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(message([] { slom::LevenbergMarquardt(-1); }),
+  EXPECT_EQ(messageOf([] { slom::LevenbergMarquardt(-1); }),
             "[slom.bad-option] the initial damping of LevenbergMarquardt is -1.000000; pass a positive number");
-  EXPECT_EQ(message([] { slom::DogLeg(-2); }),
+  EXPECT_EQ(messageOf([] { slom::DogLeg(-2); }),
             "[slom.bad-option] the initial radius of DogLeg is -2.000000; pass a positive number, or 0 for the length of the "
             "first Gauss-Newton step");
-  EXPECT_EQ(message([] { slom::Estimator().changeAlgorithm(nullptr); }),
+  EXPECT_EQ(messageOf([] { slom::Estimator().changeAlgorithm(nullptr); }),
             "[slom.no-algorithm] changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or DogLeg");
-  EXPECT_EQ(message([] { slom::Estimator().changeSolver(nullptr); }),
+  EXPECT_EQ(messageOf([] { slom::Estimator().changeSolver(nullptr); }),
             "[slom.no-solver] changeSolver got a null pointer; pass a SparseCholesky or DenseQR");
-  EXPECT_EQ(message([] { slom::Estimator().setThreads(-1); }),
+  EXPECT_EQ(messageOf([] { slom::Estimator().setThreads(-1); }),
             "[slom.bad-option] the number of threads is -1; pass a positive number, or 0 for as many as the machine has");
 }
 
