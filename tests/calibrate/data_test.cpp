@@ -154,6 +154,19 @@ TEST(CalibrateData, JustinWithGravityFixedKeepsTheSignOfTheData) {
   EXPECT_LT(result["rms_acc"], 0.05);
 }
 
+TEST(CalibrateData, JustinHasThePrecisionThatTheDocumentationShows) {
+  SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
+  const auto folder = sharedDataPath("justin");
+  std::vector<std::string> options = stereo(folder, "radial1");
+  options.insert(options.end(), {"--imu", (folder / "imu.csv").string()});
+  const std::string report = testing::runCalibrate(options).output;
+  const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
+  const std::size_t begin = report.find("  largest std"), end = report.find("\n\n", begin);
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_NE(page.find("```text\n" + report.substr(begin, end - begin) + "\n```"), std::string::npos)
+      << report.substr(begin, end - begin);
+}
+
 TEST(CalibrateData, MonoIsTheLeftCameraOfJustin) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("mono");
   const json result = calibrated(

@@ -7,6 +7,7 @@
 
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/fit/imu_precision.hpp"
+#include "calibrate/fit/rotation_vector.hpp"
 #include "calibrate/simulated_rig.hpp"
 
 namespace slom::app::calib {
@@ -250,6 +251,23 @@ TEST(CalibrateFit, StrongDistortionAndLongLensesConverge) {
     const Calibrated f = run(few, Settings{}, seed, [](Dataset& data) { data.imu.reset(); });
     EXPECT_TRUE(f.result.success());
     EXPECT_NEAR(f.result.chi2PerDof(), 1, 0.25);
+  }
+}
+
+TEST(RotationVector, StdIsThatOfItsComponents) {
+  Eigen::Matrix3d A;
+  A << 0.9, 0.2, -0.1, 0.1, 1.3, 0.3, -0.4, 0.2, 0.7;
+  const Eigen::Matrix3d covariance = 1e-6 * A * A.transpose();
+  for (const double angle : {0.0, 1e-8, 1e-3, 1.0, 3.0}) {
+    const vec3 v(vec3(0.6, -0.48, 0.64) * angle);
+    const SO3 R = SO3::exp(v);
+    Eigen::Matrix3d J;  // by central differences
+    for (int i = 0; i < 3; ++i) {
+      const vec3 d(1e-5 * Eigen::Vector3d::Unit(i));
+      J.col(i) = (SO3::log(R * SO3::exp(d)) - SO3::log(R * SO3::exp(vec3(-d)))) / 2e-5;
+    }
+    const vec3 expected((J * covariance * J.transpose()).diagonal().cwiseSqrt());
+    EXPECT_LT((rotationVectorStd(R, covariance) - expected).norm(), 1e-9) << angle;
   }
 }
 

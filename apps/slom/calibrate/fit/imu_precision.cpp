@@ -9,7 +9,10 @@ namespace slom::app::calib {
 Eigen::MatrixXd whenKnown(const Eigen::MatrixXd& covariance, int first, int count) {
   const auto known_columns = covariance.middleCols(first, count);
   const Eigen::MatrixXd known = covariance.block(first, first, count, count);
-  return covariance - known_columns * known.ldlt().solve(known_columns.transpose());
+  Eigen::MatrixXd rest = covariance - known_columns * known.ldlt().solve(known_columns.transpose());
+  rest.middleCols(first, count).setZero();  // exactly, where rounding left a trace
+  rest.middleRows(first, count).setZero();
+  return rest;
 }
 
 ImuPrecision precisionOf(const Eigen::MatrixXd& covariance) {

@@ -10,6 +10,7 @@
 
 #include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/imu_precision.hpp"
+#include "calibrate/fit/rotation_vector.hpp"
 #include "calibrate/start/imu.hpp"
 
 namespace slom::app::calib {
@@ -212,9 +213,10 @@ void JointProblem<Camera>::addStandardDeviations(Result& result) {
     CameraResult& camera = result.cameras[c];
     const Eigen::VectorXd std = est_.standardDeviation(cameras_[c]);
     for (int i = 0; i < Camera::DOF; ++i) camera.parameters[i].std = std[i];
-    const Eigen::VectorXd pose = c == 0 ? Eigen::VectorXd::Zero(6) : est_.standardDeviation(left2camera_[c]);
-    camera.translation_std = pose.head<3>();
-    camera.rotation_std = pose.tail<3>();
+    const Eigen::MatrixXd pose = c == 0 ? Eigen::MatrixXd::Zero(6, 6) : est_.covariance(left2camera_[c]);
+    camera.translation_std = pose.diagonal().head<3>().cwiseSqrt();
+    camera.rotation_std = pose.diagonal().tail<3>().cwiseSqrt();
+    camera.rotation_vector_std = rotationVectorStd(camera.left2camera.orient, pose.bottomRightCorner<3, 3>());
   }
   if (result.imu) addImuStandardDeviations(*result.imu);
 }
@@ -227,6 +229,7 @@ void JointProblem<Camera>::addImuStandardDeviations(ImuResult& imu) {
       est_.covariance(acc_bias_, gravity_), est_.covariance(gravity_, left2imu_),
       est_.covariance(gravity_, acc_bias_), est_.covariance(gravity_);
   imu.rotation_std = covariance.diagonal().head<3>().cwiseSqrt();
+  imu.rotation_vector_std = rotationVectorStd(imu.left2imu, covariance.topLeftCorner<3, 3>());
   imu.acc_bias_std = covariance.diagonal().segment<3>(3).cwiseSqrt();
   imu.gravity_std = std::sqrt(covariance(6, 6));
   imu.precision = precisionOf(covariance);

@@ -81,12 +81,15 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
 
 std::string toJson(const Result& result) {
   const std::string& reference = result.cameras.front().name;
-  Json rms, cameras, images = Json::array(), worst = Json::array();
+  Json rms, cameras, images = Json::array(), worst = Json::array(), strays = Json::array();
   for (const CameraResult& camera : result.cameras) {
     rms[camera.name] = camera.rms_px;
     cameras[camera.name] = cameraJson(camera, reference);
   }
   for (const ImageResult& image : result.images) images.push_back(imageJson(image, result.cameras));
+  for (const Stray& stray : result.strays) {
+    strays.push_back({{"camera", stray.camera}, {"image", stray.image}, {"error_px", stray.error_px}});
+  }
   for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
   const Json json = {{"converged", result.converged},
                      {"stop_reason", result.stop_reason},
@@ -106,6 +109,7 @@ std::string toJson(const Result& result) {
                      {"cameras", cameras},
                      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
                      {"worst_images", worst},
+                     {"strays", strays},
                      {"images", images}};
   return json.dump(2) + "\n";
 }

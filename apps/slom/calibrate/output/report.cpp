@@ -22,7 +22,8 @@ std::string plural(std::size_t count, const std::string& noun) {
 std::string valueLine(const std::string& name, double value, double std, const std::string& unit) {
   const ValueText text = withStd(value, std);
   const std::string uncertainty = std > 0 ? (std::isfinite(std) ? "+- " + text.std : text.std) : text.std;
-  return fmt::format("  {:<14}{:>12} {:<12} {}\n", name, text.value, uncertainty, unit);
+  const std::string line = fmt::format("  {:<14}{:>12} {:<12} {}", name, text.value, uncertainty, unit);
+  return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
 }
 
 std::string vectorLines(const std::string& name, const vec3& value, const vec3& std,
@@ -32,7 +33,7 @@ std::string vectorLines(const std::string& name, const vec3& value, const vec3& 
   return text;
 }
 
-/// A rotation as its rotation vector; standard deviations are about the axes of the frame it starts from.
+/// A rotation as its rotation vector, with the standard deviations of that.
 std::string rotationLines(const SO3& R, const vec3& std) {
   return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), "deg");
 }
@@ -51,7 +52,7 @@ std::string cameraLines(const CameraResult& camera, const std::string& reference
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
   text += vectorLines("translation", camera.left2camera.pos, camera.translation_std, "m");
-  return text + rotationLines(camera.left2camera.orient, camera.rotation_std);
+  return text + rotationLines(camera.left2camera.orient, camera.rotation_vector_std);
 }
 
 /// What is known how well, and what fixing would bring: largest standard deviations of the axes.
@@ -59,7 +60,7 @@ std::string precisionTable(const ImuResult& imu) {
   const auto row = [&](const char* name, const char* unit, double scale, double ImuPrecision::*what) {
     std::string text = fmt::format("    {:<10}{:<8}", name, unit);
     for (const ImuPrecision* p : {&imu.precision, &imu.if_gravity_fixed, &imu.if_acc_bias_fixed}) {
-      text += fmt::format("{:>16}", p->*what > 1e-12 ? twoDigits(scale * (p->*what)) : "fixed");
+      text += fmt::format("{:>16}", p->*what > 0 ? twoDigits(scale * (p->*what)) : "fixed");
     }
     return text + "\n";
   };
@@ -75,7 +76,7 @@ std::string imuLines(const ImuResult& imu, const std::string& reference) {
   text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
   text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
   text += fmt::format("  from {} to imu:\n", reference);
-  text += rotationLines(imu.left2imu, imu.rotation_std);
+  text += rotationLines(imu.left2imu, imu.rotation_vector_std);
   const bool is_open = std::isfinite(imu.gravity_std) && !(imu.acc_bias_is_fixed && imu.gravity_is_fixed);
   return is_open ? text + precisionTable(imu) : text;
 }
