@@ -46,8 +46,8 @@ TEST(CalibrateFaults, EmptyFile) {
   files.left = "";
   expectDataRefused(
       files,
-      "left.csv:1: the file is empty; its first line must be \"image,corner,world_x_m,world_y_m,"
-      "world_z_m,u_px,v_px\", with one row for each measurement below");
+      "left.csv:1: the file is empty; its first line must be "
+      "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\", with one row for each measurement below");
 }
 TEST(CalibrateFaults, HeaderAlone) {
   Files files;
@@ -58,8 +58,8 @@ TEST(CalibrateFaults, WrongHeader) {
   Files files;
   files.left = replaced(files.left, "world_x_m", "x");
   expectDataRefused(files,
-                    "left.csv:1: the header is \"image,corner,x,world_y_m,world_z_m,u_px,v_px\"; it must be "
-                    "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"");
+                    "left.csv:1: the header is \"image,corner,x,world_y_m,world_z_m,u_px,v_px\"; it must "
+                    "be \"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"");
 }
 TEST(CalibrateFaults, ImuFileForACamera) {
   expectRefused(Files(), {"--camera", "left=DIR/imu.csv"},
@@ -120,16 +120,14 @@ TEST(CalibrateFaults, FewerThanFourCorners) {
   files.left = filtered(files.left, [](int image, int corner) { return image != 2 || corner <= 3; });
   expectDataRefused(
       files,
-      "left.csv:18: image 2 has only 3 corners; a pose needs at least 4, so add corners or remove the "
-      "image");
+      "left.csv:18: image 2 has only 3 corners; a pose needs at least 4, so add corners or remove the image");
 }
 TEST(CalibrateFaults, OneCorner) {
   Files files;
   files.left = filtered(files.left, [](int image, int corner) { return image != 2 || corner == 7; });
   expectDataRefused(
       files,
-      "left.csv:18: image 2 has only 1 corner; a pose needs at least 4, so add corners or remove the "
-      "image");
+      "left.csv:18: image 2 has only 1 corner; a pose needs at least 4, so add corners or remove the image");
 }
 TEST(CalibrateFaults, AllPointsOnALine) {
   Files files;
@@ -182,9 +180,8 @@ TEST(CalibrateFaults, TooFewCornersForTheModel) {
     return image < 3 && (corner == 1 || corner == 4 || corner == 13 || corner == 16);
   });
   expectRefused(files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"},
-                "left.csv:2: the corners give 16 numbers for 21 unknowns of the model opencv5; add images or "
-                "corners, or "
-                "choose a model with fewer parameters by --intrinsics");
+                "left.csv:2: the corners give 16 numbers for 21 unknowns of the model opencv5; add images "
+                "or corners, or choose a model with fewer parameters by --intrinsics");
 }
 TEST(CalibrateFaults, CameraWithoutCommonImage) {
   Files files;

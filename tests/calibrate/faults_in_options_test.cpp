@@ -25,8 +25,8 @@ TEST(CalibrateFaults, CameraSyntax) {
   for (const std::string text : {"1=a.csv", "left cam=a.csv", "l\"=a.csv"}) {
     expectRefused(Files(), {"--camera", text},
                   "--camera " + text +
-                      ": the name must begin with a letter and hold letters, digits, _ and - only; "
-                      "rename the camera");
+                      ": the name must begin with a letter and hold letters, digits, _ and - only; rename "
+                      "the camera");
   }
 }
 TEST(CalibrateFaults, CameraNamedTwice) {
@@ -81,14 +81,14 @@ TEST(CalibrateFaults, UnknownOption) {
 TEST(CalibrateFaults, OutputsThatCannotBeWritten) {
   expectRefused(
       Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/no/such/folder.json", "--quiet"},
-      "cannot write no/such/folder.json: No such file or directory; name a file in a folder that exists and "
-      "may be written");
+      "cannot write no/such/folder.json: No such file or directory; name a file in a folder that exists "
+      "and may be written");
   expectRefused(
       Files(),
       {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--output", "DIR/no/such.yaml",
        "--quiet"},
-      "cannot write no/such.yaml: No such file or directory; name a file in a folder that exists and may be "
-      "written");
+      "cannot write no/such.yaml: No such file or directory; name a file in a folder that exists and may "
+      "be written");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/."},
                 "--json .: this is a folder; give the name of a file");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--output", "/dev/stdout"},

@@ -70,13 +70,12 @@ TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
   result.imu->rms_acc *= 3;
   EXPECT_EQ(notes(result),
             (std::vector<std::string>{"The residuals of the corners are 1.7 times smaller than --sigma-px "
-                                      "0.25 says; --sigma-px 0.15 would fit "
-                                      "them. The standard deviations above are those of the stated sigmas.",
+                                      "0.25 says; --sigma-px 0.15 would fit them. The standard deviations "
+                                      "above are those of the stated sigmas.",
                                       "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 "
-                                      "says; --sigma-acc 0.15 would fit "
-                                      "them, unless the model is too simple or the worst images are wrong. "
-                                      "The standard deviations above are "
-                                      "those of the stated sigmas."}));
+                                      "says; --sigma-acc 0.15 would fit them, unless the model is too "
+                                      "simple or the worst images are wrong. The standard deviations above "
+                                      "are those of the stated sigmas."}));
 }
 
 TEST(Notes, CameraThatFitsWorseTogether) {
@@ -86,9 +85,8 @@ TEST(Notes, CameraThatFitsWorseTogether) {
       notes(result),
       (std::vector<std::string>{
           "Camera left fits its images to 0.200 px alone, but to 0.348 px together with the rest: look for "
-          "images "
-          "that were not taken at the same time, image numbers that do not belong together, or a part that "
-          "moved."}));
+          "images that were not taken at the same time, image numbers that do not belong together, or a "
+          "part that moved."}));
 }
 
 TEST(Notes, ImagesThatContradictTheOthers) {
@@ -97,9 +95,9 @@ TEST(Notes, ImagesThatContradictTheOthers) {
   result.cameras.push_back(result.cameras[0]);
   EXPECT_EQ(notes(result),
             (std::vector<std::string>{
-                "Image 3 of camera right contradicts the others: where they put it, its corners are "
-                "47 px off. Was it taken at the same time as image 3 of camera left? If not, remove it "
-                "or correct its number."}));
+                "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
+                "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
+                "correct its number."}));
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {
@@ -109,24 +107,34 @@ TEST(Notes, WeakGravityAndOpenSign) {
   EXPECT_EQ(
       notes(result),
       (std::vector<std::string>{
-          "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
-          "the "
-          "IMU turned half round) fits as well. Add images tilted about another axis.",
+          "The sign of gravity is open: the images are tilted about one axis only, and the other sign "
+          "(with the IMU turned half round) fits as well. Add images tilted about another axis.",
           "acc_bias and gravity are weakly determined, because the tilts of the images spread by 28.6 deg "
-          "only: "
-          "they trade off against each other and against the rotation (multiple correlation of gravity with "
-          "acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would "
-          "bring; images with more tilt, about both axes, help without assuming anything."}));
+          "only: they trade off against each other and against the rotation (multiple correlation of "
+          "gravity with acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix "
+          "acc_bias=X,Y,Z would bring; images with more tilt, about both axes, help without assuming "
+          "anything."}));
+}
+
+TEST(Notes, GravityOfAnotherPlanet) {
+  Result result = goodResult();
+  result.imu->gravity = -1.001;
+  EXPECT_EQ(
+      notes(result),
+      (std::vector<std::string>{
+          "Gravity of -1 m/s^2 is not that of the Earth (9.78 to 9.84): check the unit and the scale of "
+          "the readings, and that the world's z axis is vertical."}));
 }
 
 TEST(Notes, ParametersThatAreNotDetermined) {
   Result result = goodResult();
   result.undetermined = "the measurements do not determine left.k3";
-  EXPECT_EQ(notes(result), (std::vector<std::string>{"Not all parameters are determined (the measurements do "
-                                                     "not determine left.k3), so there are no standard "
-                                                     "deviations, and the values must not be used. Add "
-                                                     "images from other directions and distances, or choose "
-                                                     "a model with fewer parameters by --intrinsics."}));
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{"Not all parameters are determined (the measurements "
+                                      "do not determine left.k3), so there are no standard "
+                                      "deviations, and the values must not be used. Add "
+                                      "images from other directions and distances, or "
+                                      "choose a model with fewer parameters by --intrinsics."}));
 }
 
 TEST(Report, HelpOpensWithASampleRun) {

@@ -246,18 +246,17 @@ TEST(ImuStart, RefusesWhatIsNotDeterminedAndSaysWhatHelps) {
   EXPECT_EQ(
       refusal(arc(0.02, 6)),
       "imu.csv:2: 6 valid readings of tilts that spread by 2 deg do not determine the orientation of the "
-      "IMU, "
-      "acc_bias, gravity; add readings at other tilts, about more than one axis, or pass --fix acc_bias");
+      "IMU, acc_bias, gravity; add readings at other tilts, about more than one axis, or pass --fix "
+      "acc_bias");
   EXPECT_EQ(
       refusal(cone(0, 1)),
-      "imu.csv:2: 1 valid reading of tilts that spread by 0 deg do not determine the orientation of the IMU, "
-      "acc_bias, gravity; add readings at other tilts, about more than one axis");
+      "imu.csv:2: 1 valid reading of tilts that spread by 0 deg do not determine the orientation of the "
+      "IMU, acc_bias, gravity; add readings at other tilts, about more than one axis");
   Fixed bias;
   bias.acc_bias = vec3();
   EXPECT_EQ(refusal(cone(0, 4), bias),
             "imu.csv:2: 4 valid readings of tilts that spread by 0 deg do not determine the orientation of "
-            "the IMU, "
-            "gravity; add readings at other tilts, about more than one axis");
+            "the IMU, gravity; add readings at other tilts, about more than one axis");
 }
 
 }  // namespace

@@ -84,8 +84,8 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
   fixed.gravity = value ? parseNumbers(option, *value, 1)[0] : standard_gravity;
   if (!(*fixed.gravity > 0)) {
     throw UserError(
-        fmt::format("{}: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
-                    "from the data",
+        fmt::format("{}: give the magnitude of gravity, a positive number in m/s^2; its sign is found from "
+                    "the data",
                     option));
   }
 }

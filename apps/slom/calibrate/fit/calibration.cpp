@@ -20,8 +20,8 @@ void requireEnoughMeasurements(const Dataset& data, const Settings& settings, in
   const std::size_t unknowns = cameras * parameters_per_camera + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
   throw UserError(
-      fmt::format("{}:2: the corners give {} numbers for {} unknowns of the model {}; add images or corners, "
-                  "or choose a model with fewer parameters by --intrinsics",
+      fmt::format("{}:2: the corners give {} numbers for {} unknowns of the model {}; add images or "
+                  "corners, or choose a model with fewer parameters by --intrinsics",
                   data.cameras.front().file, measured, unknowns, toString(settings.model)));
 }
 

@@ -42,16 +42,16 @@ bool onLineButOne(const std::vector<vec2>& points, double tolerance) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const vec2& point : points) centre += point / double(points.size());
   using Sums = Eigen::Matrix<double, 5, 1>;
-  const auto sumsOf = [&](const vec2& point) {
+  const auto sums_of = [&](const vec2& point) {
     const Eigen::Vector2d d = point - centre;
     return Sums(d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y());
   };
   Sums all = Sums::Zero();
-  for (const vec2& point : points) all += sumsOf(point);
+  for (const vec2& point : points) all += sums_of(point);
   const double count = double(points.size());
   if (onLine(all, count, tolerance)) return true;
   for (const vec2& point : points) {
-    if (onLine(all - sumsOf(point), count - 1, tolerance)) return true;
+    if (onLine(all - sums_of(point), count - 1, tolerance)) return true;
   }
   return false;
 }

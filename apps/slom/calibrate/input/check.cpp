@@ -32,8 +32,8 @@ void checkView(const CameraData& camera, const View& view) {
   }
   if (onLineButOne(on_board, world_line_tolerance)) {
     throw UserError(
-        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two off "
-                    "it, so add corners or remove the image",
+        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two "
+                    "off it, so add corners or remove the image",
                     place));
   }
   if (onLineButOne(in_image, pixel_line_tolerance)) {
@@ -58,8 +58,8 @@ void checkViews(const CameraData& camera) {
   for (const View& view : camera.views) checkView(camera, view);
   if (camera.views.size() < 2) {
     throw UserError(fmt::format(
-        "{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images "
-        "from different directions, so add images",
+        "{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
+        "different directions, so add images",
         camera.file, camera.views.front().corners.front().line, camera.views.front().image, camera.name));
   }
 }
@@ -81,8 +81,8 @@ void checkConnected(const Dataset& data) {
     if (tied[c]) continue;
     const CameraData& camera = data.cameras[c];
     throw UserError(fmt::format(
-        "{}:{}: camera {} has no image in common with camera {}, nor with one that has; take "
-        "images of the board with both at the same time, or calibrate them apart",
+        "{}:{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
+        "board with both at the same time, or calibrate them apart",
         camera.file, camera.views.front().corners.front().line, camera.name, data.cameras.front().name));
   }
 }

@@ -19,8 +19,7 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
     const auto [known, is_new] = line_of.emplace(std::pair(image, number), row.line());
     if (!is_new) {
       throw UserError(
-          fmt::format("{}: corner {} of image {} was listed in line {} already; remove one of the two "
-                      "rows",
+          fmt::format("{}: corner {} of image {} was listed in line {} already; remove one of the two rows",
                       row.place(), number, image, known->second));
     }
     View& view = views[image];

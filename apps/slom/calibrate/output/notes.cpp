@@ -1,5 +1,6 @@
 #include "calibrate/output/notes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -60,9 +61,8 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
-        "Image {} of camera {} contradicts the others: where they put it, its corners are {:.0f} px off. Was "
-        "it "
-        "taken at the same time as image {} of {}? If not, remove it or correct its number.",
+        "Image {} of camera {} contradicts the others: where they put it, its corners are {:.0f} px off. "
+        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number.",
         stray.image, stray.camera, stray.error_px, stray.image,
         result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras"));
   }
@@ -72,9 +72,9 @@ void noteTogether(const Result& result, std::vector<std::string>& notes) {
   for (const CameraResult& camera : result.cameras) {
     if (!(camera.rms_px > together_mismatch * camera.rms_px_alone)) continue;
     notes.push_back(
-        fmt::format("Camera {} fits its images to {:.3f} px alone, but to {:.3f} px together with the rest: "
-                    "look for images that were not taken at the same time, image numbers that do not belong "
-                    "together, or a part that moved.",
+        fmt::format("Camera {} fits its images to {:.3f} px alone, but to {:.3f} px together with the "
+                    "rest: look for images that were not taken at the same time, image numbers that do not "
+                    "belong together, or a part that moved.",
                     camera.name, camera.rms_px_alone, camera.rms_px));
   }
 }
@@ -87,16 +87,21 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
         "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
         "the IMU turned half round) fits as well. Add images tilted about another axis.");
   }
+  const double off_earth = std::max(9.78 - std::abs(imu.gravity), std::abs(imu.gravity) - 9.84);
+  if (off_earth > std::max(0.1, 4 * imu.gravity_std)) {
+    notes.push_back(
+        fmt::format("Gravity of {:.3g} m/s^2 is not that of the Earth (9.78 to 9.84): check the unit and "
+                    "the scale of the readings, and that the world's z axis is vertical.",
+                    imu.gravity));
+  }
   if (imu.acc_bias_is_fixed || imu.gravity_is_fixed || !std::isfinite(imu.gravity_std)) return;
   const double ratio = imu.gravity_std / imu.if_acc_bias_fixed.gravity;
   if (ratio < weak_ratio && imu.gravity_std < weak_gravity) return;
   notes.push_back(
       fmt::format("acc_bias and gravity are weakly determined, because the tilts of the images spread by "
-                  "{:.1f} deg only: they trade "
-                  "off against each other and against the rotation (multiple correlation of gravity with "
-                  "acc_bias {:.4f}). The table "
-                  "of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with "
-                  "more tilt, about both "
+                  "{:.1f} deg only: they trade off against each other and against the rotation (multiple "
+                  "correlation of gravity with acc_bias {:.4f}). The table of the imu says what --fix "
+                  "gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with more tilt, about both "
                   "axes, help without assuming anything.",
                   imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
