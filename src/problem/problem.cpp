@@ -27,6 +27,24 @@ void Problem::bookVariable(int index, VariableRecord record) {
   ++value_revision_;
 }
 
+std::shared_ptr<VariableStoreBase> Problem::findOrMakeStore(std::type_index type, VariableStoreBase* (*make)()) {
+  auto& entry = store_of_type_[type];
+  if (!entry) entry.reset(make());
+  return entry;
+}
+
+MeasurementPool* Problem::findPool(std::type_index type) const {
+  const auto found = pool_of_type_.find(type);
+  return found == pool_of_type_.end() ? nullptr : found->second;
+}
+
+MeasurementPool& Problem::adoptPool(std::type_index type, std::unique_ptr<MeasurementPool> pool) {
+  MeasurementPool*& entry = pool_of_type_[type];
+  pools_.push_back(std::move(pool));
+  entry = pools_.back().get();
+  return *entry;
+}
+
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
   for (const auto& [key, own] : store_of_type_) {
     if (own.get() != store) continue;

@@ -78,8 +78,7 @@ class Problem {
   /// The pool of measurements of type M, null when none was ever inserted.
   template <class M>
   const MeasurementPool* poolOf() const {
-    const auto found = pool_of_type_.find(typeid(M));
-    return found == pool_of_type_.end() ? nullptr : found->second;
+    return findPool(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Non-const access for evaluation, which moves variables locally.
@@ -102,26 +101,28 @@ class Problem {
 
   template <class T>
   std::shared_ptr<VariableStore<T>> findStore() {
-    auto& entry = store_of_type_[typeid(T)];
-    if (!entry) entry = std::make_shared<VariableStore<T>>();
-    return std::static_pointer_cast<VariableStore<T>>(entry);
+    const auto make = []() -> VariableStoreBase* { return new VariableStore<T>; };
+    return std::static_pointer_cast<VariableStore<T>>(findOrMakeStore(typeid(T), make));
   }
   template <class M>
   TypedPool<M>& findPool() {
-    auto& entry = pool_of_type_[typeid(M)];
-    if (entry == nullptr) {
+    MeasurementPool* pool = findPool(typeid(M));
+    if (pool == nullptr) {
       std::string name;
       if constexpr (requires { M::groupName(); }) {
         name = M::groupName();
       } else {
         name = slom::typeName<M>();
       }
-      pools_.push_back(std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
-      entry = pools_.back().get();
+      pool = &adoptPool(typeid(M), std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
     }
-    return static_cast<TypedPool<M>&>(*entry);
+    return static_cast<TypedPool<M>&>(*pool);
   }
 
+  // What concerns containers is compiled once, not in every file that inserts something.
+  std::shared_ptr<VariableStoreBase> findOrMakeStore(std::type_index type, VariableStoreBase* (*make)());
+  MeasurementPool* findPool(std::type_index type) const;
+  MeasurementPool& adoptPool(std::type_index type, std::unique_ptr<MeasurementPool> pool);
   int reserveVariable();
   void bookVariable(int index, VariableRecord record);
   void bookMeasurement(const int* variables, int arity);
