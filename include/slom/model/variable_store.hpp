@@ -22,7 +22,7 @@ struct SlotRef {
 };
 
 namespace detail {
-/// What `write(stream, value)` writes, as a string. Compiled once, as streams are dear to every file that makes one.
+/// What `write(stream, value)` writes, as a string. Compiled once: streams are dear to every file that makes one.
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
 [[noreturn]] void raiseStaleHandle(const std::string& type, bool was_valid);
 }  // namespace detail
