@@ -22,6 +22,7 @@
 
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
+#include "slom/model/insertion.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
@@ -101,27 +102,26 @@ class Estimator {
 
   // Measurements.
 
-  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, with its uncertainty (none: unit covariance).
-  template <Measurement M, class N = UnitCovariance>
-  MeasID<M> insertMeasurement(M measurement, const N& noise = {}) {
-    static_assert(IsNoise<N>, "slom: the second argument says how uncertain the measurement is: pass Covariance, "
-                              "StandardDeviation, InvCovariance or InvStandardDeviation");
-    return problem().insertMeasurement(std::move(measurement), viewNoise(noise));
+  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT. Options, in any order: its uncertainty (none: unit
+  /// covariance), slom::named("label").
+  template <Measurement M, class... Options>
+  MeasID<M> insertMeasurement(M measurement, const Options&... options) {
+    static_assert((detail::is_option<Options> && ...),
+                  "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
+                  "InvCovariance or InvStandardDeviation) or how it is called (slom::named)");
+    const auto all = std::tie(options...);
+    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong(all), detail::labelAmong(all));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
-  /// everything else is data, stored by value. The last argument may be the uncertainty. With slom::measured(z) among
-  /// the arguments f predicts the datum, and the residual is f(Y) [-] z.
+  /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
+  /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
+  /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
   template <class F, class... Args>
     requires(!Measurement<F> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
-    using Last = std::tuple_element_t<sizeof...(Args) - 1, std::tuple<Args...>>;
     const auto all = std::tie(args...);
-    if constexpr (IsNoise<Last>) {
-      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args) - 1>{},
-                            std::get<sizeof...(Args) - 1>(all));
-    } else {
-      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args)>{}, UnitCovariance{});
-    }
+    return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong(all),
+                          detail::labelAmong(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -164,7 +164,7 @@ class Estimator {
   /// Of all measurements of type M.
   template <Measurement M>
   double getRSS() const {
-    return rssOfPool(problem().template poolOf<M>());
+    return rssOfPools(problem().template poolsOf<M>());
   }
   /// Of one measurement.
   template <class M>
@@ -230,14 +230,14 @@ class Estimator {
     mtk::requireManifold<V>();
     return problem().template insertVariable<V>(V(value), optimize, std::move(name));
   }
-  template <class F, class Tuple, std::size_t... I, class N>
-  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const N& noise) {
+  template <class F, class Tuple, std::size_t... I>
+  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label) {
     using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
-    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), viewNoise(noise));
+    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label);
   }
 
   Problem& problem() const;
-  double rssOfPool(const MeasurementPool* pool) const;
+  double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;
   double rssOfVariable(int variable) const;
   Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
   Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;

@@ -33,16 +33,32 @@ std::shared_ptr<VariableStoreBase> Problem::findOrMakeStore(std::type_index type
   return entry;
 }
 
-MeasurementPool* Problem::findPool(std::type_index type) const {
-  const auto found = pool_of_type_.find(type);
-  return found == pool_of_type_.end() ? nullptr : found->second;
+MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
+  const auto found = pools_of_type_.find(type);
+  if (found == pools_of_type_.end()) return nullptr;
+  for (const LabelledPool& entry : found->second) {
+    if (entry.label == label) return entry.pool;
+  }
+  return nullptr;
 }
 
-MeasurementPool& Problem::adoptPool(std::type_index type, std::unique_ptr<MeasurementPool> pool) {
-  MeasurementPool*& entry = pool_of_type_[type];
+std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
+  std::vector<const MeasurementPool*> result;
+  const auto found = pools_of_type_.find(type);
+  if (found != pools_of_type_.end()) {
+    for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
+  }
+  return result;
+}
+
+MeasurementPool& Problem::adoptPool(std::type_index type, std::string_view label,
+                                    std::unique_ptr<MeasurementPool> pool) {
+  std::vector<LabelledPool>& entries = pools_of_type_[type];
+  entries.reserve(entries.size() + 1);  // so that nothing fails once the pool is in the list
+  LabelledPool entry{std::string(label), pool.get()};
   pools_.push_back(std::move(pool));
-  entry = pools_.back().get();
-  return *entry;
+  entries.push_back(std::move(entry));
+  return *pools_.back();
 }
 
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
@@ -124,6 +140,30 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
   pool.remove(i);
   ++structure_revision_;
+}
+
+std::string Problem::valuesText(const int* variables, int arity) const {
+  std::string text;
+  for (int k = 0; k < arity; ++k) {
+    text += (k > 0 ? ", " : "") + variableName(variables[k]) + " = (" + variableValue(variables[k]) + ")";
+  }
+  return text;
+}
+
+void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,
+                         const std::exception_ptr& exception) const {
+  const auto error = [&](const std::string& what) {
+    return Error("slom.measurement-threw", "the function of measurement " + measurement + " threw " + what + " at " +
+                                               valuesText(variables, arity) +
+                                               "; let it return NaN where it has no value, steps there are taken back");
+  };
+  try {
+    std::rethrow_exception(exception);
+  } catch (const std::exception& e) {
+    std::throw_with_nested(error("an exception (" + std::string(e.what()) + ")"));
+  } catch (...) {
+    std::throw_with_nested(error("something that is no std::exception"));
+  }
 }
 
 std::string Problem::nameForPool(const std::string& name) const {

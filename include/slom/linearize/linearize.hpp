@@ -2,6 +2,7 @@
 /// on their number.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -44,13 +45,14 @@ class Linearizer {
   Eigen::VectorXd residuals(Problem& problem);
 
   /// Sends all linearised measurements to `sink`; returns the sum of squared whitened residuals. Throws
-  /// [slom.not-finite], naming the measurement, its variables and their values.
+  /// [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
   double linearize(Problem& problem, JacobianSink& sink);
 
  private:
   struct Chunk {
     int group = 0, first = 0, last = 0;
     int bad = -1;
+    std::optional<MeasurementThrew> threw;
     std::vector<int> rows, dof;
     std::vector<double> r, J;
   };

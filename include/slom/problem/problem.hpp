@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <typeindex>
 #include <unordered_map>
 #include <utility>
@@ -57,16 +58,23 @@ class Problem {
 
   // Measurements.
 
+  /// `label`: name of the group, empty for the type's own.
   template <Measurement M>
-  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise) {
-    TypedPool<M>& pool = findPool<M>();
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {}) {
+    TypedPool<M>& pool = findPool<M>(label);
     constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
     int variables[static_cast<std::size_t>(arity)];
     int k = 0;
     std::apply([&](auto&... arg) {
       ((variables[k++] = checkedIndex(arg.store(), arg.slotRef(), &slom::typeName<ValueOf<decltype(arg)>>)), ...);
     }, measurement.variableArgs());
-    const SlotRef ref = pool.insert(std::move(measurement), variables, noise);
+    const SlotRef ref = [&] {
+      try {
+        return pool.insert(std::move(measurement), variables, noise);
+      } catch (const MeasurementThrew& event) {
+        raiseThrew(pool.nextName(), variables, arity, event.exception);
+      }
+    }();
     bookMeasurement(variables, arity);
     return MeasID<M>(&pool, ref);
   }
@@ -75,10 +83,18 @@ class Problem {
     return locate(id.pool_, id.ref_);
   }
   void removeMeasurement(MeasurementPool& pool, int i);
-  /// The pool of measurements of type M, null when none was ever inserted.
+  /// `pose[3] = (1 2 0.5), pose[4] = (...)`: the variables of a measurement and their values.
+  std::string valuesText(const int* variables, int arity) const;
+  /// Throws [slom.measurement-threw], which names the measurement; the user's own exception is nested in it.
+  [[noreturn]] void raiseThrew(const std::string& measurement, const int* variables, int arity,
+                               const std::exception_ptr& exception) const;
+  [[noreturn]] void raiseThrew(const MeasurementPool& pool, const MeasurementThrew& event) const {
+    raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(), event.exception);
+  }
+  /// The pools of measurements of type M: one for each label, none when none was ever inserted.
   template <class M>
-  const MeasurementPool* poolOf() const {
-    return findPool(typeid(M));
+  std::vector<const MeasurementPool*> poolsOf() const {
+    return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Non-const access for evaluation, which moves variables locally.
@@ -96,6 +112,10 @@ class Problem {
   std::uint64_t valueRevision() const { return value_revision_; }
 
  private:
+  struct LabelledPool {
+    std::string label;
+    MeasurementPool* pool;
+  };
   template <class Arg>
   using ValueOf = typename std::remove_cvref_t<Arg>::Value;
 
@@ -105,24 +125,27 @@ class Problem {
     return std::static_pointer_cast<VariableStore<T>>(findOrMakeStore(typeid(T), make));
   }
   template <class M>
-  TypedPool<M>& findPool() {
-    MeasurementPool* pool = findPool(typeid(M));
+  TypedPool<M>& findPool(std::string_view label) {
+    MeasurementPool* pool = findPool(typeid(M), label);
     if (pool == nullptr) {
-      std::string name;
-      if constexpr (requires { M::groupName(); }) {
-        name = M::groupName();
-      } else {
-        name = slom::typeName<M>();
+      std::string name(label);
+      if (label.empty()) {
+        if constexpr (requires { M::groupName(); }) {
+          name = M::groupName();
+        } else {
+          name = slom::typeName<M>();
+        }
       }
-      pool = &adoptPool(typeid(M), std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
+      pool = &adoptPool(typeid(M), label, std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
     }
     return static_cast<TypedPool<M>&>(*pool);
   }
 
   // What concerns containers is compiled once, not in every file that inserts something.
   std::shared_ptr<VariableStoreBase> findOrMakeStore(std::type_index type, VariableStoreBase* (*make)());
-  MeasurementPool* findPool(std::type_index type) const;
-  MeasurementPool& adoptPool(std::type_index type, std::unique_ptr<MeasurementPool> pool);
+  MeasurementPool* findPool(std::type_index type, std::string_view label) const;
+  std::vector<const MeasurementPool*> findPools(std::type_index type) const;
+  MeasurementPool& adoptPool(std::type_index type, std::string_view label, std::unique_ptr<MeasurementPool> pool);
   int reserveVariable();
   void bookVariable(int index, VariableRecord record);
   void bookMeasurement(const int* variables, int arity);
@@ -135,7 +158,7 @@ class Problem {
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
   std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
-  std::unordered_map<std::type_index, MeasurementPool*> pool_of_type_;
+  std::unordered_map<std::type_index, std::vector<LabelledPool>> pools_of_type_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;
