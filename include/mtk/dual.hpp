@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -93,13 +94,19 @@ class SparseDual {
   static constexpr std::uint64_t columns = C;
   static constexpr int size = detail::countColumns(C);
 
-  /// The constant 0.
-  SparseDual() : v_(S(0)), d_(Partials::zero()) {}
+  /// Not initialised, as a double; `SparseDual()` is 0.
+  SparseDual() = default;
   /// A constant.
   template <class T>
     requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
   SparseDual(const T& constant) : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
+  /// With the partial derivatives that make() returns, which are not copied.
+  template <class Make>
+    requires requires(const Make& make) {
+      { make() } -> std::same_as<Partials>;
+    }
+  SparseDual(const S& value, const Make& make) : v_(value), d_(make()) {}
   /// The same number among more columns.
   template <std::uint64_t A>
     requires((A & ~C) == 0 && A != C)
@@ -108,6 +115,8 @@ class SparseDual {
 
   const S& value() const { return v_; }
   const Partials& partials() const { return d_; }
+  S& value() { return v_; }
+  Partials& partials() { return d_; }
   /// d / d column c.
   S partial(int c) const { return (C >> c) & 1 ? d_.get(detail::placeOf(C, c)) : S(0); }
   void setPartial(int c, const S& x) { d_.set(detail::placeOf(C, c), x); }
@@ -154,7 +163,7 @@ concept ConstantFor = std::is_arithmetic_v<T> || std::is_same_v<T, S>;
 /// The function with value f and derivative df at x.
 template <class S, std::uint64_t C>
 SparseDual<S, C> chain(const SparseDual<S, C>& x, const S& f, const S& df) {
-  return {f, apply(x.partials(), [&](const auto& d) { return df * d; })};
+  return {f, [&] { return apply(x.partials(), [&](const auto& d) { return df * d; }); }};
 }
 /// The same where df may be infinite.
 template <class S, std::uint64_t C>
@@ -162,20 +171,22 @@ SparseDual<S, C> chainOrZero(const SparseDual<S, C>& x, const S& f, const S& df)
   if constexpr (std::is_floating_point_v<S>) {
     if (df - df == S(0)) return chain(x, f, df);
   }
-  return {f, scaledOrZero(df, x.partials())};
+  return {f, [&] { return scaledOrZero(df, x.partials()); }};
 }
 /// The function with value f and derivatives da, db at (a, b).
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da, const S& db) {
-  return {f, combine<A, B, S>(a.partials(), b.partials(), [&](const auto& x, const auto& y) { return da * x + db * y; },
-                              [&](const auto& x) { return da * x; }, [&](const auto& y) { return db * y; })};
+  return {f, [&] {
+            return combine<A, B, S>(a.partials(), b.partials(), [&](const auto& x, const auto& y) { return da * x + db * y; },
+                                    [&](const auto& x) { return da * x; }, [&](const auto& y) { return db * y; });
+          }};
 }
 
 }  // namespace detail
 
 template <class S, std::uint64_t C>
 SparseDual<S, C> operator-(const SparseDual<S, C>& a) {
-  return {-a.value(), detail::apply(a.partials(), [](const auto& d) { return -d; })};
+  return {-a.value(), [&] { return detail::apply(a.partials(), [](const auto& d) { return -d; }); }};
 }
 template <class S, std::uint64_t C>
 SparseDual<S, C> operator+(const SparseDual<S, C>& a) {
@@ -184,14 +195,15 @@ SparseDual<S, C> operator+(const SparseDual<S, C>& a) {
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator+(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
   const auto same = [](const auto& x) { return x; };
-  return {a.value() + b.value(),
-          detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x + y; }, same, same)};
+  const auto plus = [](const auto& x, const auto& y) { return x + y; };
+  return {a.value() + b.value(), [&] { return detail::combine<A, B, S>(a.partials(), b.partials(), plus, same, same); }};
 }
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator-(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
-  return {a.value() - b.value(),
-          detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x - y; },
-                                   [](const auto& x) { return x; }, [](const auto& y) { return -y; })};
+  return {a.value() - b.value(), [&] {
+            return detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x - y; },
+                                            [](const auto& x) { return x; }, [](const auto& y) { return -y; });
+          }};
 }
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator*(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
@@ -200,7 +212,7 @@ SparseDual<S, A | B> operator*(const SparseDual<S, A>& a, const SparseDual<S, B>
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator/(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
   const S inverse = S(1) / b.value();
-  const S quotient = a.value() / b.value();
+  const S quotient = a.value() * inverse;
   return detail::chain(a, b, quotient, inverse, S(-quotient * inverse));
 }
 
@@ -218,7 +230,7 @@ SparseDual<S, C> operator-(const SparseDual<S, C>& a, const T& b) {
 }
 template <class S, std::uint64_t C, detail::ConstantFor<S> T>
 SparseDual<S, C> operator-(const T& a, const SparseDual<S, C>& b) {
-  return {S(a) - b.value(), detail::apply(b.partials(), [](const auto& d) { return -d; })};
+  return {S(a) - b.value(), [&] { return detail::apply(b.partials(), [](const auto& d) { return -d; }); }};
 }
 template <class S, std::uint64_t C, detail::ConstantFor<S> T>
 SparseDual<S, C> operator*(const SparseDual<S, C>& a, const T& b) {
@@ -413,7 +425,7 @@ struct NumTraits<mtk::SparseDual<S, C>> {
     IsComplex = 0,
     IsInteger = 0,
     IsSigned = 1,
-    RequireInitialization = 1,
+    RequireInitialization = 0,
     ReadCost = 1 + mtk::SparseDual<S, C>::size,
     AddCost = 1 + mtk::SparseDual<S, C>::size,
     MulCost = 3 * (1 + mtk::SparseDual<S, C>::size)

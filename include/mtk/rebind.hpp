@@ -203,17 +203,23 @@ void seedPart(Y& y, const X& x, int offset, int width) {
     if (column >= 0 && column < width) number.setPartial(column, S(1));
   };
   if constexpr (requires { y.partials(); y.value().coeffs(); }) {  // SO3
-    auto d = Y().partials();
+    y.value() = x;
     for (int i = 0; i < 3; ++i) {
-      if (offset + i >= 0 && offset + i < width) d[static_cast<std::size_t>(i)].set(placeOf(D::columns, offset + i), S(1));
+      auto& row = y.partials()[static_cast<std::size_t>(i)];
+      row = D::Partials::zero();
+      if (offset + i >= 0 && offset + i < width) row.set(placeOf(D::columns, offset + i), S(1));
     }
-    y = Y(x, d);
   } else if constexpr (HasState<X> && !requires { y.vector(); }) {
-    liftPart(y, x);
     auto& state = State::of(y);
+    const auto& value = State::read(x);
     if constexpr (EigenState<X>) {
-      for (int i = 0; i < static_cast<int>(state.size()); ++i) unit(state[i], offset + i);
+      if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
+      for (int i = 0; i < static_cast<int>(value.size()); ++i) {
+        state[i] = D(S(value[i]), [] { return D::Partials::zero(); });
+        unit(state[i], offset + i);
+      }
     } else {
+      state = D(S(value), [] { return D::Partials::zero(); });
       unit(state, offset);
     }
   } else {  // any other: the user's own, by its [+]

@@ -60,8 +60,23 @@ vect<3, S> valueOf(const PlainVector<SparseDual<S, C>, 3>& p) {
 }
 template <class S, std::uint64_t C>
 vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const RowPartials<S, C>& d) {
-  using D = SparseDual<S, C>;
-  return vect<3, D>(D(value[0], d[0]), D(value[1], d[1]), D(value[2], d[2]));
+  vect<3, SparseDual<S, C>> result{Uninitialized()};
+  for (int i = 0; i < 3; ++i) {
+    result[i].value() = value[i];
+    result[i].partials() = d[static_cast<std::size_t>(i)];
+  }
+  return result;
+}
+/// The vector with this value and derivatives M d.
+template <class S, std::uint64_t C>
+vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M, const RowPartials<S, C>& d) {
+  vect<3, SparseDual<S, C>> result{Uninitialized()};
+  for (int i = 0; i < 3; ++i) result[i].value() = value[i];
+  for (int k = 0; k < Partials<S, C>::count; ++k) {
+    const auto a = d[0].v[k], b = d[1].v[k], c = d[2].v[k];
+    for (int i = 0; i < 3; ++i) result[i].partials().v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c;
+  }
+  return result;
 }
 
 /// alpha I + beta v v^T + gamma [v]x
@@ -174,12 +189,14 @@ class SO3<SparseDual<S, C>> {
   static Vector log(const SO3& R) {
     const S factor = Value::logFactor(R.R_);
     const vect<3, S> v(factor * R.R_.x(), factor * R.R_.y(), factor * R.R_.z());
-    return detail::dualVector<S, C>(v, detail::multiply<S>(detail::inverseRightJacobian<S>(v, factor, R.R_.w()), R.d_));
+    return detail::dualVector<S, C>(v, detail::inverseRightJacobian<S>(v, factor, R.R_.w()), R.d_);
   }
 
   /// The rotation without its derivatives.
   const Value& value() const { return R_; }
   const RowPartials& partials() const { return d_; }
+  Value& value() { return R_; }
+  RowPartials& partials() { return d_; }
 
   scalar w() const { return coefficient(R_.w(), -R_.x(), -R_.y(), -R_.z()); }
   scalar x() const { return coefficient(R_.x(), R_.w(), -R_.z(), R_.y()); }
@@ -277,17 +294,16 @@ auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   const detail::Matrix3<S> M = detail::rotationValue<S>(R).toRotationMatrix();
   if constexpr (!detail::is_dual<B>) {
     const vect<3, S> value(p);
-    return detail::dualVector<S, D::columns>(vect<3, S>(M * value),
-                                             detail::multiply<S>(M, detail::cross<S>(R.partials(), value)));
+    return detail::dualVector<S, D::columns>(vect<3, S>(M * value), M, detail::cross<S>(R.partials(), value));
   } else {
     const vect<3, S> value = detail::valueOf<S, B::columns>(p);
     const auto dp = detail::partialsOf<S, B::columns>(p);
     if constexpr (detail::is_dual<A>) {  // d(R p) = R (dp + d x p)
       return detail::dualVector<S, D::columns>(
-          vect<3, S>(M * value),
-          detail::multiply<S>(M, detail::add<A::columns, B::columns, S>(detail::cross<S>(R.partials(), value), dp)));
+          vect<3, S>(M * value), M,
+          detail::add<A::columns, B::columns, S>(detail::cross<S>(R.partials(), value), dp));
     } else {
-      return detail::dualVector<S, D::columns>(vect<3, S>(M * value), detail::multiply<S>(M, dp));
+      return detail::dualVector<S, D::columns>(vect<3, S>(M * value), M, dp);
     }
   }
 }

@@ -12,6 +12,9 @@
 
 namespace mtk {
 
+/// Says that what is constructed is about to be filled.
+struct Uninitialized {};
+
 template <int N, class S = double>
 class vect : public PlainVector<S, N> {
  public:
@@ -19,6 +22,10 @@ class vect : public PlainVector<S, N> {
   using scalar = S;
   static constexpr int DOF = N;
 
+  /// All entries are still to be set.
+  explicit vect(Uninitialized)
+    requires(N != Dynamic)
+  {}
   /// All zero; of size 0 when N is Dynamic.
   vect() {
     if constexpr (N != Dynamic) this->setZero();
@@ -78,13 +85,27 @@ template <class First, class... Rest>
 auto vector(const First& first, const Rest&... rest) {
   using Sum = typename detail::PromoteAll<First, Rest...>::type;
   using S = std::conditional_t<std::is_integral_v<Sum>, double, Sum>;
-  return vect<1 + static_cast<int>(sizeof...(Rest)), S>(S(first), S(rest)...);
+  vect<1 + static_cast<int>(sizeof...(Rest)), S> result{Uninitialized()};
+  Eigen::Index i = 0;
+  result[i++] = first;
+  ((result[i++] = rest), ...);
+  return result;
 }
 
 // Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
 // `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
 
 namespace detail {
+/// A vector of type V whose `size` entries are still to be set.
+template <class V>
+V unfilled(Eigen::Index size) {
+  if constexpr (V::DOF == Dynamic) {
+    return V(size);
+  } else {
+    return V(Uninitialized());
+  }
+}
+
 template <class A, class B>
 concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) &&
                    requires { typename promote_t<typename A::Scalar, typename B::Scalar>; };
@@ -98,8 +119,7 @@ Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
                     B::SizeAtCompileTime == Dynamic,
                 "mtk: vectors of different sizes cannot be added or subtracted");
   requireSameSize(a.size(), b.size(), name);
-  Sum<A, B> result;
-  if constexpr (Sum<A, B>::DOF == Dynamic) result.resize(a.size());
+  auto result = unfilled<Sum<A, B>>(a.size());
   for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i], b[i]);
   return result;
 }
@@ -138,8 +158,7 @@ auto operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
 namespace detail {
 template <int N, class S, class Op>
 auto scaled(const vect<N, S>& a, const Op& op) {
-  vect<N, decltype(op(a[0]))> result;
-  if constexpr (N == Dynamic) result.resize(a.size());
+  auto result = unfilled<vect<N, decltype(op(a[0]))>>(a.size());
   for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i]);
   return result;
 }
