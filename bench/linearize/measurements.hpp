@@ -36,7 +36,8 @@ struct BalReprojection {
     const auto x = -P[0] / P[2];
     const auto y = -P[1] / P[2];
     const auto r2 = x * x + y * y;
-    const auto scale = camera.lens[0] * (1.0 + r2 * (camera.lens[1] + r2 * camera.lens[2]));
+    const auto& [f, k1, k2] = camera.lens;
+    const auto scale = f * (1.0 + r2 * (k1 + r2 * k2));
     return mtk::vector(scale * x - pixel[0], scale * y - pixel[1]);
   }
 };
@@ -57,16 +58,17 @@ struct StereoReprojection {
     return mtk::vector(left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]);
   }
 
-  static auto project(const auto& c, const auto& p) {
+  static auto project(const auto& intrinsics, const auto& p) {
+    const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = intrinsics;
     const auto x = p[0] / p[2];
     const auto y = p[1] / p[2];
     const auto xx = x * x;
     const auto yy = y * y;
     const auto xy2 = 2.0 * x * y;
     const auto r2 = xx + yy;
-    const auto radial = 1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]));
-    return mtk::vector(c[0] * (x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx)) + c[2],
-                       c[1] * (y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2) + c[3]);
+    const auto radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    return mtk::vector(fx * (x * radial + p1 * xy2 + p2 * (r2 + 2.0 * xx)) + cx,
+                       fy * (y * radial + p1 * (r2 + 2.0 * yy) + p2 * xy2) + cy);
   }
 };
 

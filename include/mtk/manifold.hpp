@@ -103,6 +103,11 @@ void magnitudes(vectview<scalar_t<M>, DOF_v<M>> out, const M& x) {
 
 namespace detail {
 
+template <class T>
+inline constexpr bool is_std_array = false;
+template <class T, std::size_t N>
+inline constexpr bool is_std_array<std::array<T, N>> = true;
+
 inline std::string joinPath(const std::string& path, std::string_view name) {
   if (path.empty() || name.empty()) return path + std::string(name);
   return path + "." + std::string(name);
@@ -276,7 +281,7 @@ constexpr bool allMembersAreManifolds() {
 template <class M>
 concept AggregateOfManifolds =
     std::is_class_v<M> && std::is_aggregate_v<M> && !ManifoldByMembers<M> && !detail::HasDof<M> &&
-    !requires { std::tuple_size<M>::value; } && detail::allMembersAreManifolds<M>();
+    !detail::is_std_array<M> && detail::allMembersAreManifolds<M>();
 
 template <ManifoldByMembers M>
 struct ManifoldTraits<M> {

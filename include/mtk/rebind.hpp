@@ -133,10 +133,7 @@ struct State {
 template <class M>
 concept Compound = NamedCompound<M> || AggregateOfManifolds<M>;
 template <class T>
-concept StdArray = requires(T& x) {
-  std::tuple_size<T>::value;
-  x.fill(x[0]);
-};
+concept StdArray = is_std_array<T>;
 
 /// References to the members of a compound.
 template <class M>
@@ -199,33 +196,27 @@ template <class Y, class X>
 void seedPart(Y& y, const X& x, int offset, int width) {
   using D = scalar_t<Y>;
   using S = typename D::Value;
-  const auto unit = [&](D& number, int column) {
-    if (column >= 0 && column < width) number.setPartial(column, S(1));
-  };
+  const auto column = [&](int i) { return offset + i < width ? offset + i : -1; };
   if constexpr (requires { y.partials(); y.value().coeffs(); }) {  // SO3
     y.value() = x;
     for (int i = 0; i < 3; ++i) {
-      auto& row = y.partials()[static_cast<std::size_t>(i)];
-      row = D::Partials::zero();
-      if (offset + i >= 0 && offset + i < width) row.set(placeOf(D::columns, offset + i), S(1));
+      D row;
+      row.seed(S(0), column(i));
+      y.partials()[static_cast<std::size_t>(i)] = row.partials();
     }
   } else if constexpr (HasState<X> && !requires { y.vector(); }) {
     auto& state = State::of(y);
     const auto& value = State::read(x);
     if constexpr (EigenState<X>) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
-      for (int i = 0; i < static_cast<int>(value.size()); ++i) {
-        state[i] = D(S(value[i]), [] { return D::Partials::zero(); });
-        unit(state[i], offset + i);
-      }
+      for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(S(value[i]), column(i));
     } else {
-      state = D(S(value), [] { return D::Partials::zero(); });
-      unit(state, offset);
+      state.seed(S(value), column(0));
     }
   } else {  // any other: the user's own, by its [+]
     liftPart(y, x);
     PlainVector<D, DOF_v<X>> d(dof(x));
-    for (int i = 0; i < dof(x); ++i) unit(d[i] = D(0), offset + i);
+    for (int i = 0; i < dof(x); ++i) d[i].seed(S(0), column(i));
     boxplus<Y>(y, d);
   }
 }
@@ -288,6 +279,22 @@ struct SparseRebind<trafo<R>, S, Offset> {
   using Rotation = SparseDual<S, lowColumns(R::DOF) << (Offset + R::DIM)>;
   using type = SparseTrafo<rebound_t<R, Rotation>, vect<R::DIM, Position>>;
 };
+/// A vector of unknowns. Taken apart by a structured binding, each of its entries depends on itself alone.
+template <int N, class S, int Offset>
+class SeedVector : public vect<N, SparseDual<S, lowColumns(N) << Offset>> {
+ public:
+  template <std::size_t I>
+  auto get() const {
+    SparseDual<S, lowColumns(1) << (Offset + static_cast<int>(I))> entry;
+    entry.seed((*this)[static_cast<Eigen::Index>(I)].value(), Offset + static_cast<int>(I));
+    return entry;
+  }
+};
+template <int N, class S, int Offset>
+  requires(N > 0)
+struct SparseRebind<vect<N>, S, Offset> {
+  using type = SeedVector<N, S, Offset>;
+};
 template <class T, class S, int Offset>
 struct SparseMap {
   template <class Member, int Index>
@@ -316,3 +323,10 @@ rebind_t<X, S> lifted(const X& x) {
 }
 
 }  // namespace mtk
+
+template <int N, class S, int Offset>
+struct std::tuple_size<mtk::detail::SeedVector<N, S, Offset>> : std::integral_constant<std::size_t, N> {};
+template <std::size_t I, int N, class S, int Offset>
+struct std::tuple_element<I, mtk::detail::SeedVector<N, S, Offset>> {
+  using type = mtk::SparseDual<S, mtk::detail::lowColumns(1) << (Offset + static_cast<int>(I))>;
+};

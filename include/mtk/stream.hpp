@@ -156,7 +156,7 @@ constexpr bool isWritable() {
     return []<class... P>(std::type_identity<std::tuple<P...>>) {
       return (isWritable<std::remove_cvref_t<P>>() && ...);
     }(std::type_identity<decltype(detail::tieAny(std::declval<M&>()))>{});
-  } else if constexpr (requires { std::tuple_size<M>::value; }) {
+  } else if constexpr (detail::is_std_array<M>) {
     return isWritable<typename M::value_type>();
   } else {
     return requires(std::ostream& os, const M& x) { os << x; };
@@ -169,7 +169,7 @@ std::ostream& write(std::ostream& os, const M& x) {
   static_assert(isWritable<M>(), "mtk: to be written, this type or one of its parts needs an operator<<");
   if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
     return detail::writeMembers(os, detail::tieAny(x));
-  } else if constexpr (requires { std::tuple_size<M>::value; }) {
+  } else if constexpr (detail::is_std_array<M>) {
     return detail::writeMembers(os, std::apply([](const auto&... part) { return std::tie(part...); }, x));
   } else if constexpr (detail::IsEigenColumn<M> && !ManifoldByMembers<M>) {
     return os << vect<DOF_v<M>, scalar_t<M>>(x);
@@ -184,7 +184,7 @@ std::istream& read(std::istream& is, M& x) {
   if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
     M read_in = x;
     if (detail::readMembers(is, detail::tieAny(read_in))) x = read_in;
-  } else if constexpr (requires { std::tuple_size<M>::value; }) {
+  } else if constexpr (detail::is_std_array<M>) {
     M read_in = x;
     if (detail::readMembers(is, std::apply([](auto&... part) { return std::tie(part...); }, read_in))) x = read_in;
   } else if constexpr (detail::IsEigenColumn<M> && !ManifoldByMembers<M>) {

@@ -6,7 +6,9 @@
 /// name its components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};`
 #pragma once
 
+#include <cstddef>
 #include <initializer_list>
+#include <tuple>
 
 #include "mtk/manifold.hpp"
 
@@ -66,6 +68,14 @@ class vect : public PlainVector<S, N> {
   }
 
   using Base::operator=;
+
+  /// Entry I, for structured bindings.
+  template <std::size_t I>
+    requires(N > 0)
+  const S& get() const {
+    static_assert(I < std::size_t(N));
+    return this->coeffRef(Eigen::Index(I));
+  }
 
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
@@ -207,3 +217,12 @@ inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
 }  // namespace detail
 
 }  // namespace mtk
+
+// Structured bindings: `const auto& [fx, fy, cx, cy] = camera;`
+template <int N, class S>
+  requires(N > 0)
+struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, N> {};
+template <std::size_t I, int N, class S>
+struct std::tuple_element<I, mtk::vect<N, S>> {
+  using type = S;
+};
