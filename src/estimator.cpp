@@ -129,11 +129,22 @@ double Estimator::rssOfVariable(int variable) const {
     for (int i = 0; i < pool->size(); ++i) {
       const int* first = pool->variables(i);
       if (std::find(first, first + pool->arity(), variable) != first + pool->arity()) {
-        sum += residualOf(*pool, i, true).squaredNorm();
+        sum += rssOfMeasurement(*pool, i);
       }
     }
   }
   return sum;
+}
+
+double Estimator::rssOfMeasurement(MeasurementPool& pool, int i) const {
+  const double s = residualOf(pool, i, true).squaredNorm();
+  const Loss* loss = pool.lossOf(i);
+  return loss == nullptr || !std::isfinite(s) ? s : loss->evaluate(s).rho;
+}
+
+double Estimator::weightOf(MeasurementPool& pool, int i) const {
+  const Loss* loss = pool.lossOf(i);
+  return loss == nullptr ? 1 : loss->evaluate(residualOf(pool, i, true).squaredNorm()).first;
 }
 
 double Estimator::getRMS() const {

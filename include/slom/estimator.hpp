@@ -5,8 +5,9 @@
 ///     for (const auto& p : points) est.insertMeasurement(OnCircle(circle, p), slom::StandardDeviation(0.1));
 ///     std::cout << est.optimize() << *circle << "\n";
 ///
-/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. Measurement functions
-/// are called from several threads at once (setThreads changes that), so they must not write to shared data.
+/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. A measurement with a
+/// robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to it instead of |W r|^2: every RSS below is this robust cost,
+/// while residual, whitenedResidual and residuals know nothing of losses. Measurement functions are called from several threads at once (setThreads changes that), so they must not write to shared data.
 /// Faults of the caller are exceptions (mtk::Error, with a stable id); after any exception the estimator is as it was
 /// before the call, but for steps of an optimisation that had been completed.
 #pragma once
@@ -22,6 +23,7 @@
 
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
+#include "slom/model/trailing.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
@@ -101,27 +103,24 @@ class Estimator {
 
   // Measurements.
 
-  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, with its uncertainty (none: unit covariance).
-  template <Measurement M, class N = UnitCovariance>
-  MeasID<M> insertMeasurement(M measurement, const N& noise = {}) {
-    static_assert(IsNoise<N>, "slom: the second argument says how uncertain the measurement is: pass Covariance, "
-                              "StandardDeviation, InvCovariance or InvStandardDeviation");
-    return problem().insertMeasurement(std::move(measurement), viewNoise(noise));
+  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, with its uncertainty (none: unit covariance) and its loss
+  /// (none: least squares).
+  template <Measurement M, class... More>
+  MeasID<M> insertMeasurement(M measurement, const More&... more) {
+    static_assert((detail::is_trailing<More> && ...),
+                  "slom: the second argument says how uncertain the measurement is: pass Covariance, "
+                  "StandardDeviation, InvCovariance or InvStandardDeviation, and a loss such as Huber if it needs one");
+    return problem().insertMeasurement(std::move(measurement), detail::findNoise(more...), detail::findLoss(more...));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
-  /// everything else is data, stored by value. The last argument may be the uncertainty. With slom::measured(z) among
-  /// the arguments f predicts the datum, and the residual is f(Y) [-] z.
+  /// everything else is data, stored by value. The last arguments may be the uncertainty and the loss. With
+  /// slom::measured(z) among the arguments f predicts the datum, and the residual is f(Y) [-] z.
   template <class F, class... Args>
     requires(!Measurement<F> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
-    using Last = std::tuple_element_t<sizeof...(Args) - 1, std::tuple<Args...>>;
-    const auto all = std::tie(args...);
-    if constexpr (IsNoise<Last>) {
-      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args) - 1>{},
-                            std::get<sizeof...(Args) - 1>(all));
-    } else {
-      return insertCallable(std::move(f), all, std::make_index_sequence<sizeof...(Args)>{}, UnitCovariance{});
-    }
+    constexpr std::size_t trailing = detail::trailingCount<Args...>();
+    return insertCallable(std::move(f), std::tie(args...), std::make_index_sequence<sizeof...(Args) - trailing>{},
+                          std::make_index_sequence<trailing>{});
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -159,7 +158,7 @@ class Estimator {
 
   // What the fit knows.
 
-  /// Sum of squared whitened residuals at the current values.
+  /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
   double getRSS() const;
   /// Of all measurements of type M.
   template <Measurement M>
@@ -169,12 +168,19 @@ class Estimator {
   /// Of one measurement.
   template <class M>
   double getRSS(const MeasID<M>& id) const {
-    return whitenedResidual(id).squaredNorm();
+    const auto [pool, i] = problem().locate(id);
+    return rssOfMeasurement(*pool, i);
   }
   /// Of all measurements that depend on a variable.
   template <class T>
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
+  }
+  /// By its loss: the factor rho'(|W r|^2) of its square, from 1 (counts in full, as without a loss) down to 0.
+  template <class M>
+  double weight(const MeasID<M>& id) const {
+    const auto [pool, i] = problem().locate(id);
+    return weightOf(*pool, i);
   }
   /// sqrt(RSS / M): near 1 when the stated uncertainties are right. 0 without measurements.
   double getRMS() const;
@@ -199,7 +205,9 @@ class Estimator {
   Eigen::VectorXd residuals() const;
 
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
-  /// uncertainties and the linearisation at the current values. 0 for fixed variables. Throws [slom.rank-deficient]
+  /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
+  /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
+  /// 0 for fixed variables. Throws [slom.rank-deficient]
   /// or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
@@ -230,15 +238,20 @@ class Estimator {
     mtk::requireManifold<V>();
     return problem().template insertVariable<V>(V(value), optimize, std::move(name));
   }
-  template <class F, class Tuple, std::size_t... I, class N>
-  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const N& noise) {
+  /// The first arguments, I, are variables and data, the others, K, how uncertain it is and its loss.
+  template <class F, class Tuple, std::size_t... I, std::size_t... K>
+  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, std::index_sequence<K...>) {
     using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
-    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), viewNoise(noise));
+    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...),
+                                       detail::findNoise(std::get<sizeof...(I) + K>(args)...),
+                                       detail::findLoss(std::get<sizeof...(I) + K>(args)...));
   }
 
   Problem& problem() const;
   double rssOfPool(const MeasurementPool* pool) const;
   double rssOfVariable(int variable) const;
+  double rssOfMeasurement(MeasurementPool& pool, int i) const;
+  double weightOf(MeasurementPool& pool, int i) const;
   Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
   Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include "reweight.hpp"
 
 namespace slom {
 
@@ -65,6 +68,21 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.J.resize(entries);
 }
 
+/// The chunk's RSS and, where derivatives are wanted, r and J as the sink is to get them.
+void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const {
+  const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
+  if (pool.lossCount() == 0) {
+    chunk.rss = chunk.squared_norm = squaredNorm(chunk.r);
+    return;
+  }
+  if (!with_jacobian) {
+    chunk.rss = robustCost(pool, chunk.first, chunk.last, widening_, chunk.r.data());
+    return;
+  }
+  chunk.rss = reweight(problem, pool, chunk.first, chunk.last, widening_, chunk.r.data(), chunk.J.data());
+  chunk.squared_norm = squaredNorm(chunk.r);
+}
+
 std::vector<double> Linearizer::rssPerPool(Problem& problem) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
   std::vector<double> sums(all.size());
@@ -72,7 +90,8 @@ std::vector<double> Linearizer::rssPerPool(Problem& problem) {
     Chunk chunk;
     prepare(problem, all[at(c)], false, chunk);
     problem.pools()[at(chunk.group)]->evaluate(chunk.first, chunk.last, chunk.r.data());
-    sums[at(c)] = squaredNorm(chunk.r);
+    addLosses(problem, false, chunk);
+    sums[at(c)] = chunk.rss;
   });
   std::vector<double> result(problem.pools().size(), 0.0);
   for (std::size_t c = 0; c < all.size(); ++c) result[at(all[c].group)] += sums[c];
@@ -83,6 +102,19 @@ double Linearizer::rss(Problem& problem) {
   double sum = 0;
   for (const double part : rssPerPool(problem)) sum += part;
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::quiet_NaN();
+}
+
+double Linearizer::largestLossArgument(Problem& problem) {
+  double largest = -1;
+  for (const Range& range : ranges(problem, kMeasurementsPerChunk)) {
+    MeasurementPool& pool = *problem.pools()[at(range.group)];
+    if (pool.lossCount() == 0) continue;
+    Chunk chunk;
+    prepare(problem, range, false, chunk);
+    pool.evaluate(range.first, range.last, chunk.r.data());
+    largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
+  }
+  return largest;
 }
 
 Eigen::VectorXd Linearizer::residuals(Problem& problem) {
@@ -100,7 +132,7 @@ Eigen::VectorXd Linearizer::residuals(Problem& problem) {
 
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
-  std::vector<double> rss_of_pool(problem.pools().size(), 0.0);
+  std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
   chunks_.resize(std::min<std::size_t>(all.size(), kChunksPerWave));
   sink.beginLinearization();
   for (std::size_t wave = 0; wave < all.size(); wave += kChunksPerWave) {
@@ -109,19 +141,20 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       Chunk& chunk = chunks_[at(c)];
       prepare(problem, all[wave + at(c)], true, chunk);
       chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+      if (chunk.bad < 0) addLosses(problem, true, chunk);
     });
     for (int c = 0; c < count; ++c) {
       const Chunk& chunk = chunks_[at(c)];
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
-      rss_of_pool[at(chunk.group)] += squaredNorm(chunk.r);
+      rss_of_pool[at(chunk.group)] += chunk.rss;
+      squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
       sink.add({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(), chunk.r.data(),
                 chunk.J.data()});
     }
   }
   sink.endLinearization();
-  double sum = 0;
-  for (const double part : rss_of_pool) sum += part;
-  return sum;
+  squared_norm_sent_ = std::accumulate(squared_norm_of_pool.begin(), squared_norm_of_pool.end(), 0.0);
+  return std::accumulate(rss_of_pool.begin(), rss_of_pool.end(), 0.0);
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {

@@ -58,7 +58,7 @@ class Problem {
   // Measurements.
 
   template <Measurement M>
-  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise) {
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, const Loss& loss = {}) {
     TypedPool<M>& pool = findPool<M>();
     constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
     int variables[static_cast<std::size_t>(arity)];
@@ -66,7 +66,7 @@ class Problem {
     std::apply([&](auto&... arg) {
       ((variables[k++] = checkedIndex(arg.store(), arg.slotRef(), &slom::typeName<ValueOf<decltype(arg)>>)), ...);
     }, measurement.variableArgs());
-    const SlotRef ref = pool.insert(std::move(measurement), variables, noise);
+    const SlotRef ref = pool.insert(std::move(measurement), variables, noise, loss);
     bookMeasurement(variables, arity);
     return MeasID<M>(&pool, ref);
   }
