@@ -114,7 +114,7 @@ double Linearizer::largestLossArgument(Problem& problem) {
     pool.evaluate(range.first, range.last, chunk.r.data());
     largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
   }
-  return largest;
+  return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
 }
 
 Eigen::VectorXd Linearizer::residuals(Problem& problem) {

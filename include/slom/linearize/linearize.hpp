@@ -39,6 +39,7 @@ class Linearizer {
 
   /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
   void setLossWidening(double widening) { widening_ = widening; }
+  double lossWidening() const { return widening_; }
 
   /// The RSS at the current values; NaN when a residual is not finite.
   double rss(Problem& problem);

@@ -32,6 +32,7 @@ class System {
 
   /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
   void setLossWidening(double widening);
+  double lossWidening() const { return linearizer_.lossWidening(); }
   /// max |W r|^2 / c^2 over the measurements with a loss of scale c at the current values; -1 when there are none.
   double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
 
