@@ -7,7 +7,8 @@
 ///
 /// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. A measurement with a
 /// robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to it instead of |W r|^2: every RSS below is this robust cost,
-/// while residual, whitenedResidual and residuals know nothing of losses. Measurement functions are called from several threads at once (setThreads changes that), so they must not write to shared data.
+/// while residual, whitenedResidual and residuals know nothing of losses. Measurement functions are called from several
+/// threads at once (setThreads changes that), so they must not write to shared data.
 /// Faults of the caller are exceptions (mtk::Error, with a stable id); after any exception the estimator is as it was
 /// before the call, but for steps of an optimisation that had been completed.
 #pragma once

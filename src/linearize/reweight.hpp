@@ -7,10 +7,10 @@
 /// half its Hessian but for the second derivatives of r, as in least squares.
 /// For D < 1/4, where the loss is nearly or truly concave along r, the model would have little or no curvature and the
 /// step would be too long; there k = 0 and D = 1 are taken: plain reweighting. As rho is concave, that model is never
-/// below the cost of a linear r. Always so for Huber's tails (D = 0) and for outliers of the others: t > 3/5 of Cauchy,
-/// t > 3/13 of Geman-McClure, t > 3/19 of Tukey (t = s / c^2).
+/// below the cost of a linear r. So it is for Huber's tails (D = 0) and for outliers of the others, t = s / c^2 above 3
+/// of pseudo-Huber, 3/5 of Cauchy, 3/13 of Geman-McClure, 3/19 of Tukey.
 ///   source   Triggs, McLauchlan, Hartley and Fitzgibbon, "Bundle adjustment - a modern synthesis", 2000, section 4.3
-///            (there rho is half of ours, and alpha = k s)
+///            (alpha there is k s)
 #pragma once
 
 #include "slom/problem/problem.hpp"

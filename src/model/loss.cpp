@@ -58,8 +58,8 @@ LossValue barron(double t, double alpha) {
   // phi = 2 b/alpha ((1 + t/b)^(alpha/2) - 1), in a form for each end: for small b the power is t/b times the weight,
   // for alpha around 0 the quotient tends to the logarithm.
   const double x = alpha / 2 * log;
-  const double phi = alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log))
-                                : b * log * (x == 0 ? 1 : std::expm1(x) / x);
+  const double phi =
+      alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log)) : b * log * (x == 0 ? 1 : std::expm1(x) / x);
   return {phi, weight, -weight / 2 * (b / (b + t))};
 }
 
@@ -107,7 +107,8 @@ std::string Loss::text() const {
 
 std::string detail::faultOf(const Loss& loss) {
   if (!(loss.scale() >= 1 / kLargestScale && loss.scale() <= kLargestScale)) {
-    return "has scale " + number(loss.scale()) + "; pass a positive finite number, in standard deviations of the residual";
+    return "has scale " + number(loss.scale()) +
+           "; pass a positive finite number, in standard deviations of the residual";
   }
   if (!(loss.shape() <= 2)) {
     return "has shape " + number(loss.shape()) +

@@ -115,7 +115,8 @@ class Run {
 
   void warnOfRise() {
     char text[64];
-    std::snprintf(text, sizeof text, "at the RSS %g, above that of the start, %g", summary_.final_rss, summary_.initial_rss);
+    std::snprintf(text, sizeof text, "at the RSS %g, above that of the start, %g", summary_.final_rss,
+                  summary_.initial_rss);
     summary_.warnings.push_back(std::string("graduated non-convexity ended ") + text +
                                 "; if the start was a good one, fit from it without graduated_non_convexity");
   }

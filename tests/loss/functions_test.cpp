@@ -149,7 +149,7 @@ TEST(Loss, IsWidenedByItsScale) {
     const slom::LossValue b = slom::GemanMcClure(3 * std::sqrt(widening)).evaluate(7);
     EXPECT_NEAR(a.rho, b.rho, 1e-15 * b.rho);
     EXPECT_NEAR(a.first, b.first, 1e-15);
-    // Equation 12 of Yang et al. 2020: mu c^2 r^2 / (mu c^2 + r^2)
+    // The surrogate of Yang et al. 2020, mu c^2 r^2 / (mu c^2 + r^2)
     EXPECT_NEAR(a.rho, widening * 9 * 7 / (widening * 9 + 7), 1e-14);
   }
 }

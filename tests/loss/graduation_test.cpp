@@ -52,9 +52,9 @@ TEST(Graduation, FindsTheLineWhereLeastSquaresAndThePlainLossFail) {
 
 TEST(Graduation, WorksForEveryLoss) {
   const std::vector<Point> points = linePoints(25);
-  for (const slom::Loss& loss : {slom::Loss(slom::Huber(1.345)), slom::Loss(slom::PseudoHuber(1)),
-                                 slom::Loss(slom::Cauchy(1)), slom::Loss(slom::Tukey(4.685)),
-                                 slom::Loss(slom::Barron(-4, 2)), slom::Loss(slom::Barron(2, 1))}) {
+  for (const slom::Loss& loss :
+       {slom::Loss(slom::Huber(1.345)), slom::Loss(slom::PseudoHuber(1)), slom::Loss(slom::Cauchy(1)),
+        slom::Loss(slom::Tukey(4.685)), slom::Loss(slom::Barron(-4, 2)), slom::Loss(slom::Barron(2, 1))}) {
     LineFit fit(Vector2d(-300, 90), points, loss), near(Vector2d(1, 2), points, loss);
     const slom::Summary summary = fit.est.optimize(graduated());
     near.est.optimize();
@@ -75,8 +75,8 @@ TEST(Graduation, RegistersPointsOfWhichHalfAreWrong) {
     const mtk::vect<3> p(place(rng), place(rng), place(rng));
     mtk::vect<3> z = truth * p;
     for (int k = 0; k < 3; ++k) z[k] = i % 2 == 0 ? z[k] + noise(rng) : 2 + place(rng);
-    est.insertMeasurement([](const Pose& T, const mtk::vect<3>& a, const mtk::vect<3>& b) { return T * a - b; }, pose, p, z,
-                          slom::StandardDeviation(0.01), slom::GemanMcClure(4));
+    est.insertMeasurement([](const Pose& T, const mtk::vect<3>& a, const mtk::vect<3>& b) { return T * a - b; }, pose,
+                          p, z, slom::StandardDeviation(0.01), slom::GemanMcClure(4));
   }
   const slom::Summary plain = est.optimize();
   EXPECT_GT(mtk::difference(*pose, truth).norm(), 0.1) << "the start is a bad one";
@@ -133,9 +133,9 @@ TEST(Graduation, IsOneStageWhereEveryResidualIsSmall) {
 TEST(Graduation, WithoutLossesIsAWarning) {
   LineFit fit(Vector2d(0, 0), linePoints(5)), plain(Vector2d(0, 0), linePoints(5));
   const slom::Summary summary = fit.est.optimize(graduated());
-  EXPECT_EQ(summary.warnings,
-            std::vector<std::string>{"graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass "
-                                     "one to insertMeasurement, such as slom::GemanMcClure(3)"});
+  EXPECT_EQ(summary.warnings, std::vector<std::string>{
+                                  "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass "
+                                  "one to insertMeasurement, such as slom::GemanMcClure(3)"});
   EXPECT_EQ(summary.stages, 0);
   EXPECT_EQ(summary.final_rss, plain.est.optimize().final_rss);
 }
@@ -209,10 +209,11 @@ TEST(Graduation, WarnsWhenItEndsAboveTheStart) {
   const slom::Summary summary = est.optimize(graduated());
   ASSERT_GT(summary.final_rss, summary.initial_rss) << *x;
   char expected[200];
-  std::snprintf(expected, sizeof expected,
-                "graduated non-convexity ended at the RSS %g, above that of the start, %g; if the start was a good one, fit "
-                "from it without graduated_non_convexity",
-                summary.final_rss, summary.initial_rss);
+  std::snprintf(
+      expected, sizeof expected,
+      "graduated non-convexity ended at the RSS %g, above that of the start, %g; if the start was a good one, fit "
+      "from it without graduated_non_convexity",
+      summary.final_rss, summary.initial_rss);
   EXPECT_EQ(summary.warnings, std::vector<std::string>{expected});
 }
 
@@ -223,7 +224,8 @@ TEST(Graduation, RefusesBadOptions) {
     options.stage_iterations = iterations;
     return messageOf([&] { slom::Estimator().optimize(options); });
   };
-  EXPECT_EQ(message(1, 2), "[slom.bad-option] graduation_factor is 1.000000; pass a finite number above 1, such as 1.4");
+  EXPECT_EQ(message(1, 2),
+            "[slom.bad-option] graduation_factor is 1.000000; pass a finite number above 1, such as 1.4");
   EXPECT_EQ(message(1.4, 0), "[slom.bad-option] stage_iterations is 0; pass a positive number, such as 2");
 }
 

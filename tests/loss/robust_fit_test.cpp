@@ -16,11 +16,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-const std::vector<slom::Loss> kAll{slom::Huber(1.345),     slom::PseudoHuber(1.2),  slom::Cauchy(2.385),
-                                   slom::Tukey(4.685),     slom::GemanMcClure(3),   slom::Barron(0.5, 2),
-                                   slom::Barron(-5, 2),    slom::Barron(1.7, 1),    slom::Barron(2, 1)};
+const std::vector<slom::Loss> kAll{slom::Huber(1.345),  slom::PseudoHuber(1.2), slom::Cauchy(2.385),
+                                   slom::Tukey(4.685),  slom::GemanMcClure(3),  slom::Barron(0.5, 2),
+                                   slom::Barron(-5, 2), slom::Barron(1.7, 1),   slom::Barron(2, 1)};
 
-SLOM_BUILD_MEASUREMENT(Position, 3, ((mtk::vect<2>, p)) ((double, height)), ((Eigen::Vector3d, z)))
+SLOM_BUILD_MEASUREMENT(Position, 3, ((mtk::vect<2>, p))((double, height)), ((Eigen::Vector3d, z)))
 SLOM_IMPLEMENT_MEASUREMENT(Position, ret) {
   ret << (*p)[0] * (*p)[1], (*p)[1] + *height, 2 * *height;
   ret -= z;
@@ -77,8 +77,9 @@ TEST(NormalEquations, HaveHalfTheGradientOfTheRobustCost) {
 
 TEST(NormalEquations, HaveHalfTheHessianWhereTheLossIsBent) {
   // A linear measurement with |W r| below the scale, so that the second-order correction applies in full.
-  for (const slom::Loss& loss : {slom::Loss(slom::PseudoHuber(1)), slom::Loss(slom::Cauchy(2)), slom::Loss(slom::Tukey(4)),
-                                 slom::Loss(slom::GemanMcClure(3)), slom::Loss(slom::Barron(-1, 2))}) {
+  for (const slom::Loss& loss :
+       {slom::Loss(slom::PseudoHuber(1)), slom::Loss(slom::Cauchy(2)), slom::Loss(slom::Tukey(4)),
+        slom::Loss(slom::GemanMcClure(3)), slom::Loss(slom::Barron(-1, 2))}) {
     slom::Estimator est;
     auto dense = std::make_unique<slom::DenseQR>();
     const slom::DenseQR& solver = *dense;
@@ -151,7 +152,8 @@ TEST(RobustFit, IsTheFixedPointOfReweightedLeastSquares) {
       const slom::Summary summary = fit.est.optimize(options);
       const std::string where = one.loss.text() + " by " + algorithm + ": " + summary.message;
       EXPECT_TRUE(summary.converged) << where;
-      EXPECT_LT((*fit.line - expected).norm(), algorithm == "Gauss-Newton" ? 1e-9 : 2e-8) << where << " got " << fit.line->transpose();
+      EXPECT_LT((*fit.line - expected).norm(), algorithm == "Gauss-Newton" ? 1e-9 : 2e-8)
+          << where << " got " << fit.line->transpose();
     }
   }
 }
@@ -258,7 +260,8 @@ TEST(Insertion, OfABadLossIsNamedAndChangesNothing) {
   const std::string remedy = "; pass a positive finite number, in standard deviations of the residual";
   EXPECT_EQ(message(slom::Huber(-1)), "[slom.bad-loss] loss Huber(-1) of measurement lambda #2 has scale -1" + remedy);
   EXPECT_EQ(message(slom::Cauchy(0)), "[slom.bad-loss] loss Cauchy(0) of measurement lambda #2 has scale 0" + remedy);
-  EXPECT_EQ(message(slom::Tukey(nan)), "[slom.bad-loss] loss Tukey(nan) of measurement lambda #2 has scale nan" + remedy);
+  EXPECT_EQ(message(slom::Tukey(nan)),
+            "[slom.bad-loss] loss Tukey(nan) of measurement lambda #2 has scale nan" + remedy);
   EXPECT_EQ(message(slom::Barron(1, infinity)),
             "[slom.bad-loss] loss Barron(1, inf) of measurement lambda #2 has scale inf" + remedy);
   EXPECT_EQ(message(slom::PseudoHuber(1e-200)),
@@ -289,9 +292,12 @@ TEST(Removal, KeepsTheLossWithItsMeasurement) {
     const double z = 1 + i % 17, scale = 1 + 0.01 * (i % 400);
     switch (rng() % 4) {
       case 0: entries.push_back({est.insertMeasurement(f, x, z), z * z}); break;
-      case 1: entries.push_back({est.insertMeasurement(f, x, z, slom::Huber(2)), slom::Huber(2).evaluate(z * z).rho}); break;
+      case 1:
+        entries.push_back({est.insertMeasurement(f, x, z, slom::Huber(2)), slom::Huber(2).evaluate(z * z).rho});
+        break;
       case 2:
-        entries.push_back({est.insertMeasurement(f, x, z, slom::Cauchy(scale)), slom::Cauchy(scale).evaluate(z * z).rho});
+        entries.push_back(
+            {est.insertMeasurement(f, x, z, slom::Cauchy(scale)), slom::Cauchy(scale).evaluate(z * z).rho});
         break;
       default:  // away with an earlier one
         if (entries.size() < 2) break;
@@ -330,9 +336,11 @@ TEST(NotFinite, IsNotHiddenByABoundedLoss) {
     est.insertMeasurement([](double v) { return 1 / v; }, x, loss);
     est.insertMeasurement([](double v) { return v - 1; }, x);
     EXPECT_TRUE(std::isnan(est.getRSS())) << loss.text();
-    EXPECT_EQ(messageOf([&] { est.optimize(); }),
-              "[slom.not-finite] the residual of measurement lambda #1 is not finite at x = (0); check its data, the function "
-              "where it divides, takes roots or logarithms or leaves an entry of its result unset, and the start values");
+    EXPECT_EQ(
+        messageOf([&] { est.optimize(); }),
+        "[slom.not-finite] the residual of measurement lambda #1 is not finite at x = (0); check its data, the "
+        "function "
+        "where it divides, takes roots or logarithms or leaves an entry of its result unset, and the start values");
   }
 }
 
@@ -369,14 +377,16 @@ TEST(Report, SumsUpManyLosses) {
     est.insertMeasurement([](double v, double z) { return v - z; }, x, i < 5 ? 1.0 : 50.0, slom::Huber(1 + 0.1 * i));
   }
   const std::string text = slom::report(est.optimize());
-  EXPECT_NE(text.find("\n  lambda: 6 losses on 6 of 6 measurements, 1 down-weighted (weight < 1/2)\n"), std::string::npos)
+  EXPECT_NE(text.find("\n  lambda: 6 losses on 6 of 6 measurements, 1 down-weighted (weight < 1/2)\n"),
+            std::string::npos)
       << text;
 }
 
 TEST(RankDeficiency, ByALossWithoutWeightIsExplained) {
   slom::Estimator est;
   const auto x = est.insertRV(100.0, "x");
-  for (int i = 0; i < 3; ++i) est.insertMeasurement([](double v, double z) { return v - z; }, x, 0.1 * i, slom::Tukey(4.685));
+  for (int i = 0; i < 3; ++i)
+    est.insertMeasurement([](double v, double z) { return v - z; }, x, 0.1 * i, slom::Tukey(4.685));
   const slom::Summary summary = est.optimize();
   EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
   EXPECT_EQ(summary.warnings,

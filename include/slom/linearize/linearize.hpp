@@ -1,6 +1,6 @@
 /// Residuals and derivatives of the whole problem, in batches, on several threads, in an order that does not depend
 /// on their number. Here losses enter: the RSS is the sum of rho(|W r|^2), and the r and J that a sink receives are
-/// scaled such that J^T r is half its gradient (src/linearize/reweight.hpp). Measurements without a loss pass as they are.
+/// scaled such that J^T r is half its gradient (src/linearize/reweight.hpp). Measurements without one pass as they are.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace slom {
 
-/// Whitened residuals and Jacobians, reweighted where there are losses, of the measurements [first, first + count) of one group.
+/// Whitened residuals and Jacobians of the measurements [first, first + count) of one group, reweighted by their losses.
 struct JacobianBatch {
   int group = 0;
   int first = 0;

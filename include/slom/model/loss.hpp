@@ -12,11 +12,11 @@
 ///   GemanMcClure(c)      c^2 t / (1 + t)                               weight 1 / (1 + t)^2
 ///   Tukey(c)             t <= 1: c^2 (1 - (1 - t)^3) / 3, else c^2/3   weight (1 - t)^2, 0
 ///   Barron(alpha, c)     2 c^2 b/alpha ((1 + t/b)^(alpha/2) - 1)       weight (1 + t/b)^(-b/2),  b = 2 - alpha >= 0
-/// Barron(alpha, c) is twice rho(x, alpha, c) of the source: alpha = 2 the square, 1 PseudoHuber(c), 0 Cauchy(sqrt(2) c),
-/// -2 GemanMcClure(2 c), -infinity Welsch's loss 2 c^2 (1 - exp(-t/2)).
+/// Barron(alpha, c) is 2 c^2 rho(x, alpha, c) of the source: alpha = 2 the square, 1 PseudoHuber(c),
+/// 0 Cauchy(sqrt(2) c), -2 GemanMcClure(2 c), -infinity Welsch's loss 2 c^2 (1 - exp(-t/2)).
 ///   sources  Huber, "Robust statistics", 1981; Holland and Welsch, "Robust regression using iteratively reweighted
 ///            least-squares", 1977 (for scalar residuals, 95 % efficiency on normal ones: Huber 1.345, Cauchy 2.385,
-///            Tukey 4.685); Barron, "A general and adaptive robust loss function", CVPR 2019, equations 1, 8 and 9
+///            Tukey 4.685); Barron, "A general and adaptive robust loss function", CVPR 2019
 #pragma once
 
 #include <compare>

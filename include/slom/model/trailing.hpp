@@ -25,8 +25,9 @@ inline NoiseView findNoise() { return {}; }
 template <class First, class... Rest>
 NoiseView findNoise(const First& first, const Rest&... rest) {
   if constexpr (IsNoise<First>) {
-    static_assert(!(IsNoise<Rest> || ...), "slom: the uncertainty of the measurement is given twice: pass one of "
-                                           "Covariance, StandardDeviation, InvCovariance or InvStandardDeviation");
+    static_assert(!(IsNoise<Rest> || ...),
+                  "slom: the uncertainty of the measurement is given twice: pass one of "
+                  "Covariance, StandardDeviation, InvCovariance or InvStandardDeviation");
     return viewNoise(first);
   } else {
     return findNoise(rest...);
@@ -38,8 +39,9 @@ inline Loss findLoss() { return {}; }
 template <class First, class... Rest>
 Loss findLoss(const First& first, const Rest&... rest) {
   if constexpr (IsLoss<First>) {
-    static_assert(!(IsLoss<Rest> || ...), "slom: the loss of the measurement is given twice: pass one of Huber, "
-                                          "PseudoHuber, Cauchy, Tukey, GemanMcClure or Barron");
+    static_assert(!(IsLoss<Rest> || ...),
+                  "slom: the loss of the measurement is given twice: pass one of Huber, "
+                  "PseudoHuber, Cauchy, Tukey, GemanMcClure or Barron");
     return first;
   } else {
     return findLoss(rest...);

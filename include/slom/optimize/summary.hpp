@@ -56,8 +56,8 @@ struct Options {
   /// last one's values, until mu = 1; only that last stage must converge. Without losses there is nothing to graduate,
   /// and a warning of the summary says so. All stages count towards max_iterations.
   ///   source   Yang, Antonante, Tzoumas and Carlone, "Graduated non-convexity for robust spatial perception", RA-L
-  ///            2020, sections III and IV: mu starts at max 2 |W r|^2 / c^2 and is divided by 1.4. For GemanMcClure this
-  ///            is their surrogate, mu c^2 r^2 / (mu c^2 + r^2), itself; for the other losses it is the same by the scale.
+  ///            2020: mu starts at max 2 |W r|^2 / c^2 and is divided by 1.4. For GemanMcClure this is their surrogate,
+  ///            mu c^2 r^2 / (mu c^2 + r^2), itself; for the other losses it generalises by the scale.
   bool graduated_non_convexity = false;
   /// What mu is divided by from stage to stage, > 1.
   double graduation_factor = 1.4;
