@@ -90,13 +90,18 @@ void Estimator::State::fillGroups(Summary& summary, bool before) {
     GroupSummary& group = summary.groups[g];
     if (!before) {
       group.final_rss = rss[g];
-      group.losses = summarizeLosses(pool);
+      try {
+        group.losses = summarizeLosses(pool);
+      } catch (const MeasurementThrew& event) {
+        problem.raiseThrew(pool, event);
+      }
       continue;
     }
     group.name = pool.name();
     group.measurements = pool.size();
     for (int i = 0; i < pool.size(); ++i) group.residuals += pool.rows(i);
     group.initial_rss = rss[g];
+    group.derivatives = toString(pool.derivatives());
   }
 }
 
@@ -124,12 +129,13 @@ void Estimator::setThreads(int threads) {
 
 double Estimator::getRSS() const { return state_->linearizer.rss(problem()); }
 
-double Estimator::rssOfPool(const MeasurementPool* pool) const {
+double Estimator::rssOfPools(const std::vector<const MeasurementPool*>& pools) const {
   const std::vector<double> rss = state_->linearizer.rssPerPool(problem());
+  double sum = 0;
   for (std::size_t g = 0; g < rss.size(); ++g) {
-    if (problem().pools()[g].get() == pool) return rss[g];
+    if (std::find(pools.begin(), pools.end(), problem().pools()[g].get()) != pools.end()) sum += rss[g];
   }
-  return 0;
+  return sum;
 }
 
 double Estimator::rssOfVariable(int variable) const {
@@ -166,10 +172,14 @@ int Estimator::getN() const { return state_->system.structure().system.unknowns(
 
 Eigen::VectorXd Estimator::residualOf(MeasurementPool& pool, int i, bool whitened) const {
   Eigen::VectorXd r(pool.rows(i));
-  if (whitened) {
-    pool.evaluate(i, i + 1, r.data());
-  } else {
-    pool.evaluateRaw(i, r.data());
+  try {
+    if (whitened) {
+      pool.evaluate(i, i + 1, r.data());
+    } else {
+      pool.evaluateRaw(i, r.data());
+    }
+  } catch (const MeasurementThrew& event) {
+    problem().raiseThrew(pool, event);
   }
   return r;
 }

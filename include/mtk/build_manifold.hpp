@@ -26,6 +26,12 @@
 #define MTK_MEMBER_A_END
 #define MTK_MEMBER_B_END
 
+#define MTK_REBOUND_(type, name) typename Map_::template member<type, __COUNTER__ - MtkFirst - 1> name{};
+#define MTK_REBOUND_A(pair) MTK_REBOUND_ pair MTK_REBOUND_B
+#define MTK_REBOUND_B(pair) MTK_REBOUND_ pair MTK_REBOUND_A
+#define MTK_REBOUND_A_END
+#define MTK_REBOUND_B_END
+
 #define MTK_PARAMETER_(type, name) const type& name##_init
 #define MTK_PARAMETER_A(pair) MTK_PARAMETER_ pair MTK_PARAMETER_MORE_A
 #define MTK_PARAMETER_MORE_A(pair) , MTK_PARAMETER_ pair MTK_PARAMETER_MORE_B
@@ -73,6 +79,16 @@
     static constexpr int DOF = MtkTypes::DOF;                                                                \
     template <class T_> static auto mtkMembers(T_& x) { return ::std::tie(MTK_SEQUENCE(MTK_TIED, members)); } \
     static auto mtkMemberNames() { return ::std::array{MTK_SEQUENCE(MTK_QUOTED, members)}; }                 \
+                                                                                                             \
+    using MtkSelf = Name;                                                                                    \
+    template <class Map_> struct MtkRebound {                                                                \
+      static constexpr int MtkFirst = __COUNTER__;                                                           \
+      MTK_SEQUENCE(MTK_REBOUND, members)                                                                     \
+      template <class T_> static auto mtkMembers(T_& x) {                                                    \
+        return ::std::tie(MTK_SEQUENCE(MTK_TIED, members));                                                  \
+      }                                                                                                      \
+      static auto mtkMemberNames() { return Name::mtkMemberNames(); }                                        \
+    };                                                                                                       \
                                                                                                              \
     int dof() const { return ::mtk::detail::NamedTraits<Name>::dof(*this); }                                 \
     void boxplus(::mtk::vectview<const scalar, DOF> d, scalar scale = scalar(1)) {                           \

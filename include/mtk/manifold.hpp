@@ -21,13 +21,10 @@
 
 #include "mtk/detail/aggregate.hpp"
 #include "mtk/error.hpp"
+#include "mtk/scalar.hpp"
 #include "mtk/vectview.hpp"
 
 namespace mtk {
-
-/// Real numbers that coordinates are made of. Specialised by number types other than the built-in ones.
-template <class S>
-inline constexpr bool is_scalar_v = std::is_floating_point_v<S>;
 
 /// How M is a manifold; the primary template is for types that are none.
 template <class M>

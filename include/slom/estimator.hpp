@@ -24,7 +24,7 @@
 
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
-#include "slom/model/trailing.hpp"
+#include "slom/model/insertion.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
@@ -104,24 +104,28 @@ class Estimator {
 
   // Measurements.
 
-  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, with its uncertainty (none: unit covariance) and its loss
-  /// (none: least squares).
-  template <Measurement M, class... More>
-  MeasID<M> insertMeasurement(M measurement, const More&... more) {
-    static_assert((detail::is_trailing<More> && ...),
-                  "slom: the second argument says how uncertain the measurement is: pass Covariance, "
-                  "StandardDeviation, InvCovariance or InvStandardDeviation, and a loss such as Huber if it needs one");
-    return problem().insertMeasurement(std::move(measurement), detail::findNoise(more...), detail::findLoss(more...));
+  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT. Options, in any order: its uncertainty (none: unit
+  /// covariance), its loss (none: least squares), slom::named("label").
+  template <Measurement M, class... Options>
+  MeasID<M> insertMeasurement(M measurement, const Options&... options) {
+    static_assert((detail::is_option<Options> && ...),
+                  "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
+                  "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
+                  "(slom::named)");
+    const auto all = std::tie(options...);
+    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong(all), detail::labelAmong(all),
+                                       detail::lossAmong(all));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
-  /// everything else is data, stored by value. The last arguments may be the uncertainty and the loss. With
-  /// slom::measured(z) among the arguments f predicts the datum, and the residual is f(Y) [-] z.
+  /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
+  /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
+  /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
   template <class F, class... Args>
     requires(!Measurement<F> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
-    constexpr std::size_t trailing = detail::trailingCount<Args...>();
-    return insertCallable(std::move(f), std::tie(args...), std::make_index_sequence<sizeof...(Args) - trailing>{},
-                          std::make_index_sequence<trailing>{});
+    const auto all = std::tie(args...);
+    return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong(all),
+                          detail::labelAmong(all), detail::lossAmong(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -164,7 +168,7 @@ class Estimator {
   /// Of all measurements of type M.
   template <Measurement M>
   double getRSS() const {
-    return rssOfPool(problem().template poolOf<M>());
+    return rssOfPools(problem().template poolsOf<M>());
   }
   /// Of one measurement.
   template <class M>
@@ -239,17 +243,15 @@ class Estimator {
     mtk::requireManifold<V>();
     return problem().template insertVariable<V>(V(value), optimize, std::move(name));
   }
-  /// The first arguments, I, are variables and data, the others, K, how uncertain it is and its loss.
-  template <class F, class Tuple, std::size_t... I, std::size_t... K>
-  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, std::index_sequence<K...>) {
+  template <class F, class Tuple, std::size_t... I>
+  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
+                      const Loss& loss) {
     using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
-    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...),
-                                       detail::findNoise(std::get<sizeof...(I) + K>(args)...),
-                                       detail::findLoss(std::get<sizeof...(I) + K>(args)...));
+    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label, loss);
   }
 
   Problem& problem() const;
-  double rssOfPool(const MeasurementPool* pool) const;
+  double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;
   double rssOfVariable(int variable) const;
   double rssOfMeasurement(MeasurementPool& pool, int i) const;
   double weightOf(MeasurementPool& pool, int i) const;

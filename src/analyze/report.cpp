@@ -22,10 +22,11 @@ std::string groupTable(const Summary& summary) {
   std::size_t width = 11;
   for (const GroupSummary& group : summary.groups) width = std::max(width, group.name.size());
   const int w = static_cast<int>(width);
-  std::string text = format("  %-*s %8s %10s %14s %14s\n", w, "measurement", "count", "residuals", "RSS before", "RSS after");
+  std::string text = format("  %-*s %8s %10s %14s %14s  %s\n", w, "measurement", "count", "residuals", "RSS before",
+                            "RSS after", "derivatives");
   for (const GroupSummary& g : summary.groups) {
-    text += format("  %-*s %8d %10d %14.6g %14.6g\n", w, g.name.c_str(), g.measurements, g.residuals, g.initial_rss,
-                   g.final_rss);
+    text += format("  %-*s %8d %10d %14.6g %14.6g  %s\n", w, g.name.c_str(), g.measurements, g.residuals, g.initial_rss,
+                   g.final_rss, g.derivatives.c_str());
   }
   return text + format("  %-*s %8s %10d %14.6g %14.6g\n", w, "all", "", summary.measurements, summary.initial_rss,
                        summary.final_rss);

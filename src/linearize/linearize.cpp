@@ -54,6 +54,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.first = range.first;
   chunk.last = range.last;
   chunk.bad = -1;
+  chunk.threw.reset();
   chunk.rows.clear();
   chunk.dof.clear();
   std::size_t residuals = 0, entries = 0;
@@ -86,13 +87,21 @@ void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& ch
 std::vector<double> Linearizer::rssPerPool(Problem& problem) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
   std::vector<double> sums(all.size());
+  std::vector<std::optional<MeasurementThrew>> threw(all.size());
   forEachChunk(static_cast<int>(all.size()), [&](int c) {
     Chunk chunk;
     prepare(problem, all[at(c)], false, chunk);
-    problem.pools()[at(chunk.group)]->evaluate(chunk.first, chunk.last, chunk.r.data());
-    addLosses(problem, false, chunk);
+    try {
+      problem.pools()[at(chunk.group)]->evaluate(chunk.first, chunk.last, chunk.r.data());
+      addLosses(problem, false, chunk);
+    } catch (const MeasurementThrew& event) {
+      threw[at(c)] = event;
+    }
     sums[at(c)] = chunk.rss;
   });
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    if (threw[c]) problem.raiseThrew(*problem.pools()[at(all[c].group)], *threw[c]);
+  }
   std::vector<double> result(problem.pools().size(), 0.0);
   for (std::size_t c = 0; c < all.size(); ++c) result[at(all[c].group)] += sums[c];
   return result;
@@ -111,7 +120,11 @@ double Linearizer::largestLossArgument(Problem& problem) {
     if (pool.lossCount() == 0) continue;
     Chunk chunk;
     prepare(problem, range, false, chunk);
-    pool.evaluate(range.first, range.last, chunk.r.data());
+    try {
+      pool.evaluate(range.first, range.last, chunk.r.data());
+    } catch (const MeasurementThrew& event) {
+      problem.raiseThrew(pool, event);
+    }
     largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
   }
   return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
@@ -124,7 +137,11 @@ Eigen::VectorXd Linearizer::residuals(Problem& problem) {
     std::size_t length = 0;
     for (int i = 0; i < pool->size(); ++i) length += at(pool->rows(i));
     r.resize(length);
-    pool->evaluate(0, pool->size(), r.data());
+    try {
+      pool->evaluate(0, pool->size(), r.data());
+    } catch (const MeasurementThrew& event) {
+      problem.raiseThrew(*pool, event);
+    }
     all.insert(all.end(), r.begin(), r.end());
   }
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
@@ -140,11 +157,16 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
     forEachChunk(count, [&](int c) {
       Chunk& chunk = chunks_[at(c)];
       prepare(problem, all[wave + at(c)], true, chunk);
-      chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
-      if (chunk.bad < 0) addLosses(problem, true, chunk);
+      try {
+        chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+        if (chunk.bad < 0) addLosses(problem, true, chunk);
+      } catch (const MeasurementThrew& event) {
+        chunk.threw = event;
+      }
     });
     for (int c = 0; c < count; ++c) {
       const Chunk& chunk = chunks_[at(c)];
+      if (chunk.threw) problem.raiseThrew(*problem.pools()[at(chunk.group)], *chunk.threw);
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
       rss_of_pool[at(chunk.group)] += chunk.rss;
       squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
@@ -161,14 +183,11 @@ void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {
   MeasurementPool& pool = *problem.pools()[at(group)];
   std::vector<double> r(at(pool.rows(measurement)));
   const bool residual_is_bad = pool.evaluate(measurement, measurement + 1, r.data()) >= 0;
-  std::string text = std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
-                     pool.measurementName(measurement) + " is not finite at ";
-  for (int k = 0; k < pool.arity(); ++k) {
-    const int variable = pool.variables(measurement)[k];
-    text += (k > 0 ? ", " : "") + problem.variableName(variable) + " = (" + problem.variableValue(variable) + ")";
-  }
-  throw Error("slom.not-finite", text + "; check its data, the function where it divides, takes roots or logarithms or "
-                                        "leaves an entry of its result unset, and the start values");
+  throw Error("slom.not-finite", std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
+                                     pool.measurementName(measurement) + " is not finite at " +
+                                     problem.valuesText(pool.variables(measurement), pool.arity()) +
+                                     "; check its data, the function where it divides, takes roots or logarithms or "
+                                     "leaves an entry of its result unset, and the start values");
 }
 
 }  // namespace slom

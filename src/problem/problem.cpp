@@ -108,6 +108,30 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   ++structure_revision_;
 }
 
+std::string Problem::valuesText(const int* variables, int arity) const {
+  std::string text;
+  for (int k = 0; k < arity; ++k) {
+    text += (k > 0 ? ", " : "") + variableName(variables[k]) + " = (" + variableValue(variables[k]) + ")";
+  }
+  return text;
+}
+
+void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,
+                         const std::exception_ptr& exception) const {
+  const auto error = [&](const std::string& what) {
+    return Error("slom.measurement-threw", "the function of measurement " + measurement + " threw " + what + " at " +
+                                               valuesText(variables, arity) +
+                                               "; let it return NaN where it has no value, steps there are taken back");
+  };
+  try {
+    std::rethrow_exception(exception);
+  } catch (const std::exception& e) {
+    std::throw_with_nested(error("an exception (" + std::string(e.what()) + ")"));
+  } catch (...) {
+    std::throw_with_nested(error("something that is no std::exception"));
+  }
+}
+
 std::string Problem::nameForPool(const std::string& name) const {
   const auto taken = [&](const std::string& candidate) {
     return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == candidate; });

@@ -1,4 +1,4 @@
-// expect: slom: the loss of the measurement is given twice: pass one of Huber, PseudoHuber, Cauchy, Tukey,
+// expect: slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, GemanMcClure and Barron
 // GemanMcClure or Barron
 #include <slom/slom.hpp>
 

@@ -1,4 +1,4 @@
-// expect: slom: the uncertainty of the measurement is given twice: pass one of Covariance, StandardDeviation,
+// expect: slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, InvCovariance and InvStandardDeviation
 // InvCovariance or InvStandardDeviation
 #include <slom/slom.hpp>
 

@@ -340,10 +340,43 @@ TEST(Residuals, ThatAreForgottenAreFound) {
             "values");
 }
 
+/// Runs f and throws what is nested in its exception.
+template <class F>
+void rethrowNested(const F& f) {
+  try {
+    f();
+  } catch (const slom::Error& e) {
+    std::rethrow_if_nested(e);
+  }
+}
+
+TEST(Exceptions, ThatCarryTextAreQuoted) {
+  slom::Estimator est;
+  const auto x = est.insertRV(1.0, "x"), y = est.insertRV(2.0, "y");
+  const auto f = [](double a, double b) -> VectorXd {
+    if (a < b) throw std::domain_error("log of a negative number");
+    return VectorXd::Zero(2);
+  };
+  EXPECT_EQ(messageOf([&] { est.insertMeasurement(f, x, y, slom::named("growth")); }),
+            "[slom.measurement-threw] the function of measurement growth #1 threw an exception (log of a negative number) "
+            "at x = (1), y = (2); let it return NaN where it has no value, steps there are taken back");
+  EXPECT_EQ(est.getM(), 0);
+  est.reinitRV(x, 3.0);
+  const auto id = est.insertMeasurement(f, x, y, slom::named("growth"));
+  est.reinitRV(x, 0.0);
+  const std::string text =
+      "[slom.measurement-threw] the function of measurement growth #1 threw an exception (log of a negative number) at x = "
+      "(0), y = (2); let it return NaN where it has no value, steps there are taken back";
+  EXPECT_EQ(messageOf([&] { est.getRSS(); }), text);
+  EXPECT_EQ(messageOf([&] { est.residual(id); }), text);
+  EXPECT_EQ(messageOf([&] { est.residuals(); }), text);
+  EXPECT_EQ(messageOf([&] { est.optimize(); }), text);
+}
+
 TEST(Exceptions, OfUserCodeLeaveTheEstimatorAsItWas) {
   struct Trouble {};
   slom::Estimator est;
-  const auto x = est.insertRV(1.0);
+  const auto x = est.insertRV(1.0, "x");
   bool armed = false;
   est.insertMeasurement([&armed](double v) {
     if (armed && v != 1.0) throw Trouble();
@@ -352,8 +385,12 @@ TEST(Exceptions, OfUserCodeLeaveTheEstimatorAsItWas) {
   for (const int threads : {1, 2}) {
     est.setThreads(threads);
     armed = true;
-    EXPECT_THROW(est.optimize(), Trouble);
-    EXPECT_THROW(est.optimizeStep(), Trouble);
+    const std::string text =
+        "[slom.measurement-threw] the function of measurement lambda #1 threw something that is no std::exception at x = "
+        "(1); let it return NaN where it has no value, steps there are taken back";
+    EXPECT_EQ(messageOf([&] { est.optimize(); }), text);
+    EXPECT_EQ(messageOf([&] { est.optimizeStep(); }), text);
+    EXPECT_THROW(rethrowNested([&] { est.optimize(); }), Trouble);
     EXPECT_EQ(*x, 1);
   }
   armed = false;
@@ -394,8 +431,8 @@ TEST(Report, SaysItAll) {
             "  " + std::to_string(summary.iterations) + " iterations of Gauss-Newton; sparse block normal equations, simplicial "
             "LDL^T, 2 unknowns in 1 blocks\n"
             "  4 residuals - 2 unknowns (1 variables) = redundancy 2\n"
-            "  measurement    count  residuals     RSS before      RSS after\n"
-            "  Samples            1          4            396            1.2\n"
+            "  measurement    count  residuals     RSS before      RSS after  derivatives\n"
+            "  Samples            1          4            396            1.2  numeric\n"
             "  all                           4            396            1.2\n"
             "  chi-square / dof = 0.6\n");
   std::ostringstream os;

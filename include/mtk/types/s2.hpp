@@ -7,6 +7,7 @@
 ///            revisited", 2017, listing 3
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -27,8 +28,12 @@ class S2 {
   /// The direction of v, which need not be of length 1.
   template <class D>
   explicit S2(const Eigen::MatrixBase<D>& v) : v_(v) {
-    const S largest = v_.cwiseAbs().maxCoeff();
-    if (!(largest > S(0)) || !(largest <= std::numeric_limits<S>::max())) {
+    using std::abs;
+    const S a = abs(v_[0]), b = abs(v_[1]), c = abs(v_[2]);
+    S largest = select(a > b, a, b);
+    largest = select(largest > c, largest, c);
+    const S limit(std::numeric_limits<detail::built_in_t<S>>::max());
+    if (!allOf(largest > S(0) && a <= limit && b <= limit && c <= limit)) {
       throw Error("mtk.no-direction", "a direction (S2) cannot be made of a vector that is zero or not finite; "
                                       "pass a finite vector of any positive length");
     }
@@ -44,42 +49,55 @@ class S2 {
   const S& z() const { return v_[2]; }
 
   void boxplus(vectview<const S, 2> d, S scale = S(1)) {
-    using std::cos;
-    using std::sin;
-    using std::sqrt;
     const S a = scale * d[0], b = scale * d[1];
     const S square = a * a + b * b;
-    const bool tiny = square < std::numeric_limits<S>::epsilon();
-    const S angle = tiny ? S(0) : S(sqrt(square));
-    const S along = tiny ? S(1) - square / S(2) : S(cos(angle));
-    const S across = tiny ? S(1) - square / S(6) : S(sin(angle) / angle);
+    const auto [along, across] = detail::branch(
+        square < S(detail::epsilon<S>),
+        [&] { return std::array<S, 2>{S(1) - square / S(2), S(1) - square / S(6)}; },  // of cos(t), sin(t)/t
+        [&] {
+          using std::cos;
+          using std::sin;
+          using std::sqrt;
+          const S angle = sqrt(square);
+          return std::array<S, 2>{cos(angle), sin(angle) / angle};
+        });
     const Axes axes(v_);
     v_ = along * v_ + (across * a) * axes.a + (across * b) * axes.b;
     v_ *= (S(3) - v_.squaredNorm()) / S(2);
   }
   void boxminus(vectview<S, 2> out, const S2& y) const {
-    using std::atan2;
-    using std::sqrt;
     const Axes axes(y.v_);
     const S a = axes.a.dot(v_), b = axes.b.dot(v_), along = y.v_.dot(v_);
     const S square = a * a + b * b;
-    if (square > S(0)) {
-      const S across = sqrt(square);
-      const S factor = atan2(across, along) / across;
-      out << factor * a, factor * b;
-    } else if (along > S(0)) {
-      out << a, b;
-    } else {
-      out << detail::two_pi<S> / S(2), S(0);
-    }
+    const S factor = detail::branch(
+        along > S(0) && square < S(4 * detail::epsilon<S>) * along * along,  // atan(t)/t = 1 - t^2/3 + ...
+        [&] { return S((S(1) - square / (S(3) * along * along)) / along); },
+        [&] {
+          using std::atan2;
+          using std::sqrt;
+          const S across = sqrt(select(square > S(0), square, S(1)));
+          return S(atan2(across, along) / across);
+        });
+    const auto opposite = !(square > S(0)) && along <= S(0);
+    out << select(opposite, S(detail::two_pi<S> / 2), S(factor * a)), select(opposite, S(0), S(factor * b));
   }
 
  private:
+  friend struct detail::State;
+  template <class Condition>
+  static bool allOf(const Condition& condition) {
+    if constexpr (std::is_same_v<Condition, bool>) {
+      return condition;
+    } else {
+      return all(condition);
+    }
+  }
+
   /// Two unit vectors that complete v to a right-handed orthonormal frame.
   struct Axes {
     Vector a, b;
     explicit Axes(const Vector& v) {
-      const S sign = v[2] < S(0) ? S(-1) : S(1);
+      const S sign = select(v[2] < S(0), S(-1), S(1));
       const S f = S(-1) / (sign + v[2]);
       const S xy = v[0] * v[1] * f;
       a = Vector(S(1) + sign * v[0] * v[0] * f, sign * xy, -sign * v[0]);
@@ -91,9 +109,9 @@ class S2 {
 };
 
 /// Rotates a direction.
-template <class S>
-S2<S> operator*(const SO3<S>& R, const S2<S>& v) {
-  return S2<S>(R * v.vector());
+template <class A, class B>
+S2<promote_t<A, B>> operator*(const SO3<A>& R, const S2<B>& v) {
+  return S2<promote_t<A, B>>(R * v.vector());
 }
 
 }  // namespace mtk

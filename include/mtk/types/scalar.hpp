@@ -2,6 +2,7 @@
 ///   tangent  x [+] d = x + d; its only component has the name of the variable itself
 #pragma once
 
+#include "mtk/dual.hpp"
 #include "mtk/manifold.hpp"
 
 namespace mtk {
@@ -28,7 +29,23 @@ class Scalar {
   void magnitudes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
 
  private:
+  friend struct detail::State;
   S value_ = S(0);
+};
+
+/// Among dual numbers: such a number, so that formulas find its operators.
+template <class S, std::uint64_t C>
+class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
+ public:
+  using scalar = SparseDual<S, C>;
+  static constexpr int DOF = 1;
+
+  Scalar() = default;
+  Scalar(const scalar& x) : scalar(x) {}  // NOLINT(google-explicit-constructor): it is that number
+  const scalar& value() const { return *this; }
+
+  void boxplus(vectview<const scalar, 1> d, scalar scale = scalar(1)) { *this = Scalar(*this + scale * d[0]); }
+  void boxminus(vectview<scalar, 1> out, const Scalar& y) const { out[0] = value() - y.value(); }
 };
 
 }  // namespace mtk

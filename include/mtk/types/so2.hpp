@@ -12,21 +12,22 @@ namespace mtk {
 namespace detail {
 /// Twice pi in two parts: the nearest number and what is missing to it.
 template <class S>
-inline constexpr S two_pi = S(6.283185307179586476925286766559005768L);
+inline constexpr built_in_t<S> two_pi = built_in_t<S>(6.283185307179586476925286766559005768L);
 template <class S>
-inline constexpr S two_pi_rest = S(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
+inline constexpr built_in_t<S> two_pi_rest =
+    built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
 
 /// The angle in [-pi, pi) that differs from `a` by whole turns.
 template <class S>
 S wrapAngle(const S& a) {
   using std::floor;
-  constexpr S half = two_pi<S> / S(2);
-  if (a >= -half && a < half) return a;
-  const S turns = floor(a / two_pi<S> + S(0.5));
-  S wrapped = (a - turns * two_pi<S>) - turns * two_pi_rest<S>;
-  if (wrapped >= half) wrapped -= two_pi<S>;
-  if (wrapped < -half) wrapped = -half;
-  return wrapped;
+  constexpr auto half = two_pi<S> / 2;
+  return branch(a >= S(-half) && a < S(half), [&] { return a; }, [&] {
+    const S turns = floor(S(a / two_pi<S> + S(0.5)));
+    S wrapped = (a - turns * two_pi<S>) - turns * two_pi_rest<S>;
+    wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
+    return select(wrapped < S(-half), S(-half), wrapped);
+  });
 }
 }  // namespace detail
 
@@ -68,21 +69,28 @@ class SO2 {
   /// Rotates a point or a direction.
   template <class D>
     requires(bool(D::IsVectorAtCompileTime))
-  vect<2, S> operator*(const Eigen::MatrixBase<D>& p) const {
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 2 || D::SizeAtCompileTime == Dynamic, "mtk: SO2 rotates 2-vectors");
     using std::cos;
     using std::sin;
     const S c = cos(angle_), s = sin(angle_);
-    const PlainVector<typename D::Scalar, 2> point = p;
-    const S x(point[0]), y(point[1]);
-    return vect<2, S>(c * x - s * y, s * x + c * y);
+    const PlainVector<typename D::Scalar, 2> q = p;
+    return vect<2, promote_t<S, typename D::Scalar>>(c * q[0] - s * q[1], s * q[0] + c * q[1]);
   }
 
   void boxplus(vectview<const S, 1> d, S scale = S(1)) { angle_ = detail::wrapAngle(S(angle_ + scale * d[0])); }
   void boxminus(vectview<S, 1> out, const SO2& y) const { out[0] = detail::wrapAngle(S(angle_ - y.angle_)); }
 
  private:
+  friend struct detail::State;
   S angle_ = S(0);
 };
+
+/// Rotations over different number types, one of which holds the other: constants and dual numbers.
+template <class A, class B>
+  requires(!std::is_same_v<A, B>)
+SO2<promote_t<A, B>> operator*(const SO2<A>& a, const SO2<B>& b) {
+  return SO2<promote_t<A, B>>(promote_t<A, B>(a.angle() + b.angle()));
+}
 
 }  // namespace mtk

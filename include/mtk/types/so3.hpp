@@ -6,8 +6,8 @@
 ///   source   Hertzberg et al. 2013, appendix A.3; logarithm by atan2, exact near 0 and pi
 #pragma once
 
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -34,6 +34,11 @@ class SO3 {
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(exp(Vector(a.angle() * a.axis()))) {}
+  /// The same rotation in another number type: a constant among packs.
+  template <class T>
+    requires(!std::is_same_v<T, S> && !std::is_arithmetic_v<S> && std::is_arithmetic_v<T>)
+  SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
+      : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it.
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
@@ -41,37 +46,38 @@ class SO3 {
 
   /// Rotation by the angle |scale * d| about the axis d.
   static SO3 exp(vectview<const S, 3> d, S scale = S(1)) {
-    using std::cos;
-    using std::sin;
-    using std::sqrt;
     const S x = scale * d[0], y = scale * d[1], z = scale * d[2];
     const S square = x * x + y * y + z * z;
-    S factor, w;
-    if (square < std::numeric_limits<S>::epsilon()) {  // sin(t/2)/t = 1/2 (1 - t^2/24 + ...)
-      factor = (S(1) - square / S(24)) / S(2);
-      w = S(1) - square / S(8);
-    } else {
-      const S angle = sqrt(square);
-      factor = sin(angle / S(2)) / angle;
-      w = cos(angle / S(2));
-    }
+    const auto [factor, w] = detail::branch(
+        square < S(detail::epsilon<S>),
+        [&] { return std::array<S, 2>{(S(1) - square / S(24)) / S(2), S(1) - square / S(8)}; },  // of sin(t/2)/t, cos(t/2)
+        [&] {
+          using std::cos;
+          using std::sin;
+          using std::sqrt;
+          const S angle = sqrt(square);
+          return std::array<S, 2>{sin(S(angle / S(2))) / angle, cos(S(angle / S(2)))};
+        });
     SO3 result;
     result.q_ << factor * x, factor * y, factor * z, w;
     return result;
   }
   /// The rotation vector with |.| <= pi whose exponential is R.
-  static Vector log(const SO3& R) {
-    using std::atan2;
-    using std::sqrt;
-    const S sign = R.w() < S(0) ? S(-1) : S(1);
+  static Vector log(const SO3& R) { return logFactor(R) * Vector(R.q_.template head<3>()); }
+  /// log(R) = logFactor(R) * (x, y, z)
+  static S logFactor(const SO3& R) {
+    const S sign = select(R.w() < S(0), S(-1), S(1));
     const S w = sign * R.w();
-    const Vector v = R.q_.template head<3>();
-    const S square = v.squaredNorm();
-    if (square < kSeriesLimit * w * w) {  // 2 atan(n/w)/n = 2/w (1 - (n/w)^2/3 + ...)
-      return (sign * S(2) / w) * (S(1) - square / (S(3) * w * w)) * v;
-    }
-    const S norm = sqrt(square);
-    return (sign * S(2) * atan2(norm, w) / norm) * v;
+    const S square = R.q_.template head<3>().squaredNorm();
+    return detail::branch(
+        square < kSeriesLimit * w * w,  // 2 atan(n/w)/n = 2/w (1 - (n/w)^2/3 + ...)
+        [&] { return S((sign * S(2) / w) * (S(1) - square / (S(3) * w * w))); },
+        [&] {
+          using std::atan2;
+          using std::sqrt;
+          const S norm = sqrt(square);
+          return S(sign * S(2) * atan2(norm, w) / norm);
+        });
   }
 
   const S& w() const { return q_[3]; }
@@ -108,7 +114,7 @@ class SO3 {
   }
   /// Rotates a point or a direction.
   template <class D>
-    requires(bool(D::IsVectorAtCompileTime))
+    requires(bool(D::IsVectorAtCompileTime) && std::is_same_v<promote_t<S, typename D::Scalar>, S>)
   Vector operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
     const PlainVector<typename D::Scalar, 3> point = p;
@@ -125,8 +131,10 @@ class SO3 {
   void boxminus(vectview<S, 3> out, const SO3& y) const { out = log(y.inverse() * *this); }
 
  private:
+  friend struct detail::State;
+
   /// Squared tangent of the half angle below which two terms of the series are exact.
-  static constexpr S kSeriesLimit = S(4) * std::numeric_limits<S>::epsilon();
+  static constexpr auto kSeriesLimit = 4 * detail::epsilon<S>;
 
   /// One Newton step towards |q| = 1; exact to rounding since |q| is 1 but for a few rounding errors.
   void renormalize() { q_ *= (S(3) - q_.squaredNorm()) / S(2); }
@@ -135,3 +143,5 @@ class SO3 {
 };
 
 }  // namespace mtk
+
+#include "mtk/types/so3_dual.hpp"

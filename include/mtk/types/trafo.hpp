@@ -32,6 +32,10 @@ class trafo {
   trafo(const Vector& translation, const R& rotation) : pos(translation), orient(rotation) {}
   explicit trafo(const R& rotation) : orient(rotation) {}
   explicit trafo(const Vector& translation) : pos(translation) {}
+  /// The same motion in another number type that loses nothing: a constant among dual numbers.
+  template <class Q>
+    requires(!std::is_same_v<Q, R> && std::is_convertible_v<Q, R>)
+  trafo(const trafo<Q>& T) : pos(T.pos), orient(T.orient) {}  // NOLINT(google-explicit-constructor)
 
   trafo inverse() const {
     const R back = orient.inverse();
@@ -43,7 +47,7 @@ class trafo {
   /// Moves a point.
   template <class D>
     requires(bool(D::IsVectorAtCompileTime))
-  Vector operator*(const Eigen::MatrixBase<D>& p) const {
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
     return orient * p + pos;
   }
   /// Homogeneous matrix.
@@ -69,5 +73,70 @@ class trafo {
   }
   static std::array<std::string_view, 2> mtkMemberNames() { return {"pos", "orient"}; }
 };
+
+namespace detail {
+
+/// A rigid motion whose two parts depend on different unknowns.
+template <class R, class V>
+struct SparseTrafo {
+  V pos;
+  R orient;
+
+  auto inverse() const {
+    const R back = orient.inverse();
+    const auto moved = -(back * pos);
+    return SparseTrafo<R, std::remove_const_t<decltype(moved)>>{moved, back};
+  }
+  template <class D>
+    requires(bool(D::IsVectorAtCompileTime))
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
+    return orient * p + pos;
+  }
+};
+
+template <class T>
+inline constexpr bool is_trafo = false;
+template <class R>
+inline constexpr bool is_trafo<trafo<R>> = true;
+template <class R, class V>
+inline constexpr bool is_trafo<SparseTrafo<R, V>> = true;
+template <class T>
+inline constexpr bool is_rotation = false;
+template <class S>
+inline constexpr bool is_rotation<SO2<S>> = true;
+template <class S>
+inline constexpr bool is_rotation<SO3<S>> = true;
+
+/// A trafo where both parts have the same scalar, a SparseTrafo otherwise.
+template <class R, class V>
+auto joined(const R& rotation, const V& translation) {
+  if constexpr (std::is_same_v<V, vect<R::DIM, typename R::scalar>>) {
+    return trafo<R>(rotation, translation);
+  } else {
+    return SparseTrafo<R, V>{translation, rotation};
+  }
+}
+}  // namespace detail
+
+// Products of motions over different number types: constants, dual numbers.
+template <class A, class B>
+  requires(detail::is_trafo<A> && detail::is_trafo<B> && !std::is_same_v<A, B>)
+auto operator*(const A& a, const B& b) {
+  return detail::joined(a.orient * b.orient, a.orient * b.pos + a.pos);
+}
+template <class R, class V>
+auto operator*(const detail::SparseTrafo<R, V>& a, const detail::SparseTrafo<R, V>& b) {
+  return detail::joined(a.orient * b.orient, a.orient * b.pos + a.pos);
+}
+template <class A, class B>
+  requires(detail::is_trafo<A> && detail::is_rotation<B> && !std::is_same_v<A, trafo<B>>)
+auto operator*(const A& a, const B& b) {
+  return detail::joined(a.orient * b, a.pos);
+}
+template <class A, class B>
+  requires(detail::is_rotation<A> && detail::is_trafo<B> && !std::is_same_v<B, trafo<A>>)
+auto operator*(const A& a, const B& b) {
+  return detail::joined(a * b.orient, a * b.pos);
+}
 
 }  // namespace mtk

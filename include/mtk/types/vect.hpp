@@ -24,7 +24,21 @@ class vect : public PlainVector<S, N> {
     if constexpr (N != Dynamic) this->setZero();
   }
   template <class D>
+    requires(std::is_same_v<typename D::Scalar, S>)
   vect(const Eigen::MatrixBase<D>& v) : Base(v) {}  // NOLINT(google-explicit-constructor): as Eigen's vectors
+  /// From coordinates of another type that loses nothing: constants among dual numbers.
+  template <class D>
+    requires(!std::is_same_v<typename D::Scalar, S> && !std::is_arithmetic_v<S> &&
+             std::is_convertible_v<typename D::Scalar, S>)
+  vect(const Eigen::MatrixBase<D>& v) : Base(v.size()) {  // NOLINT(google-explicit-constructor)
+    for (Eigen::Index i = 0; i < v.size(); ++i) this->coeffRef(i) = S(v.derived()[i]);
+  }
+  /// Derivatives do not get lost on the way into numbers without them: a function of Eigen::Vector3d does not accept
+  /// a vector of dual numbers.
+  template <class D>
+    requires(!std::is_arithmetic_v<S> && std::is_base_of_v<Eigen::PlainObjectBase<D>, D> &&
+             std::is_arithmetic_v<typename D::Scalar>)
+  operator D() const = delete;
   /// The N coordinates.
   template <class... T>
     requires(N != Dynamic && sizeof...(T) == std::size_t(N) && (std::is_convertible_v<T, S> && ...))
@@ -61,67 +75,102 @@ class vect : public PlainVector<S, N> {
 // Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
 // `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
 
-template <int N, class S>
-vect<N, S> operator+(const vect<N, S>& a, const vect<N, S>& b) {
-  vect<N, S> result = a;
-  result += b;
+namespace detail {
+template <class A, class B>
+concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) &&
+                   requires { typename promote_t<typename A::Scalar, typename B::Scalar>; };
+/// The sum of an A and a B, as many entries as the one of fixed size has.
+template <class A, class B>
+using Sum = vect<(A::SizeAtCompileTime == Dynamic ? int(B::SizeAtCompileTime) : int(A::SizeAtCompileTime)),
+                 promote_t<typename A::Scalar, typename B::Scalar>>;
+template <class A, class B, class Op>
+Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
+  static_assert(int(A::SizeAtCompileTime) == int(B::SizeAtCompileTime) || A::SizeAtCompileTime == Dynamic ||
+                    B::SizeAtCompileTime == Dynamic,
+                "mtk: vectors of different sizes cannot be added or subtracted");
+  requireSameSize(a.size(), b.size(), name);
+  Sum<A, B> result;
+  if constexpr (Sum<A, B>::DOF == Dynamic) result.resize(a.size());
+  for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i], b[i]);
   return result;
 }
-template <int N, class S>
-vect<N, S> operator-(const vect<N, S>& a, const vect<N, S>& b) {
-  vect<N, S> result = a;
-  result -= b;
-  return result;
+inline constexpr auto plus = [](const auto& a, const auto& b) { return a + b; };
+inline constexpr auto minus = [](const auto& a, const auto& b) { return a - b; };
+}  // namespace detail
+
+template <int N, class A, int M, class B>
+auto operator+(const vect<N, A>& a, const vect<M, B>& b) {
+  return detail::entrywise(a, b, "a + b", detail::plus);
 }
-template <int N, class S, class D>
-  requires(std::is_same_v<typename D::Scalar, S>)
-vect<N, S> operator+(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
-  vect<N, S> result = a;
-  result += b;
-  return result;
-}
-template <int N, class S, class D>
-  requires(std::is_same_v<typename D::Scalar, S>)
-vect<N, S> operator-(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
-  vect<N, S> result = a;
-  result -= b;
-  return result;
-}
-template <int N, class S, class D>
-  requires(std::is_same_v<typename D::Scalar, S>)
-vect<N, S> operator+(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
-  vect<N, S> result = a;
-  result += b;
-  return result;
+template <int N, class A, int M, class B>
+auto operator-(const vect<N, A>& a, const vect<M, B>& b) {
+  return detail::entrywise(a, b, "a - b", detail::minus);
 }
 template <int N, class S, class D>
-  requires(std::is_same_v<typename D::Scalar, S>)
-vect<N, S> operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
-  vect<N, S> result = a;
-  result -= b;
+  requires detail::Summable<vect<N, S>, D>
+auto operator+(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
+  return detail::entrywise(a, b.derived().eval(), "a + b", detail::plus);
+}
+template <int N, class S, class D>
+  requires detail::Summable<vect<N, S>, D>
+auto operator-(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
+  return detail::entrywise(a, b.derived().eval(), "a - b", detail::minus);
+}
+template <int N, class S, class D>
+  requires detail::Summable<vect<N, S>, D>
+auto operator+(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
+  return detail::entrywise(a.derived().eval(), b, "a + b", detail::plus);
+}
+template <int N, class S, class D>
+  requires detail::Summable<vect<N, S>, D>
+auto operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
+  return detail::entrywise(a.derived().eval(), b, "a - b", detail::minus);
+}
+namespace detail {
+template <int N, class S, class Op>
+auto scaled(const vect<N, S>& a, const Op& op) {
+  vect<N, decltype(op(a[0]))> result;
+  if constexpr (N == Dynamic) result.resize(a.size());
+  for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i]);
   return result;
 }
+/// A number type other than S, one of the two not built in.
+template <class T, class S>
+concept OtherScalar = (is_scalar_v<T> || std::is_arithmetic_v<T>) && !std::is_same_v<T, S> &&
+                      !(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
+}  // namespace detail
+
 template <int N, class S>
 vect<N, S> operator-(const vect<N, S>& a) {
-  vect<N, S> result = a;
-  result *= S(-1);
-  return result;
+  return detail::scaled(a, [](const S& x) { return S(-x); });
 }
 template <int N, class S>
 vect<N, S> operator*(const vect<N, S>& a, const std::type_identity_t<S>& factor) {
-  vect<N, S> result = a;
-  result *= factor;
-  return result;
+  return detail::scaled(a, [&](const S& x) { return x * factor; });
 }
 template <int N, class S>
 vect<N, S> operator*(const std::type_identity_t<S>& factor, const vect<N, S>& a) {
-  return a * factor;
+  return detail::scaled(a, [&](const S& x) { return x * factor; });
 }
 template <int N, class S>
 vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor) {
-  vect<N, S> result = a;
-  result /= divisor;
-  return result;
+  return detail::scaled(a, [&](const S& x) { return x / divisor; });
+}
+// By a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
+template <int N, class S, class T>
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator*(const vect<N, S>& a, const T& factor) {
+  return detail::scaled(a, [&](const S& x) { return x * factor; });
+}
+template <int N, class S, class T>
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator*(const T& factor, const vect<N, S>& a) {
+  return detail::scaled(a, [&](const S& x) { return x * factor; });
+}
+template <int N, class S, class T>
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator/(const vect<N, S>& a, const T& divisor) {
+  return detail::scaled(a, [&](const S& x) { return x / divisor; });
 }
 
 namespace detail {

@@ -3,6 +3,7 @@
 /// scaled such that J^T r is half its gradient (src/linearize/reweight.hpp). Measurements without one pass as they are.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,8 +51,8 @@ class Linearizer {
   /// Writes all whitened residuals, pool after pool, without losses.
   Eigen::VectorXd residuals(Problem& problem);
 
-  /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite], naming the measurement,
-  /// its variables and their values.
+  /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
+  /// naming the measurement, its variables and their values.
   double linearize(Problem& problem, JacobianSink& sink);
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
   double squaredNormSent() const { return squared_norm_sent_; }
@@ -60,6 +61,7 @@ class Linearizer {
   struct Chunk {
     int group = 0, first = 0, last = 0;
     int bad = -1;
+    std::optional<MeasurementThrew> threw;
     std::vector<int> rows, dof;
     std::vector<double> r, J;
     double rss = 0;

@@ -1,24 +1,23 @@
 /// Any callable as a measurement: its VarID arguments become variables, everything else is data stored by value.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
-#include "mtk/manifold.hpp"
+#include "mtk/rebind.hpp"
+#include "slom/model/function.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
+#include "slom/model/prediction.hpp"
+#include "slom/model/vectorized.hpp"
 
 namespace slom {
-
-/// A measured value of a manifold Z; see `measured`.
-template <class Z>
-struct Measured {
-  Z value;
-};
 
 /// Marks the datum: the callable then predicts a Z, and the library forms the residual f(Y) [-] z.
 template <class Z>
@@ -99,18 +98,113 @@ constexpr auto findDatum(const First& first, const Rest&... rest) {
 
 }  // namespace detail
 
+namespace detail {
+
+/// What the function gets of a stored argument when derivatives are wanted: variables over the dual number D.
+template <class Stored, class D>
+struct DualArgument {
+  std::tuple<const Stored&> passed;
+  explicit DualArgument(const std::pair<const Stored*, int>& source) : passed(*source.first) {}
+};
+template <class T, class D>
+struct DualArgument<VarArg<T>, D> {
+  mtk::rebind_t<T, D> value{};
+  std::tuple<const mtk::rebind_t<T, D>&> passed{value};
+  /// The variable and the number of its first unknown.
+  explicit DualArgument(const std::pair<const VarArg<T>*, int>& source) {
+    mtk::detail::forEachBasicPart(value, **source.first, source.second, [](auto& y, const auto& x, int at) {
+      mtk::detail::seedPart(y, x, at, D::size);
+    });
+  }
+  DualArgument(const DualArgument&) = delete;
+};
+template <class Z, class D>
+struct DualArgument<Measured<Z>, D> {
+  std::tuple<> passed;
+  explicit DualArgument(const std::pair<const Measured<Z>*, int>&) {}
+};
+
+template <class A>
+inline constexpr int argument_dof = 0;
+template <class T>
+inline constexpr int argument_dof<VarArg<T>> = mtk::DOF_v<T>;
+template <class A>
+inline constexpr bool is_rebindable_argument = true;
+template <class T>
+inline constexpr bool is_rebindable_argument<VarArg<T>> = mtk::is_rebindable_v<T>;
+
+/// The value type of a stored argument.
+template <class A>
+struct Plain {
+  using type = A;
+};
+template <class T>
+struct Plain<VarArg<T>> {
+  using type = T;
+};
+template <class Z>
+struct Plain<Measured<Z>> {
+  using type = Z;
+};
+
+template <class A>
+int runtimeDof(const A&) {
+  return 0;
+}
+template <class T>
+int runtimeDof(const VarArg<T>& variable) {
+  return mtk::dof(*variable);
+}
+
+/// Whether F accepts variables over the dual number D in place of doubles.
+template <class F, class D, class... Stored>
+constexpr bool acceptsDuals() {
+  if constexpr ((is_rebindable_argument<Stored> && ...)) {
+    return accepts<F, decltype(std::tuple_cat(std::declval<DualArgument<Stored, D>&>().passed...))>;
+  } else {
+    return false;
+  }
+}
+
+/// One block of a hand-written Jacobian: rows x dof, filled with NaN before.
+template <int Rows, int Dof>
+using JacobianBlock = Eigen::Matrix<double, Rows, Dof, Eigen::DontAlign>;
+template <int Rows, class A>
+struct BlockFor {
+  using type = std::tuple<>;
+};
+template <int Rows, class T>
+struct BlockFor<Rows, VarArg<T>> {
+  using type = std::tuple<JacobianBlock<Rows, mtk::DOF_v<T>>>;
+};
+template <int Rows, class... Stored>
+using BlockTuple = decltype(std::tuple_cat(std::declval<typename BlockFor<Rows, Stored>::type>()...));
+
+template <class F, class Passed, class Blocks>
+inline constexpr bool has_jacobian = false;
+template <class F, class... P, class... B>
+inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> =
+    requires(const F& f, std::tuple<P...> p, B&... block) { f.jacobian(std::get<P>(p)..., block...); };
+
+}  // namespace detail
+
 /// Holds a callable and its arguments; fulfils `Measurement`.
+///
+/// Derivatives: `f.jacobian(arguments..., blocks...)` where the functor has such a member; it writes d residual / d variable
+/// (rows x dof, right perturbation of rotations) to one Eigen matrix per variable. Otherwise dual numbers where f accepts
+/// them, and central differences where it does not.
 template <class F, class... Args>
 class CallableMeasurement {
   template <class A>
   using Stored = typename detail::Argument<A>::Stored;
+  using Function = typename detail::Unwrapped<F>::type;
   using Passed = decltype(std::tuple_cat(std::declval<typename detail::Argument<Args>::Passed>()...));
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
-  static_assert(detail::accepts<F, Passed>,
+  static_assert(detail::accepts<Function, Passed>,
                 "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
                 "and `const D&` for each datum of type D, in the order of the call");
-  using Value = std::remove_cvref_t<decltype(std::apply(std::declval<const F&>(), std::declval<Passed>()))>;
+  using Value = std::remove_cvref_t<decltype(std::apply(std::declval<const Function&>(), std::declval<Passed>()))>;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
 
@@ -125,10 +219,35 @@ class CallableMeasurement {
     }
   }
 
+  // Derivatives of a fixed number of unknowns are computed in one pass, of many or of an unknown number in several.
+  static constexpr bool is_fixed = ((detail::argument_dof<Stored<Args>> != mtk::Dynamic) && ...);
+  static constexpr int columns = is_fixed ? (detail::argument_dof<Stored<Args>> + ...) : mtk::Dynamic;
+  static constexpr int kMostColumnsPerPass = 32;
+  static constexpr int window = !is_fixed ? 8 : columns <= kMostColumnsPerPass ? columns : 16;
+  using Number = mtk::Dual<double, window>;
+  static constexpr std::array<int, sizeof...(Args)> fixedOffsets() {
+    std::array<int, sizeof...(Args)> result{};
+    const int dofs[] = {detail::argument_dof<Stored<Args>>...};
+    for (std::size_t i = 1; i < sizeof...(Args); ++i) result[i] = result[i - 1] + dofs[i - 1];
+    return result;
+  }
+
  public:
   static constexpr int residual_dim = rows();
+  static constexpr DerivativeSource derivatives = [] {
+    using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
+    if (detail::is_vectorized<F>) return DerivativeSource::exact;
+    if (detail::is_numeric<F>) return DerivativeSource::numeric;
+    if (detail::has_jacobian<Function, Passed, Blocks>) return DerivativeSource::given;
+    return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact : DerivativeSource::numeric;
+  }();
+  static constexpr bool richardson = detail::is_richardson<F>;
+
+  /// Whether several measurements are evaluated at once.
+  static constexpr bool vectorized = detail::is_vectorized<F>;
+
   /// What messages call measurements of this callable: its type, `lambda` or `function`.
-  static std::string groupName() { return std::is_class_v<F> ? typeName<F>() : "function"; }
+  static std::string groupName() { return std::is_class_v<Function> ? typeName<Function>() : "function"; }
 
   explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_(Stored<Args>(args)...) {}
 
@@ -137,18 +256,92 @@ class CallableMeasurement {
   }
   void evaluate(Residual<residual_dim>& ret) const {
     const auto predict = [&](const auto&... stored) -> Value {
-      return std::apply(f_, std::tuple_cat(detail::Argument<Args>::pass(stored)...));
+      return std::apply(function(), std::tuple_cat(detail::Argument<Args>::pass(stored)...));
     };
     if constexpr (has_datum) {
-      const auto* datum = std::apply([](const auto&... stored) { return detail::findDatum(stored...); }, args_);
-      using Z = std::remove_cvref_t<decltype(*datum)>;
-      ret = mtk::difference<Z>(std::apply(predict, args_), *datum);
+      using Z = std::remove_cvref_t<decltype(*datum())>;
+      ret = mtk::difference<Z>(std::apply(predict, args_), *datum());
     } else {
       detail::Returned<Value>::write(std::apply(predict, args_), ret);
     }
   }
 
+  /// Residual (`rows` entries) and derivatives by all unknowns (rows x columns, column-major). Returns the length of the
+  /// residual that the function returned; nothing is written when it is not `rows`.
+  int linearize(int rows, double* r, double* J) const
+    requires(derivatives == DerivativeSource::exact && !vectorized)
+  {
+    if constexpr (is_fixed && columns == window) {
+      return linearizeWindow(rows, r, J, 0, columns);
+    } else {
+      const int all = std::apply([](const auto&... stored) { return (detail::runtimeDof(stored) + ...); }, args_);
+      int got = rows;
+      for (int first = 0; first < all && got == rows; first += window) {
+        got = linearizeWindow(rows, r, J + static_cast<std::ptrdiff_t>(first) * rows, first, std::min(window, all - first));
+      }
+      return got;
+    }
+  }
+  int linearize(int rows, double* r, double* J) const
+    requires(derivatives == DerivativeSource::given)
+  {
+    Residual<residual_dim> ret(rows);
+    evaluatePoisoned(*this, ret);
+    if (ret.size() != rows) return static_cast<int>(ret.size());
+    std::copy(ret.data(), ret.data() + rows, r);
+    detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
+    prepareBlocks(blocks, rows);
+    const auto passed = std::apply([](const auto&... stored) {
+      return std::tuple_cat(detail::Argument<Args>::pass(stored)...);
+    }, args_);
+    std::apply([&](auto&... block) {
+      std::apply([&](const auto&... p) { function().jacobian(p..., block...); }, passed);
+      ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
+    }, blocks);
+    return rows;
+  }
+
+  /// Residuals of `count` measurements, which lie one after the other, and, unless J is null, derivatives.
+  static void evaluateMany(const CallableMeasurement* first, int count, double* r, double* J)
+    requires(vectorized)
+  {
+    static_assert(std::is_empty_v<Function>,
+                  "slom: slom::vectorized needs a function without captures or members, since one call serves several "
+                  "measurements: pass what it captures as further arguments of insertMeasurement");
+    static_assert(is_fixed && residual_dim != mtk::Dynamic,
+                  "slom: slom::vectorized needs variables and residuals of sizes known at compile time");
+    static_assert((!std::is_void_v<mtk::rebind_t<typename detail::Plain<Stored<Args>>::type, double>> && ...),
+                  "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
+                  "types, compounds of them and class templates (see mtk/rebind.hpp)");
+    using Evaluation = typename Packed<std::make_index_sequence<sizeof...(Args)>>::type;
+    double unused[residual_dim * columns];
+    for (int i = 0; i < count; i += detail::kLanesAtOnce) {
+      typename Evaluation::Source source;
+      typename Evaluation::Target target_r, target_J;
+      for (int lane = 0; lane < detail::kLanesAtOnce; ++lane) {
+        const auto at = static_cast<std::size_t>(lane);
+        const int own = std::min(i + lane, count - 1);  // the last one fills lanes that are left over
+        source[at] = &first[own].args_;
+        target_r[at] = own == i + lane ? r + static_cast<std::ptrdiff_t>(own) * residual_dim : unused;
+        target_J[at] = own == i + lane ? J + static_cast<std::ptrdiff_t>(own) * (residual_dim * columns) : unused;
+      }
+      if (J == nullptr) {
+        Evaluation::evaluate(first->function(), source, target_r);
+      } else {
+        Evaluation::linearize(first->function(), source, target_r, target_J);
+      }
+    }
+  }
+
  private:
+  template <class Indices>
+  struct Packed;
+  template <std::size_t... I>
+  struct Packed<std::index_sequence<I...>> {
+    using type = detail::PackEvaluation<Function, residual_dim, columns, std::integer_sequence<int, fixedOffsets()[I]...>,
+                                        Stored<Args>...>;
+  };
+
   template <class T>
   static std::tuple<VarArg<T>&> tieVariable(VarArg<T>& variable) {
     return std::tie(variable);
@@ -157,6 +350,79 @@ class CallableMeasurement {
   static std::tuple<> tieVariable(D&) {
     return {};
   }
+  const Function& function() const {
+    if constexpr (std::is_same_v<F, Function>) {
+      return f_;
+    } else {
+      return f_.f;
+    }
+  }
+  Datum datum() const {
+    return std::apply([](const auto&... stored) { return detail::findDatum(stored...); }, args_);
+  }
+
+  /// Number of the first unknown of each argument.
+  std::array<int, sizeof...(Args)> offsets(int first) const {
+    return std::apply([&](const auto&... stored) {
+      int next = -first;
+      return std::array<int, sizeof...(Args)>{std::exchange(next, next + detail::runtimeDof(stored))...};
+    }, args_);
+  }
+  /// Residual and the columns [first, first + width) of the derivatives.
+  int linearizeWindow(int rows, double* r, double* J, int first, int width) const {
+    if constexpr (is_fixed && columns == window) {
+      constexpr auto offset = fixedOffsets();
+      return linearizeSeeded(std::index_sequence_for<Args...>{}, offset, rows, r, J, columns);
+    } else {
+      return linearizeSeeded(std::index_sequence_for<Args...>{}, offsets(first), rows, r, J, width);
+    }
+  }
+  template <std::size_t... I>
+  int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
+                      double* J, int width) const {
+    const std::tuple<detail::DualArgument<Stored<Args>, Number>...> seeds(std::pair(&std::get<I>(args_), offset[I])...);
+    return write(std::apply(function(), std::tuple_cat(std::get<I>(seeds).passed...)), rows, r, J, width);
+  }
+  template <class Result>
+  int write(const Result& result, int rows, double* r, double* J, int width) const {
+    const auto sink = [&](int row, const auto& x) {
+      if constexpr (mtk::detail::is_dual<std::remove_cvref_t<decltype(x + 0.0)>>) {
+        r[row] = x.value();
+        for (int c = 0; c < width; ++c) J[c * rows + row] = x.partials().get(c);
+      } else {  // does not depend on the variables
+        r[row] = x;
+        for (int c = 0; c < width; ++c) J[c * rows + row] = 0;
+      }
+    };
+    if constexpr (has_datum) {
+      detail::eachDifference(result, *datum(), 0, sink);
+    } else {
+      if constexpr (residual_dim == mtk::Dynamic) {
+        if (result.size() != rows) return static_cast<int>(result.size());
+      }
+      detail::eachRow(result, sink);
+    }
+    return rows;
+  }
+  template <class Blocks>
+  void prepareBlocks(Blocks& blocks, int rows) const {
+    const auto* variables = &args_;
+    std::apply([&](auto&... block) {
+      const auto dofs = std::apply([](const auto&... stored) {
+        return std::array<int, sizeof...(Args)>{detail::runtimeDof(stored)...};
+      }, *variables);
+      std::size_t next = 0;
+      const auto dof_of_next_variable = [&] {
+        while (!is_variable[next]) ++next;
+        return dofs[next++];
+      };
+      const auto prepare = [&](auto& one) {
+        one.setConstant(rows, dof_of_next_variable(), std::numeric_limits<double>::quiet_NaN());
+      };
+      (prepare(block), ...);
+    }, blocks);
+  }
+  static constexpr bool is_variable[] = {detail::is_var_id<Args>...};
 
   F f_;
   std::tuple<Stored<Args>...> args_;

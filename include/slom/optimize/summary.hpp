@@ -76,11 +76,12 @@ struct LossSummary {
 };
 
 struct GroupSummary {
-  std::string name;           ///< of the measurement type
+  std::string name;           ///< the label, or the measurement type
   int measurements = 0;
   int residuals = 0;          ///< sum of the lengths of their residuals
   double initial_rss = 0;
   double final_rss = 0;
+  std::string derivatives;    ///< "exact" (dual numbers), "given" (the functor's own) or "numeric" (differences)
   std::vector<LossSummary> losses;  ///< empty when no measurement of the group has one
 };
 

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "slom/model/differentiate.hpp"
+#include "slom/model/function.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/variable_store.hpp"
@@ -26,6 +28,12 @@ struct VariableRecord {
   std::string name;  ///< the user's, may be empty
 };
 
+/// A user's function threw: which measurement of the pool, and what.
+struct MeasurementThrew {
+  int measurement;
+  std::exception_ptr exception;
+};
+
 class MeasurementPool {
  public:
   MeasurementPool(std::string name, int arity, const std::vector<VariableRecord>& table)
@@ -37,6 +45,8 @@ class MeasurementPool {
   const std::string& name() const { return name_; }
   /// `Gravity #12`: the name and the running number of insertion into this pool, from 1.
   std::string measurementName(int i) const { return name_ + " #" + std::to_string(serial_[at(i)]); }
+  /// The name that the measurement inserted next will have.
+  std::string nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
   int size() const { return static_cast<int>(slot_.size()); }
   /// Number of variables that each measurement depends on.
   int arity() const { return arity_; }
@@ -50,6 +60,9 @@ class MeasurementPool {
   const Loss* lossOf(int i) const { return loss_[at(i)]; }
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
+
+  /// Where derivatives come from.
+  virtual DerivativeSource derivatives() const = 0;
 
   /// Whitened residuals of [first, last), one after the other. Returns the first measurement whose residual is not
   /// finite, -1 when all are.
@@ -70,7 +83,6 @@ class MeasurementPool {
   const std::vector<VariableRecord>& table() const { return table_; }
   bool isFree(int variable) const { return table_[at(variable)].optimize; }
 
-  std::string nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
   /// Books a measurement whose data the derived class has just appended.
   SlotRef append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss);
   /// Makes room for one more, so that `append` cannot fail.
@@ -83,6 +95,20 @@ class MeasurementPool {
     whiten(noise_kind_[at(i)], noise_.data() + noise_at_[at(i)], m, rows(i), cols);
   }
   virtual void moveLastTo(int i) = 0;
+
+  /// Runs the user's function for measurement i; what it throws becomes a MeasurementThrew.
+  template <class F>
+  static void guarded(int i, const F& f) {
+    try {
+      f();
+    } catch (const MeasurementThrew&) {
+      throw;
+    } catch (const Error&) {
+      throw;
+    } catch (...) {
+      throw MeasurementThrew{i, std::current_exception()};
+    }
+  }
 
  private:
   void compact();
@@ -122,9 +148,9 @@ class TypedPool final : public MeasurementPool {
     int rows = kRows;
     if constexpr (kRows == Dynamic) {
       Residual<kRows> ret;
-      measurement.evaluate(ret);
+      guarded(size(), [&] { measurement.evaluate(ret); });
       rows = static_cast<int>(ret.size());
-      rows_.reserve(rows_.size() + 1);
+      if (rows_.size() == rows_.capacity()) rows_.reserve(2 * rows_.size() + 1);
     }
     reserveOne();
     const Loss* const kept_loss = keepLoss(loss);
@@ -143,51 +169,95 @@ class TypedPool final : public MeasurementPool {
     }
   }
 
+  DerivativeSource derivatives() const override {
+    if constexpr (requires { M::derivatives; }) {
+      return M::derivatives;
+    } else {
+      return DerivativeSource::numeric;
+    }
+  }
+
   int evaluate(int first, int last, double* r) override {
     int bad = -1;
+    evaluateAtOnce(first, last, r, nullptr);
     for (int i = first; i < last; ++i) {
       const int n = rows(i);
-      evaluateRaw(i, r);
+      if constexpr (!isVectorized()) evaluateRaw(i, r);
       whitenRows(i, r, 1);
-      if (bad < 0 && !Eigen::Map<const Eigen::VectorXd>(r, n).allFinite()) bad = i;
+      if (bad < 0 && !isFinite(r, n)) bad = i;
       r += n;
     }
     return bad;
   }
 
   int linearize(int first, int last, double* r, double* J) override {
-    int bad = evaluate(first, last, r);
+    int bad = -1;
+    evaluateAtOnce(first, last, r, J);
     for (int i = first; i < last && bad < 0; ++i) {
-      const int n = rows(i);
-      if (!linearizeOne(i, n, J)) bad = i;
-      J += static_cast<std::ptrdiff_t>(n) * columns(i);
+      const int n = rows(i), width = columns(i);
+      if constexpr (!isVectorized()) guarded(i, [&] { linearizeRaw(i, n, r, J); });
+      whitenRows(i, r, 1);
+      whitenRows(i, J, width);
+      if (!isFinite(r, n) || !areFreeColumnsFinite(i, n, J)) bad = i;
+      r += n;
+      J += static_cast<std::ptrdiff_t>(n) * width;
     }
     return bad;
   }
 
   void evaluateRaw(int i, double* r) override {
     Residual<kRows> ret(rows(i));
-    evaluatePoisoned(measurements_[at(i)], ret);
+    guarded(i, [&] { evaluatePoisoned(measurements_[at(i)], ret); });
     if (ret.size() != rows(i)) detail::raiseWrongLength(measurementName(i), rows(i), ret.size());
     std::copy(ret.data(), ret.data() + ret.size(), r);
   }
 
  private:
-  /// Whether all derivatives came out finite.
-  bool linearizeOne(int i, int rows, double* J) {
-    const int* variable = variables(i);
+  static bool isFinite(const double* x, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i) sum += x[i] - x[i];  // NaN for NaN and infinities
+    return sum == 0;
+  }
+
+  static constexpr bool isVectorized() {
+    if constexpr (requires { M::vectorized; }) {
+      return M::vectorized;
+    } else {
+      return false;
+    }
+  }
+  /// Vectorised measurements: residuals of [first, last), derivatives too unless J is null, in their own units.
+  void evaluateAtOnce([[maybe_unused]] int first, [[maybe_unused]] int last, [[maybe_unused]] double* r,
+                      [[maybe_unused]] double* J) {
+    if constexpr (isVectorized()) {
+      guarded(first, [&] { M::evaluateMany(measurements_.data() + first, last - first, r, J); });
+    }
+  }
+
+  /// Residual and Jacobian in the measurement's own units; the columns of fixed variables may be left as they are.
+  void linearizeRaw(int i, int rows, double* r, double* J) {
+    M& measurement = measurements_[at(i)];
+    if constexpr (requires { measurement.linearize(rows, r, J); }) {
+      const int got = measurement.linearize(rows, r, J);
+      if (got != rows) detail::raiseWrongLength(measurementName(i), rows, got);
+    } else {
+      evaluateRaw(i, r);
+      const int* variable = variables(i);
+      const auto one = [&](auto& arg) {
+        if (isFree(*variable)) differentiate(measurement, arg, rows, J);
+        J += static_cast<std::ptrdiff_t>(rows) * table()[at(*variable)].dof;
+        ++variable;
+      };
+      std::apply([&](auto&... arg) { (one(arg), ...); }, measurement.variableArgs());
+    }
+  }
+  bool areFreeColumnsFinite(int i, int rows, const double* J) const {
     bool finite = true;
-    auto one = [&](auto& arg) {
-      const int dof = table()[at(*variable)].dof;
-      if (isFree(*variable)) {
-        differentiate(measurements_[at(i)], arg, rows, J);
-        whitenRows(i, J, dof);
-        finite = finite && Eigen::Map<const Eigen::MatrixXd>(J, rows, dof).allFinite();
-      }
-      J += static_cast<std::ptrdiff_t>(rows) * dof;
-      ++variable;
-    };
-    std::apply([&](auto&... arg) { (one(arg), ...); }, measurements_[at(i)].variableArgs());
+    for (int k = 0; k < kArity; ++k) {
+      const VariableRecord& record = table()[at(variables(i)[k])];
+      if (record.optimize) finite = finite && isFinite(J, rows * record.dof);
+      J += static_cast<std::ptrdiff_t>(rows) * record.dof;
+    }
     return finite;
   }
 

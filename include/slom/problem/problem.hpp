@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <typeindex>
 #include <unordered_map>
 #include <utility>
@@ -57,16 +58,24 @@ class Problem {
 
   // Measurements.
 
+  /// `label`: name of the group, empty for the type's own.
   template <Measurement M>
-  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, const Loss& loss = {}) {
-    TypedPool<M>& pool = findPool<M>();
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
+                              const Loss& loss = {}) {
+    TypedPool<M>& pool = findPool<M>(label);
     constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
     int variables[static_cast<std::size_t>(arity)];
     int k = 0;
     std::apply([&](auto&... arg) {
       ((variables[k++] = checkedIndex(arg.store(), arg.slotRef(), &slom::typeName<ValueOf<decltype(arg)>>)), ...);
     }, measurement.variableArgs());
-    const SlotRef ref = pool.insert(std::move(measurement), variables, noise, loss);
+    const SlotRef ref = [&] {
+      try {
+        return pool.insert(std::move(measurement), variables, noise, loss);
+      } catch (const MeasurementThrew& event) {
+        raiseThrew(pool.nextName(), variables, arity, event.exception);
+      }
+    }();
     bookMeasurement(variables, arity);
     return MeasID<M>(&pool, ref);
   }
@@ -75,11 +84,23 @@ class Problem {
     return locate(id.pool_, id.ref_);
   }
   void removeMeasurement(MeasurementPool& pool, int i);
-  /// The pool of measurements of type M, null when none was ever inserted.
+  /// `pose[3] = (1 2 0.5), pose[4] = (...)`: the variables of a measurement and their values.
+  std::string valuesText(const int* variables, int arity) const;
+  /// Throws [slom.measurement-threw], which names the measurement; the user's own exception is nested in it.
+  [[noreturn]] void raiseThrew(const std::string& measurement, const int* variables, int arity,
+                               const std::exception_ptr& exception) const;
+  [[noreturn]] void raiseThrew(const MeasurementPool& pool, const MeasurementThrew& event) const {
+    raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(), event.exception);
+  }
+  /// The pools of measurements of type M: one for each label, none when none was ever inserted.
   template <class M>
-  const MeasurementPool* poolOf() const {
-    const auto found = pool_of_type_.find(typeid(M));
-    return found == pool_of_type_.end() ? nullptr : found->second;
+  std::vector<const MeasurementPool*> poolsOf() const {
+    std::vector<const MeasurementPool*> result;
+    const auto found = pools_of_type_.find(typeid(M));
+    if (found != pools_of_type_.end()) {
+      for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
+    }
+    return result;
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Non-const access for evaluation, which moves variables locally.
@@ -97,6 +118,10 @@ class Problem {
   std::uint64_t valueRevision() const { return value_revision_; }
 
  private:
+  struct LabelledPool {
+    std::string label;
+    MeasurementPool* pool;
+  };
   template <class Arg>
   using ValueOf = typename std::remove_cvref_t<Arg>::Value;
 
@@ -107,19 +132,23 @@ class Problem {
     return std::static_pointer_cast<VariableStore<T>>(entry);
   }
   template <class M>
-  TypedPool<M>& findPool() {
-    auto& entry = pool_of_type_[typeid(M)];
-    if (entry == nullptr) {
-      std::string name;
+  TypedPool<M>& findPool(std::string_view label) {
+    std::vector<LabelledPool>& entries = pools_of_type_[typeid(M)];
+    for (const LabelledPool& entry : entries) {
+      if (entry.label == label) return static_cast<TypedPool<M>&>(*entry.pool);
+    }
+    std::string name(label);
+    if (label.empty()) {
       if constexpr (requires { M::groupName(); }) {
         name = M::groupName();
       } else {
         name = slom::typeName<M>();
       }
-      pools_.push_back(std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
-      entry = pools_.back().get();
     }
-    return static_cast<TypedPool<M>&>(*entry);
+    auto pool = std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_);
+    entries.push_back({std::string(label), pool.get()});
+    pools_.push_back(std::move(pool));
+    return static_cast<TypedPool<M>&>(*entries.back().pool);
   }
 
   int reserveVariable();
@@ -134,7 +163,7 @@ class Problem {
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
   std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
-  std::unordered_map<std::type_index, MeasurementPool*> pool_of_type_;
+  std::unordered_map<std::type_index, std::vector<LabelledPool>> pools_of_type_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;

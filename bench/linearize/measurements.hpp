@@ -1,0 +1,72 @@
+/// The three measurements, as a user of SLoM writes them: functions of anything that computes like numbers.
+///
+///   BalReprojection     camera (9), point (3)                            residual 2   [px]
+///   RelativePose        pose a (6), pose b (6)                           residual 6   [m, rad]
+///   StereoReprojection  intrinsics (18), left2right (6), board2left (6)  residual 4   [px]
+///
+/// Every argument is `const auto&`: the same code runs on double, on dual numbers and on packs of either.
+#pragma once
+
+#include <array>
+
+#include <mtk/mtk.hpp>
+
+namespace slom::bench {
+
+using SE3 = mtk::trafo<mtk::SO3<>>;
+
+/// Camera of "Bundle adjustment in the large": looks along -z, its pose moves points of the world to it.
+template <class S = double>
+struct BalCamera {
+  mtk::trafo<mtk::SO3<S>> pose;
+  mtk::vect<3, S> lens;  ///< f [px], k1, k2
+};
+
+/// Each camera has fx, fy, cx, cy, k1, k2, p1, p2, k3 as in OpenCV; z forward.
+template <class S = double>
+struct StereoIntrinsics {
+  mtk::vect<9, S> left, right;
+};
+
+/// P = R X + t, p = -P.xy / P.z, residual f (1 + k1 |p|^2 + k2 |p|^4) p - pixel.
+struct BalReprojection {
+  auto operator()(const auto& camera, const auto& point, const auto& pixel) const {
+    const auto P = camera.pose * point;
+    const auto x = -P[0] / P[2];
+    const auto y = -P[1] / P[2];
+    const auto r2 = x * x + y * y;
+    const auto scale = camera.lens[0] * (1.0 + r2 * (camera.lens[1] + r2 * camera.lens[2]));
+    return std::array{scale * x - pixel[0], scale * y - pixel[1]};
+  }
+};
+
+/// Predicts the pose of b seen from a; the residual is that [-] the measured one.
+struct RelativePose {
+  auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
+};
+
+/// A point of the board in both images; residual (left, right) - pixels.
+struct StereoReprojection {
+  auto operator()(const auto& intrinsics, const auto& left2right, const auto& board2left,
+                  const auto& on_board, const auto& pixels) const {
+    const auto in_left = board2left * on_board;
+    const auto in_right = left2right * in_left;
+    const auto left = project(intrinsics.left, in_left);
+    const auto right = project(intrinsics.right, in_right);
+    return std::array{left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]};
+  }
+
+  static auto project(const auto& c, const auto& p) {
+    const auto x = p[0] / p[2];
+    const auto y = p[1] / p[2];
+    const auto xx = x * x;
+    const auto yy = y * y;
+    const auto xy2 = 2.0 * x * y;
+    const auto r2 = xx + yy;
+    const auto radial = 1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]));
+    return std::array{c[0] * (x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx)) + c[2],
+                      c[1] * (y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2) + c[3]};
+  }
+};
+
+}  // namespace slom::bench

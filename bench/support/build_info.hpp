@@ -1,0 +1,16 @@
+/// What a measured time depends on besides the code: compiler, flags, instructions, processor.
+#pragma once
+
+#include <string>
+
+namespace slom::bench {
+
+std::string compilerName();
+/// As CMake passes them.
+std::string compileFlags();
+/// The vector instructions that this build uses, as in `AVX2 FMA`.
+std::string instructionSet();
+/// The processor's name, empty where /proc/cpuinfo does not tell.
+std::string processorName();
+
+}  // namespace slom::bench

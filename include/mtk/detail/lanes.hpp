@@ -1,0 +1,70 @@
+/// A fixed number of doubles in the machine's vector registers.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mtk::detail {
+
+/// `count` vectors of `lanes` numbers hold N numbers of type S; what is left over in the last one is zero.
+template <class S, int N>
+struct LaneLayout {
+  using Vector = S;
+  static constexpr int lanes = 1;
+  static constexpr int count = N;
+};
+
+#if !defined(EIGEN_DONT_VECTORIZE) && defined(__GNUC__) && EIGEN_MAX_STATIC_ALIGN_BYTES >= 16
+inline constexpr int kNativeLanes = EIGEN_MAX_STATIC_ALIGN_BYTES / 8;
+
+/// The narrowest registers that hold N numbers at once, or the widest there are.
+constexpr int lanesFor(int n) {
+  int lanes = 2;
+  while (lanes < kNativeLanes && lanes < n) lanes *= 2;
+  return lanes;
+}
+template <int Lanes>
+struct NativeVector {
+  typedef double type __attribute__((vector_size(8 * Lanes)));
+};
+template <int N>
+  requires(N > 1)
+struct LaneLayout<double, N> {
+  static constexpr int lanes = lanesFor(N);
+  using Vector = typename NativeVector<lanes>::type;
+  static constexpr int count = (N + lanes - 1) / lanes;
+};
+#else
+inline constexpr int kNativeLanes = 1;
+#endif
+
+/// N numbers as an array of vectors. Elementwise work is a loop over `v`.
+template <class S, int N>
+struct Lanes {
+  using Vector = typename LaneLayout<S, N>::Vector;
+  static constexpr int lanes = LaneLayout<S, N>::lanes;
+  static constexpr int count = LaneLayout<S, N>::count;
+
+  Vector v[count];
+
+  static Lanes zero() {
+    Lanes x;
+    for (int i = 0; i < count; ++i) x.v[i] = Vector{};
+    return x;
+  }
+  S get(int i) const {
+    if constexpr (lanes == 1) {
+      return v[i];
+    } else {
+      return v[i / lanes][i % lanes];
+    }
+  }
+  void set(int i, const S& x) {
+    if constexpr (lanes == 1) {
+      v[i] = x;
+    } else {
+      v[i / lanes][i % lanes] = x;
+    }
+  }
+};
+
+}  // namespace mtk::detail

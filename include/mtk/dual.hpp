@@ -1,0 +1,444 @@
+/// Numbers that carry their derivatives: forward-mode automatic differentiation.
+///   state    a value v and its partial derivatives d with respect to N columns (unknowns)
+///   f(v, d)  = (f(v), f'(v) d), the chain rule
+///   source   Griewank and Walther, "Evaluating derivatives", 2008, chapter 3
+/// Where a derivative is infinite (sqrt at 0, acos at 1) and the partial derivative of the argument is zero, the result
+/// is zero: sqrt(x * x) at 0, |R - R| and the like have finite derivatives.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include "mtk/detail/lanes.hpp"
+#include "mtk/scalar.hpp"
+
+namespace mtk {
+
+namespace detail {
+
+constexpr int countColumns(std::uint64_t columns) { return std::popcount(columns); }
+/// The bits 0 .. n - 1.
+constexpr std::uint64_t lowColumns(int n) { return n >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1; }
+/// Number of the i-th column in the set.
+constexpr int columnAt(std::uint64_t columns, int i) {
+  for (; i > 0; --i) columns &= columns - 1;
+  return std::countr_zero(columns);
+}
+/// Place of a column that is in the set among its members.
+constexpr int placeOf(std::uint64_t columns, int column) { return std::popcount(columns & lowColumns(column)); }
+
+/// Partial derivatives with respect to the columns in the set C; all others are zero.
+template <class S, std::uint64_t C>
+using Partials = Lanes<S, countColumns(C)>;
+
+/// both(a, b), left(a) or right(b), for each column of either set.
+template <std::uint64_t A, std::uint64_t B, class S, class Both, class Left, class Right>
+Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, const Both& both,
+                           [[maybe_unused]] const Left& left, [[maybe_unused]] const Right& right) {
+  if constexpr (A == B) {
+    Partials<S, A> r;
+    for (int i = 0; i < r.count; ++i) r.v[i] = both(a.v[i], b.v[i]);
+    return r;
+  } else {
+    auto r = Partials<S, A | B>::zero();
+    [&]<int... I>(std::integer_sequence<int, I...>) {
+      const auto one = [&](auto index) {
+        constexpr int column = columnAt(A | B, index);
+        constexpr bool in_a = (A >> column) & 1, in_b = (B >> column) & 1;
+        if constexpr (in_a && in_b) {
+          r.set(index, both(a.get(placeOf(A, column)), b.get(placeOf(B, column))));
+        } else if constexpr (in_a) {
+          r.set(index, left(a.get(placeOf(A, column))));
+        } else {
+          r.set(index, right(b.get(placeOf(B, column))));
+        }
+      };
+      (one(std::integral_constant<int, I>{}), ...);
+    }(std::make_integer_sequence<int, countColumns(A | B)>{});
+    return r;
+  }
+}
+
+/// f(a) for each column of a.
+template <class S, int N, class F>
+Lanes<S, N> apply(const Lanes<S, N>& a, const F& f) {
+  Lanes<S, N> r;
+  for (int i = 0; i < r.count; ++i) r.v[i] = f(a.v[i]);
+  return r;
+}
+
+/// factor * a, with 0 where a is 0, whatever the factor.
+template <class S, int N>
+Lanes<S, N> scaledOrZero(const S& factor, const Lanes<S, N>& a) {
+  Lanes<S, N> r = Lanes<S, N>::zero();
+  for (int i = 0; i < N; ++i) r.set(i, select(a.get(i) == S(0), S(0), S(factor * a.get(i))));
+  return r;
+}
+
+}  // namespace detail
+
+/// A number whose partial derivatives vanish but for the columns (bits) in C.
+template <class S, std::uint64_t C>
+class SparseDual {
+ public:
+  using Value = S;
+  using Partials = detail::Partials<S, C>;
+  static constexpr std::uint64_t columns = C;
+  static constexpr int size = detail::countColumns(C);
+
+  /// The constant 0.
+  SparseDual() : v_(S(0)), d_(Partials::zero()) {}
+  /// A constant.
+  template <class T>
+    requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
+  SparseDual(const T& constant) : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
+  SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
+  /// The same number among more columns.
+  template <std::uint64_t A>
+    requires((A & ~C) == 0 && A != C)
+  SparseDual(const SparseDual<S, A>& x)  // NOLINT(google-explicit-constructor): nothing is lost
+      : v_(x.value()), d_(detail::combine<A, C>(x.partials(), Partials::zero(), add, same, same)) {}
+
+  const S& value() const { return v_; }
+  const Partials& partials() const { return d_; }
+  /// d / d column c.
+  S partial(int c) const { return (C >> c) & 1 ? d_.get(detail::placeOf(C, c)) : S(0); }
+  void setPartial(int c, const S& x) { d_.set(detail::placeOf(C, c), x); }
+
+  template <class T>
+  SparseDual& operator+=(const T& b) {
+    return *this = *this + b;
+  }
+  template <class T>
+  SparseDual& operator-=(const T& b) {
+    return *this = *this - b;
+  }
+  template <class T>
+  SparseDual& operator*=(const T& b) {
+    return *this = *this * b;
+  }
+  template <class T>
+  SparseDual& operator/=(const T& b) {
+    return *this = *this / b;
+  }
+
+ private:
+  static constexpr auto add = [](const auto& a, const auto& b) { return a + b; };
+  static constexpr auto same = [](const auto& a) { return a; };
+
+  S v_;
+  Partials d_;
+};
+
+/// A number with N partial derivatives.
+template <class S, int N>
+using Dual = SparseDual<S, detail::lowColumns(N)>;
+
+template <class S, std::uint64_t C>
+  requires is_scalar_v<S>
+inline constexpr bool is_scalar_v<SparseDual<S, C>> = true;
+
+namespace detail {
+
+/// What mixes with a dual number over S as a constant.
+template <class T, class S>
+concept ConstantFor = std::is_arithmetic_v<T> || std::is_same_v<T, S>;
+
+/// The function with value f and derivative df at x.
+template <class S, std::uint64_t C>
+SparseDual<S, C> chain(const SparseDual<S, C>& x, const S& f, const S& df) {
+  return {f, apply(x.partials(), [&](const auto& d) { return df * d; })};
+}
+/// The same where df may be infinite.
+template <class S, std::uint64_t C>
+SparseDual<S, C> chainOrZero(const SparseDual<S, C>& x, const S& f, const S& df) {
+  if constexpr (std::is_floating_point_v<S>) {
+    if (df - df == S(0)) return chain(x, f, df);
+  }
+  return {f, scaledOrZero(df, x.partials())};
+}
+/// The function with value f and derivatives da, db at (a, b).
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da, const S& db) {
+  return {f, combine<A, B, S>(a.partials(), b.partials(), [&](const auto& x, const auto& y) { return da * x + db * y; },
+                              [&](const auto& x) { return da * x; }, [&](const auto& y) { return db * y; })};
+}
+
+}  // namespace detail
+
+template <class S, std::uint64_t C>
+SparseDual<S, C> operator-(const SparseDual<S, C>& a) {
+  return {-a.value(), detail::apply(a.partials(), [](const auto& d) { return -d; })};
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> operator+(const SparseDual<S, C>& a) {
+  return a;
+}
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> operator+(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
+  const auto same = [](const auto& x) { return x; };
+  return {a.value() + b.value(),
+          detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x + y; }, same, same)};
+}
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> operator-(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
+  return {a.value() - b.value(),
+          detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x - y; },
+                                   [](const auto& x) { return x; }, [](const auto& y) { return -y; })};
+}
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> operator*(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
+  return detail::chain(a, b, S(a.value() * b.value()), b.value(), a.value());
+}
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> operator/(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
+  const S inverse = S(1) / b.value();
+  const S quotient = a.value() / b.value();
+  return detail::chain(a, b, quotient, inverse, S(-quotient * inverse));
+}
+
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator+(const SparseDual<S, C>& a, const T& b) {
+  return {a.value() + S(b), a.partials()};
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator+(const T& a, const SparseDual<S, C>& b) {
+  return b + a;
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator-(const SparseDual<S, C>& a, const T& b) {
+  return {a.value() - S(b), a.partials()};
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator-(const T& a, const SparseDual<S, C>& b) {
+  return {S(a) - b.value(), detail::apply(b.partials(), [](const auto& d) { return -d; })};
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator*(const SparseDual<S, C>& a, const T& b) {
+  return detail::chain(a, S(a.value() * S(b)), S(b));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator*(const T& a, const SparseDual<S, C>& b) {
+  return b * a;
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator/(const SparseDual<S, C>& a, const T& b) {
+  return detail::chain(a, S(a.value() / S(b)), S(S(1) / S(b)));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> operator/(const T& a, const SparseDual<S, C>& b) {
+  const S quotient = S(a) / b.value();
+  return detail::chain(b, quotient, S(-quotient / b.value()));
+}
+
+// Comparisons look at the values.
+#define MTK_COMPARE_DUALS(op)                                                                   \
+  template <class S, std::uint64_t A, std::uint64_t B>                                          \
+  auto operator op(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {                      \
+    return a.value() op b.value();                                                              \
+  }                                                                                             \
+  template <class S, std::uint64_t C, detail::ConstantFor<S> T>                                 \
+  auto operator op(const SparseDual<S, C>& a, const T& b) {                                     \
+    return a.value() op S(b);                                                                   \
+  }                                                                                             \
+  template <class S, std::uint64_t C, detail::ConstantFor<S> T>                                 \
+  auto operator op(const T& a, const SparseDual<S, C>& b) {                                     \
+    return S(a) op b.value();                                                                   \
+  }
+MTK_COMPARE_DUALS(==)
+MTK_COMPARE_DUALS(!=)
+MTK_COMPARE_DUALS(<)
+MTK_COMPARE_DUALS(<=)
+MTK_COMPARE_DUALS(>)
+MTK_COMPARE_DUALS(>=)
+#undef MTK_COMPARE_DUALS
+
+/// Lane by lane for dual numbers over packs.
+template <class Mask, class S, std::uint64_t C>
+  requires(!std::is_same_v<Mask, bool>)
+SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
+  detail::Partials<S, C> d;
+  for (int i = 0; i < d.count; ++i) d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]);
+  return {select(mask, a.value(), b.value()), d};
+}
+
+// Functions. `f` is the value, `df` the derivative; `x` is the argument's value.
+#define MTK_DUAL_FUNCTION(name, derivative)               \
+  template <class S, std::uint64_t C>                     \
+  SparseDual<S, C> name(const SparseDual<S, C>& argument) { \
+    using std::cos;                                       \
+    using std::cosh;                                      \
+    using std::exp;                                       \
+    using std::name;                                      \
+    using std::sin;                                       \
+    using std::sinh;                                      \
+    using std::sqrt;                                      \
+    const S& x = argument.value();                        \
+    const S f = name(x);                                  \
+    return derivative;                                    \
+  }
+MTK_DUAL_FUNCTION(sqrt, detail::chainOrZero(argument, f, S(S(0.5) / f)))
+MTK_DUAL_FUNCTION(cbrt, detail::chainOrZero(argument, f, S(S(1) / (S(3) * f * f))))
+MTK_DUAL_FUNCTION(exp, detail::chain(argument, f, f))
+MTK_DUAL_FUNCTION(expm1, detail::chain(argument, f, S(f + S(1))))
+MTK_DUAL_FUNCTION(log, detail::chainOrZero(argument, f, S(S(1) / x)))
+MTK_DUAL_FUNCTION(log1p, detail::chainOrZero(argument, f, S(S(1) / (S(1) + x))))
+MTK_DUAL_FUNCTION(log2, detail::chainOrZero(argument, f, S(S(1.4426950408889634073599246810018921L) / x)))
+MTK_DUAL_FUNCTION(log10, detail::chainOrZero(argument, f, S(S(0.4342944819032518276511289189166051L) / x)))
+MTK_DUAL_FUNCTION(sin, detail::chain(argument, f, S(cos(x))))
+MTK_DUAL_FUNCTION(cos, detail::chain(argument, f, S(-sin(x))))
+MTK_DUAL_FUNCTION(tan, detail::chain(argument, f, S(S(1) + f * f)))
+MTK_DUAL_FUNCTION(asin, detail::chainOrZero(argument, f, S(S(1) / sqrt(S((S(1) - x) * (S(1) + x))))))
+MTK_DUAL_FUNCTION(acos, detail::chainOrZero(argument, f, S(S(-1) / sqrt(S((S(1) - x) * (S(1) + x))))))
+MTK_DUAL_FUNCTION(atan, detail::chain(argument, f, S(S(1) / (S(1) + x * x))))
+MTK_DUAL_FUNCTION(sinh, detail::chain(argument, f, S(cosh(x))))
+MTK_DUAL_FUNCTION(cosh, detail::chain(argument, f, S(sinh(x))))
+MTK_DUAL_FUNCTION(tanh, detail::chain(argument, f, S((S(1) - f) * (S(1) + f))))
+MTK_DUAL_FUNCTION(asinh, detail::chain(argument, f, S(S(1) / sqrt(S(S(1) + x * x)))))
+MTK_DUAL_FUNCTION(acosh, detail::chainOrZero(argument, f, S(S(1) / sqrt(S((x - S(1)) * (x + S(1)))))))
+MTK_DUAL_FUNCTION(atanh, detail::chainOrZero(argument, f, S(S(1) / ((S(1) - x) * (S(1) + x)))))
+MTK_DUAL_FUNCTION(erf, detail::chain(argument, f, S(S(1.1283791670955125738961589031215452L) * exp(S(-x * x)))))
+MTK_DUAL_FUNCTION(floor, (SparseDual<S, C>(f)))
+MTK_DUAL_FUNCTION(ceil, (SparseDual<S, C>(f)))
+MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))
+MTK_DUAL_FUNCTION(trunc, (SparseDual<S, C>(f)))
+#undef MTK_DUAL_FUNCTION
+
+/// The derivative at 0 is 0, the middle of what is possible.
+template <class S, std::uint64_t C>
+SparseDual<S, C> abs(const SparseDual<S, C>& a) {
+  const S slope = select(a.value() < S(0), S(-1), select(a.value() > S(0), S(1), S(0)));
+  return detail::chain(a, S(slope * a.value()), slope);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> fabs(const SparseDual<S, C>& a) {
+  return abs(a);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> abs2(const SparseDual<S, C>& a) {
+  return a * a;
+}
+
+/// At (0, 0), where there is none, the derivative is zero.
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> atan2(const SparseDual<S, A>& y, const SparseDual<S, B>& x) {
+  using std::atan2;
+  const S square = y.value() * y.value() + x.value() * x.value();
+  const S inverse = select(square > S(0), S(S(1) / square), S(0));
+  return detail::chain(y, x, S(atan2(y.value(), x.value())), S(x.value() * inverse), S(-y.value() * inverse));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> atan2(const SparseDual<S, C>& y, const T& x) {
+  return atan2(y, SparseDual<S, C>(x));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> atan2(const T& y, const SparseDual<S, C>& x) {
+  return atan2(SparseDual<S, C>(y), x);
+}
+
+/// sqrt(x^2 + y^2); at (0, 0), where there is none, the derivative is zero.
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> hypot(const SparseDual<S, A>& x, const SparseDual<S, B>& y) {
+  using std::hypot;
+  const S f = hypot(x.value(), y.value());
+  const S inverse = select(f > S(0), S(S(1) / f), S(0));
+  return detail::chain(x, y, f, S(x.value() * inverse), S(y.value() * inverse));
+}
+
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> pow(const SparseDual<S, C>& base, const T& exponent) {
+  using std::pow;
+  const S p(exponent);
+  const S slope = select(p == S(0), S(0), S(p * pow(base.value(), S(p - S(1)))));
+  return detail::chainOrZero(base, S(pow(base.value(), p)), slope);
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> pow(const T& base, const SparseDual<S, C>& exponent) {
+  using std::log;
+  using std::pow;
+  const S f = pow(S(base), exponent.value());
+  return detail::chain(exponent, f, select(f == S(0), S(0), S(f * log(S(base)))));
+}
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> pow(const SparseDual<S, A>& base, const SparseDual<S, B>& exponent) {
+  using std::log;
+  using std::pow;
+  const S f = pow(base.value(), exponent.value());
+  const S slope = select(exponent.value() == S(0), S(0), S(exponent.value() * pow(base.value(), S(exponent.value() - S(1)))));
+  return detail::chain(base, exponent, f, slope, select(f == S(0), S(0), S(f * log(base.value()))));
+}
+
+template <class S, std::uint64_t C>
+SparseDual<S, C> fmax(const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
+  return select(a.value() < b.value(), b, a);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> fmin(const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
+  return select(b.value() < a.value(), b, a);
+}
+template <class S, std::uint64_t C>
+auto isfinite(const SparseDual<S, C>& a) {
+  using std::isfinite;
+  return isfinite(a.value());
+}
+template <class S, std::uint64_t C>
+auto isnan(const SparseDual<S, C>& a) {
+  using std::isnan;
+  return isnan(a.value());
+}
+template <class S, std::uint64_t C>
+auto isinf(const SparseDual<S, C>& a) {
+  using std::isinf;
+  return isinf(a.value());
+}
+
+}  // namespace mtk
+
+namespace Eigen {
+
+template <class S, std::uint64_t C>
+struct NumTraits<mtk::SparseDual<S, C>> {
+  using Real = mtk::SparseDual<S, C>;
+  using NonInteger = Real;
+  using Nested = Real;
+  using Literal = mtk::detail::built_in_t<S>;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 1,
+    ReadCost = 1 + mtk::SparseDual<S, C>::size,
+    AddCost = 1 + mtk::SparseDual<S, C>::size,
+    MulCost = 3 * (1 + mtk::SparseDual<S, C>::size)
+  };
+  static Literal epsilon() { return NumTraits<Literal>::epsilon(); }
+  static Literal dummy_precision() { return NumTraits<Literal>::dummy_precision(); }
+  static Literal highest() { return NumTraits<Literal>::highest(); }
+  static Literal lowest() { return NumTraits<Literal>::lowest(); }
+  static int digits10() { return NumTraits<Literal>::digits10(); }
+};
+
+template <class T, class S, std::uint64_t C, class Op>
+  requires mtk::detail::ConstantFor<T, S>
+struct ScalarBinaryOpTraits<T, mtk::SparseDual<S, C>, Op> {
+  using ReturnType = mtk::SparseDual<S, C>;
+};
+template <class T, class S, std::uint64_t C, class Op>
+  requires mtk::detail::ConstantFor<T, S>
+struct ScalarBinaryOpTraits<mtk::SparseDual<S, C>, T, Op> {
+  using ReturnType = mtk::SparseDual<S, C>;
+};
+template <class S, std::uint64_t A, std::uint64_t B, class Op>
+  requires(A != B)
+struct ScalarBinaryOpTraits<mtk::SparseDual<S, A>, mtk::SparseDual<S, B>, Op> {
+  using ReturnType = mtk::SparseDual<S, A | B>;
+};
+
+}  // namespace Eigen

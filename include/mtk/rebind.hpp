@@ -1,0 +1,312 @@
+/// The same variable over another number type: with derivatives, or several at once.
+///   rebind_t<trafo<SO3<double>>, S> is trafo<SO3<S>>
+/// Types that can be rebound: numbers, vect, Scalar, SO2, SO3, S2, trafo, Eigen's matrices, std::array, compounds made by
+/// MTK_BUILD_MANIFOLD, and class templates all of whose arguments can be (`template <class S> struct Camera`). A struct
+/// that is no template cannot be: write `template <class S> struct CameraOf {...}; using Camera = CameraOf<double>;`.
+#pragma once
+
+#include <array>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "mtk/dual.hpp"
+#include "mtk/manifold.hpp"
+#include "mtk/pack.hpp"
+#include "mtk/types/s2.hpp"
+#include "mtk/types/scalar.hpp"
+#include "mtk/types/so2.hpp"
+#include "mtk/types/so3.hpp"
+#include "mtk/types/trafo.hpp"
+#include "mtk/types/vect.hpp"
+
+namespace mtk {
+
+namespace detail {
+
+/// `type` is void when T cannot be rebound.
+template <class T, class S>
+struct Rebind {
+  using type = void;
+};
+template <class T, class S>
+  requires std::is_floating_point_v<T>
+struct Rebind<T, S> {
+  using type = S;
+};
+template <class T, class S>
+using rebound_t = typename Rebind<T, S>::type;
+
+template <int N, class A, class S>
+struct Rebind<vect<N, A>, S> {
+  using type = vect<N, S>;
+};
+template <class A, int R, int C, int O, int MR, int MC, class S>
+struct Rebind<Eigen::Matrix<A, R, C, O, MR, MC>, S> {
+  // Columns become mtk's, which do not convert to vectors of doubles.
+  using type = std::conditional_t<C == 1, vect<R, S>, Eigen::Matrix<S, R, C, Eigen::DontAlign | (O & Eigen::RowMajor)>>;
+};
+template <class T, std::size_t N, class S>
+  requires(!std::is_void_v<rebound_t<T, S>>)
+struct Rebind<std::array<T, N>, S> {
+  using type = std::array<rebound_t<T, S>, N>;
+};
+
+/// Compounds of MTK_BUILD_MANIFOLD, not what derives from them.
+template <class T>
+concept MacroCompound = requires { typename T::MtkSelf; } && std::is_same_v<typename T::MtkSelf, T>;
+template <class S>
+struct UniformMap {
+  template <class Member, int Index>
+  using member = rebound_t<Member, S>;
+};
+template <class T>
+using MemberTypesOf = decltype(T::mtkMembers(std::declval<T&>()));
+template <class T, class S, class Tuple = MemberTypesOf<T>>
+inline constexpr bool members_rebindable = false;
+template <class T, class S, class... M>
+inline constexpr bool members_rebindable<T, S, std::tuple<M&...>> = (!std::is_void_v<rebound_t<M, S>> && ...);
+
+template <MacroCompound T, class S>
+  requires members_rebindable<T, S>
+struct Rebind<T, S> {
+  using type = typename T::template MtkRebound<UniformMap<S>>;
+};
+
+/// Class templates over scalars and manifolds.
+template <template <class...> class T, class... A, class S>
+  requires(Manifold<T<A...>> && (!std::is_void_v<rebound_t<A, S>> && ...))
+struct Rebind<T<A...>, S> {
+  using type = T<rebound_t<A, S>...>;
+};
+
+}  // namespace detail
+
+/// T over the scalar S; void when T has no such form.
+template <class T, class S>
+using rebind_t = detail::rebound_t<T, S>;
+
+/// Whether T exists over other scalars.
+template <class T>
+inline constexpr bool is_rebindable_v = !std::is_void_v<rebind_t<T, Dual<double, 1>>>;
+
+namespace detail {
+
+/// The numbers that a basic manifold is stored as, as an Eigen vector or as one number.
+struct State {
+  template <class S>
+    requires is_scalar_v<S>
+  static S& of(S& x) {
+    return x;
+  }
+  template <class S>
+    requires(!is_dual<S>)
+  static S& of(Scalar<S>& x) {
+    return x.value_;
+  }
+  template <class S, std::uint64_t C>
+  static SparseDual<S, C>& of(Scalar<SparseDual<S, C>>& x) {
+    return x;
+  }
+  template <class S>
+  static S& of(SO2<S>& x) {
+    return x.angle_;
+  }
+  template <class S>
+  static auto& of(SO3<S>& x) {
+    return x.q_;
+  }
+  template <class S>
+  static auto& of(S2<S>& x) {
+    return x.v_;
+  }
+  template <class D>
+  static D& of(Eigen::PlainObjectBase<D>& x) {
+    return x.derived();
+  }
+  template <class X>
+  static const auto& read(const X& x) {
+    return of(const_cast<X&>(x));
+  }
+};
+
+template <class M>
+concept Compound = NamedCompound<M> || AggregateOfManifolds<M>;
+template <class T>
+concept StdArray = requires(T& x) {
+  std::tuple_size<T>::value;
+  x.fill(x[0]);
+};
+
+/// References to the members of a compound.
+template <class M>
+auto membersOf(M& x) {
+  if constexpr (NamedCompound<std::remove_const_t<M>>) {
+    return std::remove_const_t<M>::mtkMembers(x);
+  } else {
+    return tieMembers(x);
+  }
+}
+
+/// Calls f(y_part, x_part, offset) for each basic part; offsets count degrees of freedom.
+template <class Y, class X, class F>
+void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
+  if constexpr (Compound<X>) {
+    auto to = membersOf(y);
+    auto from = membersOf(x);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      const auto one = [&](auto& part_y, const auto& part_x) {
+        forEachBasicPart(part_y, part_x, offset, f);
+        offset += dof(part_x);
+      };
+      (one(std::get<I>(to), std::get<I>(from)), ...);
+    }(std::make_index_sequence<std::tuple_size_v<decltype(from)>>{});
+  } else if constexpr (StdArray<X>) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      forEachBasicPart(y[i], x[i], offset, f);
+      offset += dof(x[i]);
+    }
+  } else {
+    f(y, x, offset);
+  }
+}
+
+template <class X>
+concept HasState = requires(X& x) { State::of(x); };
+template <class X>
+concept EigenState = requires(X& x) { State::of(x).size(); };
+
+/// y := x for a basic part over a type that loses nothing.
+template <class Y, class X>
+void liftPart(Y& y, const X& x) {
+  if constexpr (requires { y = Y(x); }) {
+    y = Y(x);
+  } else {
+    auto& to = State::of(y);
+    const auto& from = State::read(x);
+    if constexpr (EigenState<X>) {
+      using D = std::remove_cvref_t<decltype(to[0])>;
+      to.resize(from.rows(), from.cols());
+      for (Eigen::Index i = 0; i < from.size(); ++i) to.data()[i] = D(from.data()[i]);
+    } else {
+      to = from;
+    }
+  }
+}
+
+/// y := x, moved by the unknowns `offset` ... of a window of `width` columns; those outside the window stay fixed.
+template <class Y, class X>
+void seedPart(Y& y, const X& x, int offset, int width) {
+  using D = scalar_t<Y>;
+  using S = typename D::Value;
+  const auto unit = [&](D& number, int column) {
+    if (column >= 0 && column < width) number.setPartial(column, S(1));
+  };
+  if constexpr (requires { y.partials(); y.value().coeffs(); }) {  // SO3
+    auto d = Y().partials();
+    for (int i = 0; i < 3; ++i) {
+      if (offset + i >= 0 && offset + i < width) d[static_cast<std::size_t>(i)].set(placeOf(D::columns, offset + i), S(1));
+    }
+    y = Y(x, d);
+  } else if constexpr (HasState<X> && !requires { y.vector(); }) {
+    liftPart(y, x);
+    auto& state = State::of(y);
+    if constexpr (EigenState<X>) {
+      for (int i = 0; i < static_cast<int>(state.size()); ++i) unit(state[i], offset + i);
+    } else {
+      unit(state, offset);
+    }
+  } else {  // any other: the user's own, by its [+]
+    liftPart(y, x);
+    PlainVector<D, DOF_v<X>> d(dof(x));
+    for (int i = 0; i < dof(x); ++i) unit(d[i] = D(0), offset + i);
+    boxplus<Y>(y, d);
+  }
+}
+
+/// x among dual numbers, its degrees of freedom being the unknowns offset, offset + 1, ...
+template <class D, class X>
+rebind_t<X, D> seeded(const X& x, int offset) {
+  rebind_t<X, D> y{};
+  forEachBasicPart(y, x, offset, [](auto& part_y, const auto& part_x, int at) { seedPart(part_y, part_x, at, D::size); });
+  return y;
+}
+
+/// The basic part y over packs from one measurement's x per lane.
+template <class Y, class X, std::size_t W>
+void gatherPart(Y& y, const std::array<const X*, W>& x) {
+  auto& to = State::of(y);
+  const auto from = [&](std::size_t lane) -> const auto& { return State::read(*x[lane]); };
+  if constexpr (EigenState<X>) {
+    to.resize(from(0).rows(), from(0).cols());
+    for (Eigen::Index i = 0; i < to.size(); ++i) {
+      for (std::size_t lane = 0; lane < W; ++lane) to.data()[i].set(static_cast<int>(lane), from(lane).data()[i]);
+    }
+  } else {
+    for (std::size_t lane = 0; lane < W; ++lane) to.set(static_cast<int>(lane), from(lane));
+  }
+}
+template <class Y, class X, std::size_t W>
+void gatherParts(Y& y, const std::array<const X*, W>& x) {
+  if constexpr (Compound<X>) {
+    auto to = membersOf(y);
+    using Members = decltype(membersOf(*x[0]));
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      const auto one = [&]<std::size_t J>(std::integral_constant<std::size_t, J>) {
+        using P = std::remove_cvref_t<std::tuple_element_t<J, Members>>;
+        std::array<const P*, W> parts;
+        for (std::size_t lane = 0; lane < W; ++lane) parts[lane] = &std::get<J>(membersOf(*x[lane]));
+        gatherParts(std::get<J>(to), parts);
+      };
+      (one(std::integral_constant<std::size_t, I>{}), ...);
+    }(std::make_index_sequence<std::tuple_size_v<Members>>{});
+  } else if constexpr (StdArray<X>) {
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      std::array<const typename X::value_type*, W> parts;
+      for (std::size_t lane = 0; lane < W; ++lane) parts[lane] = &(*x[lane])[i];
+      gatherParts(y[i], parts);
+    }
+  } else {
+    gatherPart(y, x);
+  }
+}
+
+/// T over S with derivatives by the unknowns Offset, Offset + 1, ...; each part has only the columns that it depends on.
+template <class T, class S, int Offset>
+struct SparseRebind {
+  using type = rebound_t<T, SparseDual<S, lowColumns(DOF_v<T>) << Offset>>;
+};
+template <class R, class S, int Offset>
+struct SparseRebind<trafo<R>, S, Offset> {
+  using Position = SparseDual<S, lowColumns(R::DIM) << Offset>;
+  using Rotation = SparseDual<S, lowColumns(R::DOF) << (Offset + R::DIM)>;
+  using type = SparseTrafo<rebound_t<R, Rotation>, vect<R::DIM, Position>>;
+};
+template <class T, class S, int Offset>
+struct SparseMap {
+  template <class Member, int Index>
+  using member = typename SparseRebind<Member, S, Offset + []<class... M>(std::type_identity<std::tuple<M&...>>) {
+    const int dofs[] = {DOF_v<M>...};
+    int sum = 0;
+    for (int i = 0; i < Index; ++i) sum += dofs[i];
+    return sum;
+  }(std::type_identity<MemberTypesOf<T>>{})>::type;
+};
+template <MacroCompound T, class S, int Offset>
+struct SparseRebind<T, S, Offset> {
+  using type = typename T::template MtkRebound<SparseMap<T, S, Offset>>;
+};
+template <class T, class S, int Offset>
+using sparse_rebind_t = typename SparseRebind<T, S, Offset>::type;
+
+}  // namespace detail
+
+/// x over another number type that loses nothing: a constant among dual numbers.
+template <class S, class X>
+rebind_t<X, S> lifted(const X& x) {
+  rebind_t<X, S> y{};
+  detail::forEachBasicPart(y, x, 0, [](auto& part_y, const auto& part_x, int) { detail::liftPart(part_y, part_x); });
+  return y;
+}
+
+}  // namespace mtk

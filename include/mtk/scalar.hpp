@@ -1,0 +1,125 @@
+/// Numbers that coordinates are made of: built-in ones, dual numbers (dual.hpp), SIMD packs (pack.hpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace mtk {
+
+/// Real numbers that coordinates are made of. Specialised by number types other than the built-in ones.
+template <class S>
+inline constexpr bool is_scalar_v = std::is_floating_point_v<S>;
+
+/// A number with partial derivatives; see dual.hpp.
+template <class S, std::uint64_t Columns>
+class SparseDual;
+
+/// Several numbers that are computed with at once; see pack.hpp.
+template <int Width>
+class Pack;
+
+namespace detail {
+
+/// Gives the library the numbers that a basic manifold is stored as.
+struct State;
+
+/// The built-in number that S is made of.
+template <class S>
+struct BuiltIn {
+  using type = S;
+};
+template <class S, std::uint64_t C>
+struct BuiltIn<SparseDual<S, C>> : BuiltIn<S> {};
+template <int W>
+struct BuiltIn<Pack<W>> {
+  using type = double;
+};
+template <class S>
+using built_in_t = typename BuiltIn<S>::type;
+
+template <class S>
+inline constexpr built_in_t<S> epsilon = std::numeric_limits<built_in_t<S>>::epsilon();
+
+template <class S>
+inline constexpr bool is_dual = false;
+template <class S, std::uint64_t C>
+inline constexpr bool is_dual<SparseDual<S, C>> = true;
+
+/// The type of a sum of an A and a B.
+template <class A, class B>
+struct Promote;
+template <class A>
+struct Promote<A, A> {
+  using type = A;
+};
+template <class A, class B>
+  requires(std::is_arithmetic_v<A> && !std::is_arithmetic_v<B>)
+struct Promote<A, B> {
+  using type = B;
+};
+template <class A, class B>
+  requires(!std::is_arithmetic_v<A> && std::is_arithmetic_v<B>)
+struct Promote<A, B> {
+  using type = A;
+};
+template <class A, class B>
+  requires(std::is_arithmetic_v<A> && std::is_arithmetic_v<B> && !std::is_same_v<A, B>)
+struct Promote<A, B> {
+  using type = std::common_type_t<A, B>;
+};
+template <int W, class S, std::uint64_t C>
+struct Promote<Pack<W>, SparseDual<S, C>> {
+  using type = SparseDual<S, C>;
+};
+template <int W, class S, std::uint64_t C>
+struct Promote<SparseDual<S, C>, Pack<W>> {
+  using type = SparseDual<S, C>;
+};
+template <class S, std::uint64_t A, std::uint64_t B>
+  requires(A != B)
+struct Promote<SparseDual<S, A>, SparseDual<S, B>> {
+  using type = SparseDual<S, A | B>;
+};
+
+}  // namespace detail
+
+/// The type that holds both an A and a B.
+template <class A, class B>
+using promote_t = typename detail::Promote<A, B>::type;
+
+/// `condition ? a : b`; for packs lane by lane.
+template <class S>
+S select(bool condition, const S& a, const S& b) {
+  return condition ? a : b;
+}
+
+namespace detail {
+
+template <class Mask, class S, std::size_t N>
+std::array<S, N> selectResult(const Mask& mask, const std::array<S, N>& a, const std::array<S, N>& b) {
+  std::array<S, N> result;
+  for (std::size_t i = 0; i < N; ++i) result[i] = select(mask, a[i], b[i]);
+  return result;
+}
+template <class Mask, class S>
+S selectResult(const Mask& mask, const S& a, const S& b) {
+  return select(mask, a, b);
+}
+
+/// The result of `yes()` where the condition holds, of `no()` elsewhere. With packs both may be evaluated, and each
+/// lane takes its own.
+template <class Condition, class Yes, class No>
+auto branch(const Condition& condition, const Yes& yes, const No& no) {
+  if constexpr (std::is_same_v<Condition, bool>) {
+    return condition ? yes() : no();
+  } else {
+    if (all(condition)) return yes();
+    if (!any(condition)) return no();
+    return selectResult(condition, yes(), no());
+  }
+}
+
+}  // namespace detail
+}  // namespace mtk

@@ -1,0 +1,102 @@
+/// How the library may treat a measurement function: wrappers that the user puts around it.
+///     est.insertMeasurement(slom::numeric(f), ...)      derivatives by differences, f sees doubles only
+///     est.insertMeasurement(slom::vectorized(f), ...)   several measurements at once, f sees packs of numbers
+#pragma once
+
+#include <functional>
+#include <type_traits>
+#include <utility>
+
+namespace slom {
+
+/// Where a measurement's derivatives come from.
+enum class DerivativeSource {
+  exact,   ///< dual numbers: the chain rule on the function itself
+  given,   ///< the functor's own `jacobian`
+  numeric  ///< central differences in the tangent space
+};
+
+/// One word: "exact".
+constexpr const char* toString(DerivativeSource source) {
+  switch (source) {
+    case DerivativeSource::exact: return "exact";
+    case DerivativeSource::given: return "given";
+    case DerivativeSource::numeric: return "numeric";
+  }
+  return "unknown";
+}
+
+/// Central differences at two step widths, extrapolated: four times the evaluations, error of order h^4.
+struct Richardson {};
+
+namespace detail {
+
+struct NoExtrapolation {};
+
+template <class F, class Extrapolation>
+struct NumericFunction {
+  F f;
+  template <class... A>
+  auto operator()(const A&... a) const -> decltype(std::invoke(f, a...)) {
+    return std::invoke(f, a...);
+  }
+};
+
+template <class F>
+struct VectorizedFunction {
+  F f;
+  template <class... A>
+  auto operator()(const A&... a) const -> decltype(std::invoke(f, a...)) {
+    return std::invoke(f, a...);
+  }
+};
+
+template <class F>
+inline constexpr bool is_numeric = false;
+template <class F, class E>
+inline constexpr bool is_numeric<NumericFunction<F, E>> = true;
+template <class F>
+inline constexpr bool is_richardson = false;
+template <class F>
+inline constexpr bool is_richardson<NumericFunction<F, Richardson>> = true;
+template <class F>
+inline constexpr bool is_vectorized = false;
+template <class F>
+inline constexpr bool is_vectorized<VectorizedFunction<F>> = true;
+
+/// The user's function inside the wrappers.
+template <class F>
+struct Unwrapped {
+  using type = F;
+};
+template <class F, class E>
+struct Unwrapped<NumericFunction<F, E>> {
+  using type = F;
+};
+template <class F>
+struct Unwrapped<VectorizedFunction<F>> {
+  using type = F;
+};
+
+}  // namespace detail
+
+/// Asks for derivatives by central differences: for functions that cannot be evaluated on dual numbers, or to compare.
+template <class F>
+auto numeric(F f) {
+  return detail::NumericFunction<F, detail::NoExtrapolation>{std::move(f)};
+}
+/// The same with Richardson's extrapolation: `slom::numeric(f, slom::Richardson())`.
+template <class F>
+auto numeric(F f, Richardson) {
+  return detail::NumericFunction<F, Richardson>{std::move(f)};
+}
+
+/// Lets f work on several measurements at once: all its parameters, data included, are `const auto&`, numbers are never
+/// declared as double, and in place of `if` on computed numbers stands mtk::select. Each variable's derivatives are
+/// carried only as far as they reach, so that numbers that depend on different variables have different types.
+template <class F>
+auto vectorized(F f) {
+  return detail::VectorizedFunction<F>{std::move(f)};
+}
+
+}  // namespace slom

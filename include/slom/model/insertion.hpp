@@ -1,0 +1,98 @@
+/// What may follow a measurement's variables and data at its insertion, in any order: noise, a robust loss,
+/// a name for its group.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "slom/model/loss.hpp"
+#include "slom/model/noise.hpp"
+
+namespace slom {
+
+/// The label of a group of measurements; see `named`.
+struct Named {
+  std::string_view label;
+};
+
+/// Puts a measurement into the group with this name, for messages, reports and the summary. Without it the group has the
+/// name of the measurement's type.
+inline Named named(std::string_view label) { return {label}; }
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_named = std::is_same_v<T, Named>;
+template <class T>
+inline constexpr bool is_option = IsNoise<T> || IsLoss<T> || is_named<T>;
+
+/// Position of the only T in Tuple for which `Is` holds, -1 without one, -2 for more than one.
+template <class... T>
+constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
+  int found = -1;
+  for (int i = 0; i < static_cast<int>(is.size()); ++i) {
+    if (is[static_cast<std::size_t>(i)]) found = found == -1 ? i : -2;
+  }
+  return found;
+}
+
+/// The noise among the arguments; without one, that of unit covariance.
+template <class... T>
+NoiseView noiseAmong(const std::tuple<const T&...>& all) {
+  constexpr int found = findOnly<T...>({IsNoise<T>...});
+  static_assert(found != -2, "slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, "
+                             "InvCovariance and InvStandardDeviation");
+  if constexpr (found >= 0) {
+    return viewNoise(std::get<static_cast<std::size_t>(found)>(all));
+  } else {
+    return {};
+  }
+}
+/// The loss among the arguments; without one, none.
+template <class... T>
+Loss lossAmong(const std::tuple<const T&...>& all) {
+  constexpr int found = findOnly<T...>({IsLoss<T>...});
+  static_assert(found != -2, "slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, "
+                             "GemanMcClure and Barron");
+  if constexpr (found >= 0) {
+    return std::get<static_cast<std::size_t>(found)>(all);
+  } else {
+    return {};
+  }
+}
+/// The label among the arguments, empty without one.
+template <class... T>
+std::string_view labelAmong(const std::tuple<const T&...>& all) {
+  constexpr int found = findOnly<T...>({is_named<T>...});
+  static_assert(found != -2, "slom: a measurement belongs to one group: pass slom::named once");
+  if constexpr (found >= 0) {
+    return std::get<static_cast<std::size_t>(found)>(all).label;
+  } else {
+    return {};
+  }
+}
+
+/// Numbers of the arguments that are no options.
+template <class... Args>
+constexpr auto dataIndices() {
+  constexpr std::array<bool, sizeof...(Args)> option{is_option<Args>...};
+  constexpr std::size_t count = ((is_option<Args> ? 0 : 1) + ... + 0);
+  constexpr auto index = [&] {
+    std::array<std::size_t, count> result{};
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < option.size(); ++i) {
+      if (!option[i]) result[next++] = i;
+    }
+    return result;
+  }();
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::index_sequence<index[I]...>{};
+  }(std::make_index_sequence<count>{});
+}
+template <class... Args>
+using DataIndices = decltype(dataIndices<Args...>());
+
+}  // namespace detail
+}  // namespace slom

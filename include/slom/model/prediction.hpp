@@ -1,0 +1,64 @@
+/// What a measurement function's result stands for, row by row: the residual itself, or the prediction of a datum on any
+/// manifold, of which the residual is f(Y) [-] z.
+#pragma once
+
+#include <type_traits>
+
+#include "mtk/rebind.hpp"
+
+namespace slom::detail {
+
+/// sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.
+template <class R, class Sink>
+void eachRow(const R& value, const Sink& sink) {
+  if constexpr (requires { value.size(); value[0]; }) {
+    for (int i = 0; i < static_cast<int>(value.size()); ++i) sink(i, value[static_cast<decltype(value.size())>(i)]);
+  } else if constexpr (requires { value.partials(); } || mtk::is_scalar_v<R>) {
+    sink(0, value);
+  } else {
+    sink(0, static_cast<double>(value));
+  }
+}
+
+/// sink(row, number) for each entry of x [-] z, counted from `row`. x is over dual numbers or packs, and its parts may be
+/// over different ones; z is over plain numbers.
+template <class X, class Z, class Sink>
+void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
+  const auto entries = [&](const auto& v) {
+    for (int i = 0; i < static_cast<int>(v.size()); ++i) sink(row + i, v[i]);
+  };
+  if constexpr (mtk::detail::Compound<Z>) {
+    const auto part_x = mtk::detail::membersOf(x);
+    const auto part_z = mtk::detail::membersOf(z);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      const auto one = [&](const auto& a, const auto& b) {
+        eachDifference(a, b, row, sink);
+        row += mtk::dof(b);
+      };
+      (one(std::get<I>(part_x), std::get<I>(part_z)), ...);
+    }(std::make_index_sequence<std::tuple_size_v<decltype(part_z)>>{});
+  } else if constexpr (mtk::detail::StdArray<Z>) {
+    for (std::size_t i = 0; i < z.size(); ++i) {
+      eachDifference(x[i], z[i], row, sink);
+      row += mtk::dof(z[i]);
+    }
+  } else if constexpr (requires { x.angle(); }) {  // SO2
+    sink(row, mtk::detail::wrapAngle(x.angle() - z.angle()));
+  } else if constexpr (requires { x.toRotationMatrix(); }) {  // SO3
+    const auto from_z = z.inverse() * x;
+    entries(decltype(z.inverse() * x)::log(from_z));
+  } else if constexpr (mtk::detail::EigenState<Z> && !requires { z.vector(); }) {
+    mtk::detail::requireSameSize(x.size(), z.size(), "x [-] y");
+    for (int i = 0; i < static_cast<int>(x.size()); ++i) sink(row + i, x[i] - z[i]);
+  } else if constexpr (mtk::is_scalar_v<Z> || requires { z.value(); }) {
+    using N = std::remove_cvref_t<decltype(mtk::detail::State::read(z))>;
+    sink(row, x - static_cast<const N&>(mtk::detail::State::read(z)));
+  } else {  // S2, the user's own types
+    using D = mtk::scalar_t<X>;
+    mtk::PlainVector<D, mtk::DOF_v<X>> out(mtk::dof(x));
+    mtk::boxminus<X>(out, x, mtk::lifted<D>(z));
+    entries(out);
+  }
+}
+
+}  // namespace slom::detail

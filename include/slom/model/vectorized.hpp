@@ -1,0 +1,190 @@
+/// Evaluates a measurement function on several measurements at once: their variables and data are gathered into packs of
+/// numbers (mtk::Pack), the function runs once, and residuals and derivatives are scattered to where each belongs.
+/// Derivatives are dual numbers over packs whose type says which unknowns a number depends on (mtk::SparseDual), so that
+/// the zeros of the chain rule cost nothing.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "mtk/rebind.hpp"
+#include "slom/model/prediction.hpp"
+#include "slom/model/var_id.hpp"
+
+namespace slom {
+
+/// A measured value of a manifold Z; see `measured`.
+template <class Z>
+struct Measured {
+  Z value;
+};
+
+namespace detail {
+
+inline constexpr int kLanesAtOnce = mtk::kPackWidth;
+using Lanes = mtk::Pack<kLanesAtOnce>;
+
+/// out[lane][i] := x[i][lane] for i < N.
+template <int N>
+void scatter(const Lanes* x, double* const* out) {
+  constexpr int step = mtk::detail::kNativeLanes;
+  int i = 0;
+#if !defined(EIGEN_DONT_VECTORIZE)
+  if constexpr (step == 2 || step == 4) {
+    using Traits = Eigen::internal::packet_traits<double>;
+    for (; i + step <= N; i += step) {
+      for (int v = 0; v < Lanes::count; ++v) {
+        Eigen::internal::PacketBlock<Traits::type, step> block;
+        for (int k = 0; k < step; ++k) block.packet[k] = reinterpret_cast<const Traits::type&>(x[i + k].lanes.v[v]);
+        Eigen::internal::ptranspose(block);
+        for (int k = 0; k < step; ++k) Eigen::internal::pstoreu(out[v * step + k] + i, block.packet[k]);
+      }
+    }
+  }
+#endif
+  for (; i < N; ++i) {
+    for (int lane = 0; lane < kLanesAtOnce; ++lane) out[lane][i] = x[i][lane];
+  }
+}
+
+/// What an argument is in packs: its value, and what the function gets of it when Derive is set or not.
+template <class Stored, int Offset>
+struct PackedArgument {
+  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Stored, Lanes>>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<Stored, Lanes>, std::tuple<>>;
+  Packed value{};
+  std::tuple<const Packed&> passed{value};
+  std::tuple<const Packed&> seeded{value};
+
+  explicit PackedArgument(const std::array<const Stored*, kLanesAtOnce>& x) { mtk::detail::gatherParts(value, x); }
+  PackedArgument(const PackedArgument&) = delete;
+};
+template <class T, int Offset>
+struct PackedArgument<VarArg<T>, Offset> {
+  static constexpr bool possible = mtk::is_rebindable_v<T>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<T, Lanes>, std::tuple<>>;
+  using Seeded = mtk::detail::sparse_rebind_t<T, Lanes, Offset>;
+  Packed value{};
+  Seeded dual{};
+  std::tuple<const Packed&> passed{value};
+  std::tuple<const Seeded&> seeded{dual};
+
+  explicit PackedArgument(const std::array<const VarArg<T>*, kLanesAtOnce>& x) {
+    std::array<const T*, kLanesAtOnce> values;
+    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &**x[lane];
+    mtk::detail::gatherParts(value, values);
+  }
+  PackedArgument(const PackedArgument&) = delete;
+  void seed() {
+    mtk::detail::forEachBasicPart(dual, value, Offset, [](auto& y, const auto& x, int at) {
+      mtk::detail::seedPart(y, x, at, 64);
+    });
+  }
+};
+template <class Z, int Offset>
+struct PackedArgument<Measured<Z>, Offset> {
+  static constexpr bool possible = mtk::is_rebindable_v<Z>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<Z, Lanes>, std::tuple<>>;
+  Packed value{};
+  std::tuple<> passed;
+  std::tuple<> seeded;
+
+  explicit PackedArgument(const std::array<const Measured<Z>*, kLanesAtOnce>& x) {
+    std::array<const Z*, kLanesAtOnce> values;
+    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &x[lane]->value;
+    mtk::detail::gatherParts(value, values);
+  }
+  PackedArgument(const PackedArgument&) = delete;
+};
+template <class A>
+inline constexpr bool is_measured = false;
+template <class Z, int Offset>
+inline constexpr bool is_measured<PackedArgument<Measured<Z>, Offset>> = true;
+
+/// Evaluates f for kLanesAtOnce sets of arguments. Rows and Columns: length of the residual, number of unknowns.
+template <class F, int Rows, int Columns, class Offsets, class... Stored>
+class PackEvaluation;
+
+template <class F, int Rows, int Columns, int... Offset, class... Stored>
+class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, Stored...> {
+  using Tuple = std::tuple<Stored...>;
+  using Arguments = std::tuple<PackedArgument<Stored, Offset>...>;
+
+ public:
+  using Source = std::array<const Tuple*, kLanesAtOnce>;
+  using Target = std::array<double*, kLanesAtOnce>;
+
+  static void evaluate(const F& f, const Source& source, const Target& r) {
+    const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
+    Lanes rows[Rows];
+    const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
+    std::apply([&](const auto&... argument) {
+      write(std::apply(f, std::tuple_cat(argument.passed...)), sink, argument...);
+    }, arguments);
+    scatter<Rows>(rows, r.data());
+  }
+
+  static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
+    auto arguments = gather(source, std::index_sequence_for<Stored...>{});
+    Lanes rows[Rows], partials[Rows * Columns];
+    const auto sink = [&](int row, const auto& x) {
+      using X = std::remove_cvref_t<decltype(x)>;
+      if constexpr (mtk::detail::is_dual<X>) {
+        rows[row] = x.value();
+        [&]<int... C>(std::integer_sequence<int, C...>) {
+          ((partials[C * Rows + row] = entry<X, C>(x)), ...);
+        }(std::make_integer_sequence<int, Columns>{});
+      } else {
+        rows[row] = Lanes(x);
+        for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
+      }
+    };
+    std::apply([&](auto&... argument) {
+      (seedOne(argument), ...);
+      write(std::apply(f, std::tuple_cat(argument.seeded...)), sink, argument...);
+    }, arguments);
+    scatter<Rows>(rows, r.data());
+    scatter<Rows * Columns>(partials, J.data());
+  }
+
+ private:
+  template <std::size_t... I>
+  static Arguments gather(const Source& source, std::index_sequence<I...>) {
+    return Arguments(pointers<I>(source)...);
+  }
+  template <std::size_t I>
+  static auto pointers(const Source& source) {
+    std::array<const std::tuple_element_t<I, Tuple>*, kLanesAtOnce> result;
+    for (std::size_t lane = 0; lane < source.size(); ++lane) result[lane] = &std::get<I>(*source[lane]);
+    return result;
+  }
+  template <class A>
+  static void seedOne(A& argument) {
+    if constexpr (requires { argument.seed(); }) argument.seed();
+  }
+  template <class X, int C>
+  static Lanes entry(const X& x) {
+    if constexpr ((X::columns >> C) & 1) {
+      return x.partials().get(mtk::detail::placeOf(X::columns, C));
+    } else {
+      return Lanes(0.0);
+    }
+  }
+  template <class Result, class Sink, class... A>
+  static void write(const Result& result, const Sink& sink, const A&... argument) {
+    if constexpr ((is_measured<A> || ...)) {
+      const auto one = [&](const auto& a) {
+        if constexpr (is_measured<std::remove_cvref_t<decltype(a)>>) eachDifference(result, a.value, 0, sink);
+      };
+      (one(argument), ...);
+    } else {
+      eachRow(result, sink);
+    }
+  }
+};
+
+}  // namespace detail
+}  // namespace slom
