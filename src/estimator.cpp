@@ -190,6 +190,10 @@ Eigen::MatrixXd Estimator::covarianceOf(int variable_a, int variable_b) const {
   return covarianceBlock(state_->system, variable_a, variable_b);
 }
 
+Eigen::VectorXd Estimator::standardDeviationOf(int variable) const {
+  return covarianceOf(variable, variable).diagonal().cwiseSqrt();
+}
+
 std::vector<std::string> Estimator::warnings() const { return unmeasuredVariables(problem()); }
 
 }  // namespace slom

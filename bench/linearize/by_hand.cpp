@@ -68,7 +68,7 @@ void putRow(double* J, int c, const Vec3& v) {
 
 // ---- bundle adjustment
 
-void linearizeBal(const BalCamera<>& camera, const mtk::vect<3>& point, const mtk::vect<2>& pixel, double* r,
+void linearizeBal(const BalCamera& camera, const mtk::vect<3>& point, const mtk::vect<2>& pixel, double* r,
                   double* J) {
   const Mat3 R(load(camera.pose.orient));
   const Vec3 X = load(point);
@@ -189,7 +189,7 @@ void putZeros(double* J, int first, int last) {
   for (int c = first; c < last; ++c) J[4 * c] = J[4 * c + 1] = 0;
 }
 
-void linearizeStereo(const StereoIntrinsics<>& intrinsics, const SE3& left2right, const SE3& board2left,
+void linearizeStereo(const StereoIntrinsics& intrinsics, const SE3& left2right, const SE3& board2left,
                      const mtk::vect<3>& on_board, const mtk::vect<4>& pixels, double* r, double* J) {
   const Mat3 to_left(load(board2left.orient)), to_right(load(left2right.orient));
   const Vec3 X = load(on_board), L = to_left.move(X, board2left.pos), P = to_right.move(L, left2right.pos);

@@ -116,7 +116,7 @@ std::vector<Variant> bySlom(const BalData& data) {
       insert(problem, f, cameras[std::size_t(z.camera)], points[std::size_t(z.point)], z.pixel);
     }
   };
-  return variantsOf<2, 12, BalReprojection, BalCamera<>, mtk::vect<3>, mtk::vect<2>>(data, fill);
+  return variantsOf<2, 12, BalReprojection, BalCamera, mtk::vect<3>, mtk::vect<2>>(data, fill);
 }
 
 std::vector<Variant> bySlom(const PoseGraphData& data) {
@@ -138,7 +138,7 @@ std::vector<Variant> bySlom(const StereoData& data) {
       insert(problem, f, intrinsics, left2right, boards[std::size_t(z.view)], z.on_board, z.pixels);
     }
   };
-  return variantsOf<4, 30, StereoReprojection, StereoIntrinsics<>, SE3, SE3, mtk::vect<3>, mtk::vect<4>>(
+  return variantsOf<4, 30, StereoReprojection, StereoIntrinsics, SE3, SE3, mtk::vect<3>, mtk::vect<4>>(
       data, fill);
 }
 

@@ -36,8 +36,8 @@ BalData simulateBal() {
   for (int i = 0; i < cameras; ++i) {
     SE3 pose = random.pose(0.4, 1.0);
     pose.pos[2] -= 10;
-    data.cameras.push_back(
-        {pose, {random.uniform(400, 600), random.uniform(-0.1, 0.0), random.uniform(0.0, 0.02)}});
+    data.cameras.emplace_back(pose,
+                              Vec3{random.uniform(400, 600), random.uniform(-0.1, 0.0), random.uniform(0.0, 0.02)});
   }
   for (int i = 0; i < kMeasurements; ++i) {
     const int point = i / views_of_a_point;
@@ -69,8 +69,8 @@ StereoData simulateStereo() {
   constexpr double square_m = 0.03;
   Random random(3);
   StereoData data;
-  data.intrinsics = {{533.0, 534.0, 342.0, 234.0, -0.28, 0.05, 0.001, -0.0002, 0.1},
-                     {537.0, 536.0, 326.0, 249.0, -0.29, 0.10, -0.0005, 0.0001, -0.04}};
+  data.intrinsics = StereoIntrinsics({533.0, 534.0, 342.0, 234.0, -0.28, 0.05, 0.001, -0.0002, 0.1},
+                                     {537.0, 536.0, 326.0, 249.0, -0.29, 0.10, -0.0005, 0.0001, -0.04});
   data.left2right = {mtk::SO3<>::exp(mtk::vect<3>(0.005, 0.004, -0.003)), mtk::vect<3>(-0.08, 0.001, 0.0005)};
   for (int i = 0; i < kMeasurements; ++i) {
     if (i % corners == 0) {

@@ -15,7 +15,7 @@ struct BalData {
     int camera, point;
     mtk::vect<2> pixel;
   };
-  std::vector<BalCamera<>> cameras;
+  std::vector<BalCamera> cameras;
   std::vector<mtk::vect<3>> points;
   std::vector<Observation> observations;  ///< point after point, as in the public files
 };
@@ -35,7 +35,7 @@ struct StereoData {
     mtk::vect<3> on_board;
     mtk::vect<4> pixels;  ///< left u, v, right u, v
   };
-  StereoIntrinsics<> intrinsics;
+  StereoIntrinsics intrinsics;
   SE3 left2right;
   std::vector<SE3> board2left;  ///< of each view
   std::vector<Corner> corners;  ///< view after view

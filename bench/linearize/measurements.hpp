@@ -7,26 +7,27 @@
 /// Every argument is `const auto&`: the same code runs on double, on dual numbers and on packs of either.
 #pragma once
 
-#include <array>
-
 #include <mtk/mtk.hpp>
 
 namespace slom::bench {
 
 using SE3 = mtk::trafo<mtk::SO3<>>;
 
-/// Camera of "Bundle adjustment in the large": looks along -z, its pose moves points of the world to it.
-template <class S = double>
-struct BalCamera {
-  mtk::trafo<mtk::SO3<S>> pose;
-  mtk::vect<3, S> lens;  ///< f [px], k1, k2
-};
+using Vec3 = mtk::vect<3>;
+using OpenCv5 = mtk::vect<9>;  ///< fx, fy, cx, cy, k1, k2, p1, p2, k3
 
-/// Each camera has fx, fy, cx, cy, k1, k2, p1, p2, k3 as in OpenCV; z forward.
-template <class S = double>
-struct StereoIntrinsics {
-  mtk::vect<9, S> left, right;
-};
+/// Camera of "Bundle adjustment in the large": looks along -z, its pose moves points of the world to it; the lens is
+/// f [px], k1, k2.
+MTK_BUILD_MANIFOLD(BalCamera,
+  ((SE3, pose))
+  ((Vec3, lens))
+)
+
+/// Two cameras that look along z.
+MTK_BUILD_MANIFOLD(StereoIntrinsics,
+  ((OpenCv5, left))
+  ((OpenCv5, right))
+)
 
 /// P = R X + t, p = -P.xy / P.z, residual f (1 + k1 |p|^2 + k2 |p|^4) p - pixel.
 struct BalReprojection {
@@ -36,7 +37,7 @@ struct BalReprojection {
     const auto y = -P[1] / P[2];
     const auto r2 = x * x + y * y;
     const auto scale = camera.lens[0] * (1.0 + r2 * (camera.lens[1] + r2 * camera.lens[2]));
-    return std::array{scale * x - pixel[0], scale * y - pixel[1]};
+    return mtk::vector(scale * x - pixel[0], scale * y - pixel[1]);
   }
 };
 
@@ -53,7 +54,7 @@ struct StereoReprojection {
     const auto in_right = left2right * in_left;
     const auto left = project(intrinsics.left, in_left);
     const auto right = project(intrinsics.right, in_right);
-    return std::array{left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]};
+    return mtk::vector(left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]);
   }
 
   static auto project(const auto& c, const auto& p) {
@@ -64,8 +65,8 @@ struct StereoReprojection {
     const auto xy2 = 2.0 * x * y;
     const auto r2 = xx + yy;
     const auto radial = 1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]));
-    return std::array{c[0] * (x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx)) + c[2],
-                      c[1] * (y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2) + c[3]};
+    return mtk::vector(c[0] * (x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx)) + c[2],
+                       c[1] * (y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2) + c[3]);
   }
 };
 

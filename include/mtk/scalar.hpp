@@ -83,6 +83,13 @@ struct Promote<SparseDual<S, A>, SparseDual<S, B>> {
   using type = SparseDual<S, A | B>;
 };
 
+template <class A, class... B>
+struct PromoteAll {
+  using type = A;
+};
+template <class A, class B, class... C>
+struct PromoteAll<A, B, C...> : PromoteAll<typename Promote<A, B>::type, C...> {};
+
 }  // namespace detail
 
 /// The type that holds both an A and a B.

@@ -225,7 +225,7 @@ class Estimator {
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    return covariance(id).diagonal().cwiseSqrt();
+    return standardDeviationOf(problem().indexOf(id));
   }
   /// Names of the components, as messages give them.
   template <class T>
@@ -257,6 +257,7 @@ class Estimator {
   double weightOf(MeasurementPool& pool, int i) const;
   Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
   Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;
+  Eigen::VectorXd standardDeviationOf(int variable) const;
 
   struct State;
   std::unique_ptr<State> state_;

@@ -49,24 +49,25 @@ void Linearizer::forEachChunk(int count, const F& f) {
 
 void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
-  const auto& table = problem.variables();
+  const int count = range.last - range.first;
   chunk.group = range.group;
   chunk.first = range.first;
   chunk.last = range.last;
   chunk.bad = -1;
   chunk.threw.reset();
-  chunk.rows.clear();
-  chunk.dof.clear();
+  chunk.rows.resize(at(count));
+  chunk.dof.resize(at(count) * at(pool.arity()));
+  pool.sizes(range.first, range.last, chunk.rows.data(), chunk.dof.data());
   std::size_t residuals = 0, entries = 0;
-  for (int i = range.first; i < range.last; ++i) {
-    chunk.rows.push_back(pool.rows(i));
-    residuals += at(pool.rows(i));
-    if (!with_jacobian) continue;
-    for (int k = 0; k < pool.arity(); ++k) chunk.dof.push_back(table[at(pool.variables(i)[k])].dof);
-    entries += at(pool.rows(i)) * at(pool.columns(i));
+  const int* dof = chunk.dof.data();
+  for (const int rows : chunk.rows) {
+    int columns = 0;
+    for (int k = 0; k < pool.arity(); ++k) columns += *dof++;
+    residuals += at(rows);
+    entries += at(rows) * at(columns);
   }
   chunk.r.resize(residuals);
-  chunk.J.resize(entries);
+  if (with_jacobian) chunk.J.resize(entries);
 }
 
 /// The chunk's RSS and, where derivatives are wanted, r and J as the sink is to get them.

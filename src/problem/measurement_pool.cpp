@@ -12,13 +12,6 @@ void detail::raiseWrongLength(const std::string& subject, Eigen::Index expected,
                   " when it was inserted; return the same length for all values of the variables");
 }
 
-int MeasurementPool::columns(int i) const {
-  int sum = 0;
-  const int* variable = variables(i);
-  for (int k = 0; k < arity_; ++k) sum += table_[at(variable[k])].dof;
-  return sum;
-}
-
 int MeasurementPool::indexOf(SlotRef ref) const {
   if (ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && index_of_slot_[ref.slot] >= 0) {
     return index_of_slot_[ref.slot];

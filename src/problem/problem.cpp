@@ -27,6 +27,40 @@ void Problem::bookVariable(int index, VariableRecord record) {
   ++value_revision_;
 }
 
+std::shared_ptr<VariableStoreBase> Problem::findOrMakeStore(std::type_index type, VariableStoreBase* (*make)()) {
+  auto& entry = store_of_type_[type];
+  if (!entry) entry.reset(make());
+  return entry;
+}
+
+MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
+  const auto found = pools_of_type_.find(type);
+  if (found == pools_of_type_.end()) return nullptr;
+  for (const LabelledPool& entry : found->second) {
+    if (entry.label == label) return entry.pool;
+  }
+  return nullptr;
+}
+
+std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
+  std::vector<const MeasurementPool*> result;
+  const auto found = pools_of_type_.find(type);
+  if (found != pools_of_type_.end()) {
+    for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
+  }
+  return result;
+}
+
+MeasurementPool& Problem::adoptPool(std::type_index type, std::string_view label,
+                                    std::unique_ptr<MeasurementPool> pool) {
+  std::vector<LabelledPool>& entries = pools_of_type_[type];
+  entries.reserve(entries.size() + 1);  // so that nothing fails once the pool is in the list
+  LabelledPool entry{std::string(label), pool.get()};
+  pools_.push_back(std::move(pool));
+  entries.push_back(std::move(entry));
+  return *pools_.back();
+}
+
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
   for (const auto& [key, own] : store_of_type_) {
     if (own.get() != store) continue;

@@ -93,6 +93,8 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   return {};
 }
 
+double DenseQR::squaredImage(const VectorXd& d) const { return (J_ * d).squaredNorm(); }
+
 SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
   Scaled scaled;
   const SolveStatus status = factorize(J_, scaled);

@@ -46,6 +46,16 @@ struct Lanes {
 
   Vector v[count];
 
+  // Copied one by one, which lets the compiler keep them in registers; of whole arrays it makes calls of memcpy.
+  Lanes() = default;
+  Lanes(const Lanes& x) {
+    for (int i = 0; i < count; ++i) v[i] = x.v[i];
+  }
+  Lanes& operator=(const Lanes& x) {
+    for (int i = 0; i < count; ++i) v[i] = x.v[i];
+    return *this;
+  }
+
   static Lanes zero() {
     Lanes x;
     for (int i = 0; i < count; ++i) x.v[i] = Vector{};

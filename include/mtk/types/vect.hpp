@@ -72,6 +72,15 @@ class vect : public PlainVector<S, N> {
   void magnitudes(vectview<S, N> out) const { out = this->cwiseAbs(); }
 };
 
+/// The vector of these numbers, whose types may differ: the result's type holds them all. What a function that is to work
+/// on numbers of any type returns: `return mtk::vector(u - z[0], v - z[1]);`
+template <class First, class... Rest>
+auto vector(const First& first, const Rest&... rest) {
+  using Sum = typename detail::PromoteAll<First, Rest...>::type;
+  using S = std::conditional_t<std::is_integral_v<Sum>, double, Sum>;
+  return vect<1 + static_cast<int>(sizeof...(Rest)), S>(S(first), S(rest)...);
+}
+
 // Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
 // `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
 

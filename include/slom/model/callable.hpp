@@ -378,7 +378,7 @@ class CallableMeasurement {
     }
   }
   template <std::size_t... I>
-  int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
+  __attribute__((flatten)) int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
                       double* J, int width) const {
     const std::tuple<detail::DualArgument<Stored<Args>, Number>...> seeds(std::pair(&std::get<I>(args_), offset[I])...);
     return write(std::apply(function(), std::tuple_cat(std::get<I>(seeds).passed...)), rows, r, J, width);

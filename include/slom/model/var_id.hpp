@@ -38,12 +38,7 @@ class VarID {
   VarID(std::shared_ptr<VariableStore<T>> store, SlotRef ref) : store_(std::move(store)), ref_(ref) {}
 
   const VariableStore<T>& current() const {
-    if (!isValid()) {
-      throw Error("slom.stale-handle",
-                  "the VarID<" + typeName<T>() + "> " +
-                      (store_ ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
-                              : "refers to no variable; assign it the result of insertRV first"));
-    }
+    if (!isValid()) detail::raiseStaleHandle(typeName<T>(), store_ != nullptr);
     return *store_;
   }
 

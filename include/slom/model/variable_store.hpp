@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <sstream>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -21,10 +21,16 @@ struct SlotRef {
   std::uint32_t generation = 0;
 };
 
+namespace detail {
+/// What `write(stream, value)` writes, as a string. Compiled once: streams are dear to every file that makes one.
+std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
+[[noreturn]] void raiseStaleHandle(const std::string& type, bool was_valid);
+}  // namespace detail
+
 /// What the untyped part of the library does with values: all of one type in one call.
 class VariableStoreBase {
  public:
-  virtual ~VariableStoreBase() = default;
+  virtual ~VariableStoreBase();
 
   virtual std::string typeName() const = 0;
   virtual int dof(std::uint32_t slot) const = 0;
@@ -46,11 +52,7 @@ class VariableStoreBase {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && variable_[ref.slot] >= 0;
   }
   /// Frees the slot; handles to it become stale.
-  void release(std::uint32_t slot) {
-    free_.push_back(slot);
-    variable_[slot] = -1;
-    ++generation_[slot];
-  }
+  void release(std::uint32_t slot);
 
  protected:
   std::vector<int> variable_;
@@ -92,9 +94,9 @@ class VariableStore final : public VariableStoreBase {
   }
   std::string valueText(std::uint32_t slot) const override {
     if constexpr (mtk::isWritable<T>()) {
-      std::ostringstream text;
-      mtk::write(text, values_[slot]);
-      return text.str();
+      return detail::textOf(&values_[slot], [](std::ostream& os, const void* value) {
+        mtk::write(os, *static_cast<const T*>(value));
+      });
     } else {
       return "a " + typeName();
     }

@@ -117,7 +117,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
   using Source = std::array<const Tuple*, kLanesAtOnce>;
   using Target = std::array<double*, kLanesAtOnce>;
 
-  static void evaluate(const F& f, const Source& source, const Target& r) {
+  __attribute__((flatten)) static void evaluate(const F& f, const Source& source, const Target& r) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
@@ -127,7 +127,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     scatter<Rows>(rows, r.data());
   }
 
-  static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
+  __attribute__((flatten)) static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
     auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows], partials[Rows * Columns];
     const auto sink = [&](int row, const auto& x) {

@@ -2,6 +2,7 @@
 /// the library evaluates and differentiates them a batch at a time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -55,7 +56,9 @@ class MeasurementPool {
   /// Length of the residual of measurement i.
   virtual int rows(int i) const = 0;
   /// Degrees of freedom of all variables of measurement i, fixed ones included.
-  int columns(int i) const;
+  virtual int columns(int i) const = 0;
+  /// Writes the lengths of the residuals of [first, last), and the degrees of freedom of all their variables.
+  virtual void sizes(int first, int last, int* rows, int* dof) const = 0;
   /// The loss of measurement i; null: least squares. evaluate and linearize know nothing of it.
   const Loss* lossOf(int i) const { return loss_[at(i)]; }
   /// Number of measurements that have a loss.
@@ -92,6 +95,7 @@ class MeasurementPool {
   /// Where the pool keeps this loss, null for none. Throws [slom.bad-loss].
   const Loss* keepLoss(const Loss& loss);
   void whitenRows(int i, double* m, int cols) const {
+    if (noise_kind_[at(i)] == WhiteningKind::unit) return;
     whiten(noise_kind_[at(i)], noise_.data() + noise_at_[at(i)], m, rows(i), cols);
   }
   virtual void moveLastTo(int i) = 0;
@@ -138,6 +142,19 @@ class TypedPool final : public MeasurementPool {
   static constexpr int kRows = M::residual_dim;
   using Args = decltype(std::declval<M&>().variableArgs());
   static constexpr int kArity = static_cast<int>(std::tuple_size_v<Args>);
+  static constexpr auto kDof = []<class... T>(std::type_identity<std::tuple<VarArg<T>&...>>) {
+    return std::array<int, sizeof...(T)>{mtk::DOF_v<T>...};
+  }(std::type_identity<Args>{});
+  static constexpr bool kHasFixedDof = [] {
+    bool fixed = true;
+    for (const int dof : kDof) fixed = fixed && dof != Dynamic;
+    return fixed;
+  }();
+  static constexpr int kColumns = [] {
+    int sum = 0;
+    for (const int dof : kDof) sum += dof;
+    return sum;
+  }();
 
  public:
   TypedPool(std::string name, const std::vector<VariableRecord>& table)
@@ -169,6 +186,22 @@ class TypedPool final : public MeasurementPool {
     }
   }
 
+  int columns(int i) const override {
+    if constexpr (kHasFixedDof) {
+      return kColumns;
+    } else {
+      int sum = 0;
+      for (int k = 0; k < kArity; ++k) sum += table()[at(variables(i)[k])].dof;
+      return sum;
+    }
+  }
+  void sizes(int first, int last, int* row, int* dof) const override {
+    for (int i = first; i < last; ++i) {
+      *row++ = rows(i);
+      for (int k = 0; k < kArity; ++k) *dof++ = kHasFixedDof ? kDof[k] : table()[at(variables(i)[k])].dof;
+    }
+  }
+
   DerivativeSource derivatives() const override {
     if constexpr (requires { M::derivatives; }) {
       return M::derivatives;
@@ -178,31 +211,41 @@ class TypedPool final : public MeasurementPool {
   }
 
   int evaluate(int first, int last, double* r) override {
-    int bad = -1;
+    double* const start = r;
     evaluateAtOnce(first, last, r, nullptr);
     for (int i = first; i < last; ++i) {
-      const int n = rows(i);
       if constexpr (!isVectorized()) evaluateRaw(i, r);
       whitenRows(i, r, 1);
-      if (bad < 0 && !isFinite(r, n)) bad = i;
-      r += n;
+      r += rows(i);
     }
-    return bad;
+    if (isFinite(start, r - start)) return -1;
+    r = start;
+    for (int i = first; i < last; r += rows(i++)) {
+      if (!isFinite(r, rows(i))) return i;
+    }
+    return -1;
   }
 
   int linearize(int first, int last, double* r, double* J) override {
-    int bad = -1;
+    double *const start_r = r, *const start_J = J;
     evaluateAtOnce(first, last, r, J);
-    for (int i = first; i < last && bad < 0; ++i) {
+    for (int i = first; i < last; ++i) {
       const int n = rows(i), width = columns(i);
       if constexpr (!isVectorized()) guarded(i, [&] { linearizeRaw(i, n, r, J); });
       whitenRows(i, r, 1);
       whitenRows(i, J, width);
-      if (!isFinite(r, n) || !areFreeColumnsFinite(i, n, J)) bad = i;
       r += n;
       J += static_cast<std::ptrdiff_t>(n) * width;
     }
-    return bad;
+    if (isFinite(start_r, r - start_r) && isFinite(start_J, J - start_J)) return -1;
+    r = start_r;
+    J = start_J;
+    for (int i = first; i < last; ++i) {
+      if (!isFinite(r, rows(i)) || !areFreeColumnsFinite(i, rows(i), J)) return i;
+      r += rows(i);
+      J += static_cast<std::ptrdiff_t>(rows(i)) * columns(i);
+    }
+    return -1;
   }
 
   void evaluateRaw(int i, double* r) override {
@@ -213,10 +256,8 @@ class TypedPool final : public MeasurementPool {
   }
 
  private:
-  static bool isFinite(const double* x, int n) {
-    double sum = 0;
-    for (int i = 0; i < n; ++i) sum += x[i] - x[i];  // NaN for NaN and infinities
-    return sum == 0;
+  static bool isFinite(const double* x, std::ptrdiff_t n) {
+    return (Eigen::Map<const Eigen::ArrayXd>(x, n) * 0.0).sum() == 0.0;  // NaN for NaN and infinities
   }
 
   static constexpr bool isVectorized() {

@@ -95,12 +95,7 @@ class Problem {
   /// The pools of measurements of type M: one for each label, none when none was ever inserted.
   template <class M>
   std::vector<const MeasurementPool*> poolsOf() const {
-    std::vector<const MeasurementPool*> result;
-    const auto found = pools_of_type_.find(typeid(M));
-    if (found != pools_of_type_.end()) {
-      for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
-    }
-    return result;
+    return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Non-const access for evaluation, which moves variables locally.
@@ -127,30 +122,31 @@ class Problem {
 
   template <class T>
   std::shared_ptr<VariableStore<T>> findStore() {
-    auto& entry = store_of_type_[typeid(T)];
-    if (!entry) entry = std::make_shared<VariableStore<T>>();
-    return std::static_pointer_cast<VariableStore<T>>(entry);
+    const auto make = []() -> VariableStoreBase* { return new VariableStore<T>; };
+    return std::static_pointer_cast<VariableStore<T>>(findOrMakeStore(typeid(T), make));
   }
   template <class M>
   TypedPool<M>& findPool(std::string_view label) {
-    std::vector<LabelledPool>& entries = pools_of_type_[typeid(M)];
-    for (const LabelledPool& entry : entries) {
-      if (entry.label == label) return static_cast<TypedPool<M>&>(*entry.pool);
-    }
-    std::string name(label);
-    if (label.empty()) {
-      if constexpr (requires { M::groupName(); }) {
-        name = M::groupName();
-      } else {
-        name = slom::typeName<M>();
+    MeasurementPool* pool = findPool(typeid(M), label);
+    if (pool == nullptr) {
+      std::string name(label);
+      if (label.empty()) {
+        if constexpr (requires { M::groupName(); }) {
+          name = M::groupName();
+        } else {
+          name = slom::typeName<M>();
+        }
       }
+      pool = &adoptPool(typeid(M), label, std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
     }
-    auto pool = std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_);
-    entries.push_back({std::string(label), pool.get()});
-    pools_.push_back(std::move(pool));
-    return static_cast<TypedPool<M>&>(*entries.back().pool);
+    return static_cast<TypedPool<M>&>(*pool);
   }
 
+  // What concerns containers is compiled once, not in every file that inserts something.
+  std::shared_ptr<VariableStoreBase> findOrMakeStore(std::type_index type, VariableStoreBase* (*make)());
+  MeasurementPool* findPool(std::type_index type, std::string_view label) const;
+  std::vector<const MeasurementPool*> findPools(std::type_index type) const;
+  MeasurementPool& adoptPool(std::type_index type, std::string_view label, std::unique_ptr<MeasurementPool> pool);
   int reserveVariable();
   void bookVariable(int index, VariableRecord record);
   void bookMeasurement(const int* variables, int arity);

@@ -15,7 +15,7 @@ class DenseQR final : public LinearSolver {
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override { return gradient_; }
   const Eigen::VectorXd& diagonal() const override { return diagonal_; }
-  double squaredImage(const Eigen::VectorXd& d) const override { return (J_ * d).squaredNorm(); }
+  double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   std::string description() const override;
 
