@@ -238,6 +238,7 @@ TEST(Insertion, TakesNoiseAndLossInEitherOrder) {
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise, loss)), expected);
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, loss, noise)), expected);
   EXPECT_EQ(est.getRSS(est.registerMeasurement(f, x, 1.0, noise, loss)), expected);
+  EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, loss, slom::named("level"), noise)), expected);
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, -1.0, loss)), expected) << "unit covariance";
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise)), 16);
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise, slom::Loss())), 16) << "no loss";
