@@ -5,6 +5,7 @@
 
 #include "slom/analyze/covariance.hpp"
 #include "slom/analyze/diagnosis.hpp"
+#include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/sparse_cholesky.hpp"
 
@@ -60,6 +61,9 @@ Summary Estimator::optimize(const Options& options) {
   summary.unknowns = structure.system.unknowns();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.message = state_->messageFor(summary, singular_at);
+  if (summary.stop_reason == StopReason::rank_deficient) {
+    for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
+  }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
   return summary;
 }
@@ -69,7 +73,11 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
     return singularError(problem, system.structure(), status).what();
   }
   if (summary.stop_reason == StopReason::max_iterations) {
-    return "iteration limit of " + std::to_string(summary.iterations) + " reached";
+    const double widening = summary.trace.back().widening;
+    return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
+           (widening > 1 ? " while the losses were still widened, mu = " + std::to_string(widening) +
+                               "; raise max_iterations"
+                         : "");
   }
   return toString(summary.stop_reason);
 }
@@ -78,10 +86,15 @@ void Estimator::State::fillGroups(Summary& summary, bool before) {
   const std::vector<double> rss = linearizer.rssPerPool(problem);
   summary.groups.resize(problem.pools().size());
   for (std::size_t g = 0; g < summary.groups.size(); ++g) {
-    const MeasurementPool& pool = *problem.pools()[g];
+    MeasurementPool& pool = *problem.pools()[g];
     GroupSummary& group = summary.groups[g];
     if (!before) {
       group.final_rss = rss[g];
+      try {
+        group.losses = summarizeLosses(pool);
+      } catch (const MeasurementThrew& event) {
+        problem.raiseThrew(pool, event);
+      }
       continue;
     }
     group.name = pool.name();
@@ -131,11 +144,22 @@ double Estimator::rssOfVariable(int variable) const {
     for (int i = 0; i < pool->size(); ++i) {
       const int* first = pool->variables(i);
       if (std::find(first, first + pool->arity(), variable) != first + pool->arity()) {
-        sum += residualOf(*pool, i, true).squaredNorm();
+        sum += rssOfMeasurement(*pool, i);
       }
     }
   }
   return sum;
+}
+
+double Estimator::rssOfMeasurement(MeasurementPool& pool, int i) const {
+  const double s = residualOf(pool, i, true).squaredNorm();
+  const Loss* loss = pool.lossOf(i);
+  return loss == nullptr || !std::isfinite(s) ? s : loss->evaluate(s).rho;
+}
+
+double Estimator::weightOf(MeasurementPool& pool, int i) const {
+  const Loss* loss = pool.lossOf(i);
+  return loss == nullptr ? 1 : loss->evaluate(residualOf(pool, i, true).squaredNorm()).first;
 }
 
 double Estimator::getRMS() const {

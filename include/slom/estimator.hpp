@@ -5,8 +5,10 @@
 ///     for (const auto& p : points) est.insertMeasurement(OnCircle(circle, p), slom::StandardDeviation(0.1));
 ///     std::cout << est.optimize() << *circle << "\n";
 ///
-/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. Measurement functions
-/// are called from several threads at once (setThreads changes that), so they must not write to shared data.
+/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. A measurement with a
+/// robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to it instead of |W r|^2: every RSS below is this robust cost,
+/// while residual, whitenedResidual and residuals know nothing of losses. Measurement functions are called from several
+/// threads at once (setThreads changes that), so they must not write to shared data.
 /// Faults of the caller are exceptions (mtk::Error, with a stable id); after any exception the estimator is as it was
 /// before the call, but for steps of an optimisation that had been completed.
 #pragma once
@@ -103,14 +105,16 @@ class Estimator {
   // Measurements.
 
   /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT. Options, in any order: its uncertainty (none: unit
-  /// covariance), slom::named("label").
+  /// covariance), its loss (none: least squares), slom::named("label").
   template <Measurement M, class... Options>
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
     static_assert((detail::is_option<Options> && ...),
                   "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
-                  "InvCovariance or InvStandardDeviation) or how it is called (slom::named)");
+                  "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
+                  "(slom::named)");
     const auto all = std::tie(options...);
-    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong(all), detail::labelAmong(all));
+    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong(all), detail::labelAmong(all),
+                                       detail::lossAmong(all));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
   /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
@@ -121,7 +125,7 @@ class Estimator {
   auto insertMeasurement(F f, const Args&... args) {
     const auto all = std::tie(args...);
     return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong(all),
-                          detail::labelAmong(all));
+                          detail::labelAmong(all), detail::lossAmong(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -159,7 +163,7 @@ class Estimator {
 
   // What the fit knows.
 
-  /// Sum of squared whitened residuals at the current values.
+  /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
   double getRSS() const;
   /// Of all measurements of type M.
   template <Measurement M>
@@ -169,12 +173,19 @@ class Estimator {
   /// Of one measurement.
   template <class M>
   double getRSS(const MeasID<M>& id) const {
-    return whitenedResidual(id).squaredNorm();
+    const auto [pool, i] = problem().locate(id);
+    return rssOfMeasurement(*pool, i);
   }
   /// Of all measurements that depend on a variable.
   template <class T>
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
+  }
+  /// By its loss: the factor rho'(|W r|^2) of its square, from 1 (counts in full, as without a loss) down to 0.
+  template <class M>
+  double weight(const MeasID<M>& id) const {
+    const auto [pool, i] = problem().locate(id);
+    return weightOf(*pool, i);
   }
   /// sqrt(RSS / M): near 1 when the stated uncertainties are right. 0 without measurements.
   double getRMS() const;
@@ -199,7 +210,9 @@ class Estimator {
   Eigen::VectorXd residuals() const;
 
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
-  /// uncertainties and the linearisation at the current values. 0 for fixed variables. Throws [slom.rank-deficient]
+  /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
+  /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
+  /// 0 for fixed variables. Throws [slom.rank-deficient]
   /// or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
@@ -231,14 +244,17 @@ class Estimator {
     return problem().template insertVariable<V>(V(value), optimize, std::move(name));
   }
   template <class F, class Tuple, std::size_t... I>
-  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label) {
+  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
+                      const Loss& loss) {
     using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
-    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label);
+    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label, loss);
   }
 
   Problem& problem() const;
   double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;
   double rssOfVariable(int variable) const;
+  double rssOfMeasurement(MeasurementPool& pool, int i) const;
+  double weightOf(MeasurementPool& pool, int i) const;
   Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
   Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;
   Eigen::VectorXd standardDeviationOf(int variable) const;

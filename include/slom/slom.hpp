@@ -3,6 +3,7 @@
 
 #include "mtk/mtk.hpp"
 #include "slom/estimator.hpp"
+#include "slom/model/loss.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/solve/dense_qr.hpp"

@@ -32,6 +32,26 @@ std::string groupTable(const Summary& summary) {
                        summary.final_rss);
 }
 
+/// A line for each loss of the group, or one for all when there are many.
+std::string lossLines(const GroupSummary& group) {
+  constexpr std::size_t kMostLines = 4;
+  std::vector<LossSummary> losses = group.losses;
+  if (losses.size() > kMostLines) {
+    LossSummary all{std::to_string(losses.size()) + " losses"};
+    for (const LossSummary& one : losses) {
+      all.measurements += one.measurements;
+      all.down_weighted += one.down_weighted;
+    }
+    losses = {all};
+  }
+  std::string text;
+  for (const LossSummary& one : losses) {
+    text += format("  %s: %s on %d of %d measurements, %d down-weighted (weight < 1/2)\n", group.name.c_str(),
+                   one.loss.c_str(), one.measurements, group.measurements, one.down_weighted);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string report(const Summary& summary) {
@@ -39,8 +59,12 @@ std::string report(const Summary& summary) {
   text += format("  %d iterations of %s; %s\n", summary.iterations, summary.algorithm.c_str(), summary.solver.c_str());
   text += format("  %d residuals - %d unknowns (%d variables) = redundancy %d\n", summary.measurements, summary.unknowns,
                  summary.variables, summary.redundancy);
+  if (summary.stages > 0) text += format("  graduated non-convexity, stages begun: %d\n", summary.stages);
   text += groupTable(summary);
-  if (summary.redundancy > 0) text += format("  chi-square / dof = %.6g\n", summary.chi2PerDof());
+  for (const GroupSummary& group : summary.groups) text += lossLines(group);
+  if (summary.redundancy > 0) {
+    text += format("  %s / dof = %.6g\n", summary.hasLosses() ? "robust RSS" : "chi-square", summary.chi2PerDof());
+  }
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;
 }
@@ -57,7 +81,8 @@ Observer progressTable(std::ostream& os) {
     }
     os << format("%4d %16.9g %11.2e %10.2e %10.2e %10.2e  %s", line.iteration, line.rss, line.relative_decrease,
                  line.gradient, line.step, line.damping, line.algorithm.c_str())
-       << (line.trials > 1 ? format(", %d trials\n", line.trials) : "\n");
+       << (line.trials > 1 ? format(", %d trials", line.trials) : "")
+       << (line.widening > 1 ? format(", mu = %.3g\n", line.widening) : "\n");
   };
 }
 

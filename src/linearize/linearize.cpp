@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include "reweight.hpp"
 
 namespace slom {
 
@@ -67,6 +70,21 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   if (with_jacobian) chunk.J.resize(entries);
 }
 
+/// The chunk's RSS and, where derivatives are wanted, r and J as the sink is to get them.
+void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const {
+  const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
+  if (pool.lossCount() == 0) {
+    chunk.rss = chunk.squared_norm = squaredNorm(chunk.r);
+    return;
+  }
+  if (!with_jacobian) {
+    chunk.rss = robustCost(pool, chunk.first, chunk.last, widening_, chunk.r.data());
+    return;
+  }
+  chunk.rss = reweight(problem, pool, chunk.first, chunk.last, widening_, chunk.r.data(), chunk.J.data());
+  chunk.squared_norm = squaredNorm(chunk.r);
+}
+
 std::vector<double> Linearizer::rssPerPool(Problem& problem) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
   std::vector<double> sums(all.size());
@@ -76,10 +94,11 @@ std::vector<double> Linearizer::rssPerPool(Problem& problem) {
     prepare(problem, all[at(c)], false, chunk);
     try {
       problem.pools()[at(chunk.group)]->evaluate(chunk.first, chunk.last, chunk.r.data());
+      addLosses(problem, false, chunk);
     } catch (const MeasurementThrew& event) {
       threw[at(c)] = event;
     }
-    sums[at(c)] = squaredNorm(chunk.r);
+    sums[at(c)] = chunk.rss;
   });
   for (std::size_t c = 0; c < all.size(); ++c) {
     if (threw[c]) problem.raiseThrew(*problem.pools()[at(all[c].group)], *threw[c]);
@@ -93,6 +112,23 @@ double Linearizer::rss(Problem& problem) {
   double sum = 0;
   for (const double part : rssPerPool(problem)) sum += part;
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::quiet_NaN();
+}
+
+double Linearizer::largestLossArgument(Problem& problem) {
+  double largest = -1;
+  for (const Range& range : ranges(problem, kMeasurementsPerChunk)) {
+    MeasurementPool& pool = *problem.pools()[at(range.group)];
+    if (pool.lossCount() == 0) continue;
+    Chunk chunk;
+    prepare(problem, range, false, chunk);
+    try {
+      pool.evaluate(range.first, range.last, chunk.r.data());
+    } catch (const MeasurementThrew& event) {
+      problem.raiseThrew(pool, event);
+    }
+    largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
+  }
+  return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
 }
 
 Eigen::VectorXd Linearizer::residuals(Problem& problem) {
@@ -114,7 +150,7 @@ Eigen::VectorXd Linearizer::residuals(Problem& problem) {
 
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
-  std::vector<double> rss_of_pool(problem.pools().size(), 0.0);
+  std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
   chunks_.resize(std::min<std::size_t>(all.size(), kChunksPerWave));
   sink.beginLinearization();
   for (std::size_t wave = 0; wave < all.size(); wave += kChunksPerWave) {
@@ -124,6 +160,7 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       prepare(problem, all[wave + at(c)], true, chunk);
       try {
         chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+        if (chunk.bad < 0) addLosses(problem, true, chunk);
       } catch (const MeasurementThrew& event) {
         chunk.threw = event;
       }
@@ -132,15 +169,15 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       const Chunk& chunk = chunks_[at(c)];
       if (chunk.threw) problem.raiseThrew(*problem.pools()[at(chunk.group)], *chunk.threw);
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
-      rss_of_pool[at(chunk.group)] += squaredNorm(chunk.r);
+      rss_of_pool[at(chunk.group)] += chunk.rss;
+      squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
       sink.add({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(), chunk.r.data(),
                 chunk.J.data()});
     }
   }
   sink.endLinearization();
-  double sum = 0;
-  for (const double part : rss_of_pool) sum += part;
-  return sum;
+  squared_norm_sent_ = std::accumulate(squared_norm_of_pool.begin(), squared_norm_of_pool.end(), 0.0);
+  return std::accumulate(rss_of_pool.begin(), rss_of_pool.end(), 0.0);
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {

@@ -1,7 +1,9 @@
 #include "slom/optimize/optimizer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace slom {
@@ -26,17 +28,48 @@ double Summary::chi2PerDof() const {
   return redundancy > 0 ? final_rss / redundancy : std::numeric_limits<double>::quiet_NaN();
 }
 
+bool Summary::hasLosses() const {
+  return std::any_of(groups.begin(), groups.end(), [](const GroupSummary& group) { return !group.losses.empty(); });
+}
+
 namespace {
+
+/// A stage of graduated non-convexity is over when the RSS falls by less than this, relatively.
+constexpr double kStageTolerance = 1e-3;
+
+/// Gives the losses their own scale back when it goes.
+struct Widening {
+  System& system;
+  double mu = 1;
+  void set(double value) { system.setLossWidening(mu = value); }
+  ~Widening() {
+    if (mu != 1) system.setLossWidening(1);
+  }
+};
+
+void checkGraduation(const Options& options) {
+  if (!(options.graduation_factor > 1 && std::isfinite(options.graduation_factor))) {
+    throw Error("slom.bad-option", "graduation_factor is " + std::to_string(options.graduation_factor) +
+                                       "; pass a finite number above 1, such as 1.4");
+  }
+  if (options.stage_iterations < 1) {
+    throw Error("slom.bad-option", "stage_iterations is " + std::to_string(options.stage_iterations) +
+                                       "; pass a positive number, such as 2");
+  }
+}
 
 class Run {
  public:
   Run(System& system, Algorithm& algorithm, const Options& options)
-      : system_(system), algorithm_(&algorithm), options_(options) {}
+      : system_(system), algorithm_(&algorithm), options_(options), limits_(options) {}
 
   Summary go(SolveStatus& singular_at) {
     summary_.initial_rss = summary_.final_rss = system_.linearize();
     record({}, system_.gradientCosine());
-    summary_.stop_reason = iterate();
+    summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
+                           : options_.graduated_non_convexity ? graduate()
+                                                              : iterate();
+    if (summary_.stages > 0 && summary_.final_rss > summary_.initial_rss) warnOfRise();
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
     summary_.seconds = secondsSinceStart();
@@ -45,15 +78,61 @@ class Run {
   }
 
  private:
-  StopReason iterate() {
-    if (system_.structure().system.unknowns() == 0 || system_.structure().residuals == 0) {
-      return StopReason::nothing_to_do;
+  bool hasNothingToDo() {
+    return system_.structure().system.unknowns() == 0 || system_.structure().residuals == 0;
+  }
+
+  /// Graduated non-convexity, as Options says. In addition mu never stays above what its first value's rule gives for
+  /// the present residuals, so that a start far away does not cost stages once the first fits have come near.
+  StopReason graduate() {
+    Widening widening{system_};
+    double most = 2 * system_.largestLossArgument();
+    if (most < 0) {
+      summary_.warnings.push_back(
+          "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass one to "
+          "insertMeasurement, such as slom::GemanMcClure(3)");
+      return iterate();
     }
-    while (summary_.iterations < options_.max_iterations) {
+    for (double mu = std::max(most, 1.0);; mu = std::max(std::min(mu / options_.graduation_factor, most), 1.0)) {
+      ++summary_.stages;
+      widening.set(mu);
+      limits_ = options_;
+      if (mu == 1) {
+        if (summary_.stages > 1) algorithm_->reset();
+        return iterate();
+      }
+      limits_.max_iterations = std::min(options_.max_iterations, summary_.iterations + options_.stage_iterations);
+      limits_.decrease_tolerance = std::max(options_.decrease_tolerance, kStageTolerance);
+      const StopReason reason = iterate();
+      if (endsTheFit(reason)) {
+        widening.set(1);
+        summary_.final_rss = system_.rss();
+        return reason;
+      }
+      most = 2 * system_.largestLossArgument();
+    }
+  }
+
+  void warnOfRise() {
+    char text[64];
+    std::snprintf(text, sizeof text, "at the RSS %g, above that of the start, %g", summary_.final_rss,
+                  summary_.initial_rss);
+    summary_.warnings.push_back(std::string("graduated non-convexity ended ") + text +
+                                "; if the start was a good one, fit from it without graduated_non_convexity");
+  }
+
+  /// Whether a stage that stopped for this reason is the last one, though its losses are still widened.
+  bool endsTheFit(StopReason reason) const {
+    if (reason == StopReason::max_iterations) return summary_.iterations >= options_.max_iterations;
+    return reason == StopReason::rank_deficient || reason == StopReason::not_finite;
+  }
+
+  StopReason iterate() {
+    while (summary_.iterations < limits_.max_iterations) {
       system_.linearize();
       const double gradient = system_.gradientCosine();
       // A system without full rank is told about even when the RSS could not be smaller; the step finds out.
-      StepOutcome outcome = algorithm_->step(system_, options_);
+      StepOutcome outcome = algorithm_->step(system_, limits_);
       if (mustFallBack(outcome)) continue;
       ++summary_.iterations;
       summary_.final_rss = outcome.rss_after;
@@ -83,7 +162,7 @@ class Run {
   }
 
   bool hasLittleDecrease(const StepOutcome& outcome) const {
-    const double little = options_.decrease_tolerance * outcome.rss_before;
+    const double little = limits_.decrease_tolerance * outcome.rss_before;
     return std::abs(outcome.rss_before - outcome.rss_after) <= little && outcome.predicted_decrease <= little;
   }
 
@@ -116,6 +195,7 @@ class Run {
     } else {
       line.trials = 0;
     }
+    line.widening = system_.lossWidening();
     line.seconds = secondsSinceStart();
     summary_.trace.push_back(line);
     if (options_.observer) options_.observer(line);
@@ -129,6 +209,7 @@ class Run {
   Algorithm* algorithm_;
   LevenbergMarquardt fallback_;
   const Options& options_;
+  Options limits_;  // of the stage
   Summary summary_;
   SolveStatus singular_at_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -137,6 +218,7 @@ class Run {
 }  // namespace
 
 Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, SolveStatus& singular_at) {
+  checkGraduation(options);
   return Run(system, algorithm, options).go(singular_at);
 }
 

@@ -27,6 +27,7 @@ double System::linearize() {
   }
   linearized_at_ = ~std::uint64_t{0};
   rss_ = linearizer_.linearize(problem_, *solver_);
+  squared_norm_ = linearizer_.squaredNormSent();
   linearized_at_ = problem_.valueRevision();
   return rss_;
 }
@@ -47,9 +48,14 @@ void System::undo() {
   linearized_at_ = problem_.valueRevision();
 }
 
+void System::setLossWidening(double widening) {
+  linearizer_.setLossWidening(widening);
+  linearized_at_ = ~std::uint64_t{0};
+}
+
 double System::gradientCosine() const {
   double largest = 0;
-  const double r = std::sqrt(rss_);
+  const double r = std::sqrt(squared_norm_);
   for (Eigen::Index i = 0; i < solver_->gradient().size(); ++i) {
     const double column = std::sqrt(solver_->diagonal()[i]);
     if (column > 0 && r > 0) largest = std::max(largest, std::abs(solver_->gradient()[i]) / column / r);

@@ -28,6 +28,7 @@ void MeasurementPool::reserveOne() {
   grow(variables_, at(arity_));
   grow(noise_kind_, 1);
   grow(noise_at_, 1);
+  grow(loss_, 1);
   grow(serial_, 1);
   grow(slot_, 1);
   grow(index_of_slot_, 1);
@@ -51,11 +52,19 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
   return start;
 }
 
-SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at) {
+const Loss* MeasurementPool::keepLoss(const Loss& loss) {
+  if (loss.kind() == Loss::Kind::none) return nullptr;
+  checkLoss(loss, [&] { return "measurement " + nextName(); });
+  return &*losses_.insert(loss).first;
+}
+
+SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss) {
   const int index = size();
   variables_.insert(variables_.end(), variables, variables + arity_);
   noise_kind_.push_back(kind);
   noise_at_.push_back(noise_at);
+  loss_.push_back(loss);
+  if (loss != nullptr) ++loss_count_;
   serial_.push_back(++inserted_);
   std::uint32_t slot = static_cast<std::uint32_t>(index_of_slot_.size());
   if (free_slots_.empty()) {
@@ -73,6 +82,7 @@ SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::s
 void MeasurementPool::remove(int i) {
   const std::size_t hole = at(i), last = slot_.size() - 1;
   moveLastTo(i);
+  if (loss_[hole] != nullptr) --loss_count_;
   free_slots_.push_back(slot_[hole]);
   ++generation_[slot_[hole]];
   index_of_slot_[slot_[hole]] = -1;
@@ -81,6 +91,7 @@ void MeasurementPool::remove(int i) {
                 variables_.begin() + static_cast<std::ptrdiff_t>(hole * at(arity_)));
     noise_kind_[hole] = noise_kind_[last];
     noise_at_[hole] = noise_at_[last];
+    loss_[hole] = loss_[last];
     serial_[hole] = serial_[last];
     slot_[hole] = slot_[last];
     index_of_slot_[slot_[hole]] = i;
@@ -88,9 +99,18 @@ void MeasurementPool::remove(int i) {
   variables_.resize(last * at(arity_));
   noise_kind_.pop_back();
   noise_at_.pop_back();
+  loss_.pop_back();
   serial_.pop_back();
   slot_.pop_back();
-  if (++removed_since_compaction_ > size() + 64) compactNoise();
+  if (++removed_since_compaction_ > size() + 64) compact();
+}
+
+/// Lets go of the noise and the losses that no measurement has any more.
+void MeasurementPool::compact() {
+  compactNoise();
+  const std::set<const Loss*> used(loss_.begin(), loss_.end());
+  std::erase_if(losses_, [&](const Loss& loss) { return !used.contains(&loss); });
+  removed_since_compaction_ = 0;
 }
 
 void MeasurementPool::compactNoise() {
@@ -105,7 +125,6 @@ void MeasurementPool::compactNoise() {
     noise_at_[at(i)] = place->second;
   }
   noise_ = std::move(compact);
-  removed_since_compaction_ = 0;
 }
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-// expect: slom: the second argument says how uncertain the measurement is: pass Covariance, StandardDeviation, InvCovariance or InvStandardDeviation
+// expect: slom: what follows the measurement says how uncertain it is \(Covariance, StandardDeviation, InvCovariance or InvStandardDeviation\), which loss it has \(Huber, ...\) or how it is called
 #include <slom/slom.hpp>
 
 SLOM_BUILD_MEASUREMENT(Prior, 1, ((double, x)), ((double, z)))

@@ -1,5 +1,6 @@
 /// Residuals and derivatives of the whole problem, in batches, on several threads, in an order that does not depend
-/// on their number.
+/// on their number. Here losses enter: the RSS is the sum of rho(|W r|^2), and the r and J that a sink receives are
+/// scaled such that J^T r is half its gradient (src/linearize/reweight.hpp). Measurements without one pass as they are.
 #pragma once
 
 #include <optional>
@@ -11,7 +12,7 @@
 
 namespace slom {
 
-/// Whitened residuals and Jacobians of the measurements [first, first + count) of one group.
+/// Whitened residuals and Jacobians of the measurements [first, first + count) of one group, reweighted by their losses.
 struct JacobianBatch {
   int group = 0;
   int first = 0;
@@ -37,16 +38,24 @@ class Linearizer {
  public:
   void setThreads(int threads) { threads_ = threads; }
 
-  /// Sum of squared whitened residuals at the current values; NaN when a residual is not finite.
+  /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
+  void setLossWidening(double widening) { widening_ = widening; }
+  double lossWidening() const { return widening_; }
+
+  /// The RSS at the current values; NaN when a residual is not finite.
   double rss(Problem& problem);
   /// The same for each pool.
   std::vector<double> rssPerPool(Problem& problem);
-  /// Writes all whitened residuals, pool after pool.
+  /// max |W r|^2 / c^2 over the measurements with a loss of scale c (not widened); -1 when there are none.
+  double largestLossArgument(Problem& problem);
+  /// Writes all whitened residuals, pool after pool, without losses.
   Eigen::VectorXd residuals(Problem& problem);
 
-  /// Sends all linearised measurements to `sink`; returns the sum of squared whitened residuals. Throws
-  /// [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
+  /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
+  /// naming the measurement, its variables and their values.
   double linearize(Problem& problem, JacobianSink& sink);
+  /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
+  double squaredNormSent() const { return squared_norm_sent_; }
 
  private:
   struct Chunk {
@@ -55,6 +64,8 @@ class Linearizer {
     std::optional<MeasurementThrew> threw;
     std::vector<int> rows, dof;
     std::vector<double> r, J;
+    double rss = 0;
+    double squared_norm = 0;  ///< of r, as the sink gets it
   };
   struct Range {
     int group, first, last;
@@ -64,9 +75,12 @@ class Linearizer {
   template <class F>
   void forEachChunk(int count, const F& f);
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
+  void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
   [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
 
   int threads_ = 0;
+  double widening_ = 1;
+  double squared_norm_sent_ = 0;
   std::vector<Chunk> chunks_;
 };
 

@@ -1,4 +1,5 @@
-/// What may follow a measurement's variables and data at its insertion, in any order: noise, a name for its group.
+/// What may follow a measurement's variables and data at its insertion, in any order: noise, a robust loss,
+/// a name for its group.
 #pragma once
 
 #include <array>
@@ -6,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
 
 namespace slom {
@@ -24,7 +26,7 @@ namespace detail {
 template <class T>
 inline constexpr bool is_named = std::is_same_v<T, Named>;
 template <class T>
-inline constexpr bool is_option = IsNoise<T> || is_named<T>;
+inline constexpr bool is_option = IsNoise<T> || IsLoss<T> || is_named<T>;
 
 /// Position of the only T in Tuple for which `Is` holds, -1 without one, -2 for more than one.
 template <class... T>
@@ -44,6 +46,18 @@ NoiseView noiseAmong(const std::tuple<const T&...>& all) {
                              "InvCovariance and InvStandardDeviation");
   if constexpr (found >= 0) {
     return viewNoise(std::get<static_cast<std::size_t>(found)>(all));
+  } else {
+    return {};
+  }
+}
+/// The loss among the arguments; without one, none.
+template <class... T>
+Loss lossAmong(const std::tuple<const T&...>& all) {
+  constexpr int found = findOnly<T...>({IsLoss<T>...});
+  static_assert(found != -2, "slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, "
+                             "GemanMcClure and Barron");
+  if constexpr (found >= 0) {
+    return std::get<static_cast<std::size_t>(found)>(all);
   } else {
     return {};
   }

@@ -26,12 +26,14 @@ bool isConverged(StopReason reason);
 struct IterationRecord {
   int iteration = 0;              ///< 0 is the start
   std::string algorithm;          ///< that made the step
-  double rss = 0;                 ///< sum of squared whitened residuals after the step
+  double rss = 0;                 ///< after the step: sum of squared whitened residuals, with losses the robust cost;
+                                  ///< while graduating that of the stage's widened losses
   double relative_decrease = 0;   ///< (old - new) / old; negative when the RSS grew
   double gradient = 0;            ///< max_i |g_i| / (|J_i| |r|), where the step started
   double step = 0;                ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
   double damping = 0;             ///< Levenberg-Marquardt's mu, dog leg's radius
   int trials = 1;                 ///< steps tried in this iteration
+  double widening = 1;            ///< mu of the stage of graduated non-convexity; 1: the losses as they are
   double seconds = 0;             ///< since the start of optimize()
 };
 
@@ -49,8 +51,28 @@ struct Options {
   double step_tolerance = 1e-10;
   /// When a Gauss-Newton step makes the RSS grow, take it back and go on with Levenberg-Marquardt.
   bool fall_back = true;
+  /// For bad starts and gross outliers: fits first with all losses widened, c sqrt(mu) for c, so that they are nearly
+  /// squares for all residuals and the start hardly matters, then in stages of smaller and smaller mu, each from the
+  /// last one's values, until mu = 1; only that last stage must converge. Without losses there is nothing to graduate,
+  /// and a warning of the summary says so. All stages count towards max_iterations.
+  ///   source   Yang, Antonante, Tzoumas and Carlone, "Graduated non-convexity for robust spatial perception", RA-L
+  ///            2020: mu starts at max 2 |W r|^2 / c^2 and is divided by 1.4. For GemanMcClure this is their surrogate,
+  ///            mu c^2 r^2 / (mu c^2 + r^2), itself; for the other losses it generalises by the scale.
+  bool graduated_non_convexity = false;
+  /// What mu is divided by from stage to stage, > 1.
+  double graduation_factor = 1.4;
+  /// Iterations of each stage but the last, at most.
+  int stage_iterations = 2;
   /// Called after each iteration, and once before the first.
   Observer observer;
+};
+
+/// What one loss did to the measurements of a group.
+struct LossSummary {
+  std::string loss;           ///< `Huber(1.345)`
+  int measurements = 0;       ///< that have it
+  int down_weighted = 0;      ///< of these, with a weight below 1/2 at the end
+  int weightless = 0;         ///< of these, with weight 0
 };
 
 struct GroupSummary {
@@ -60,6 +82,7 @@ struct GroupSummary {
   double initial_rss = 0;
   double final_rss = 0;
   std::string derivatives;    ///< "exact" (dual numbers), "given" (the functor's own) or "numeric" (differences)
+  std::vector<LossSummary> losses;  ///< empty when no measurement of the group has one
 };
 
 struct Summary {
@@ -70,6 +93,7 @@ struct Summary {
   std::string algorithm;              ///< the one at the end
   std::string solver;                 ///< what solved the linear systems
   int iterations = 0;
+  int stages = 0;                     ///< begun, of graduated non-convexity; 0: not graduated
   int variables = 0;                  ///< optimised ones
   int measurements = 0;               ///< number of scalar residuals
   int unknowns = 0;
@@ -80,8 +104,10 @@ struct Summary {
   std::vector<GroupSummary> groups;
   std::vector<IterationRecord> trace;
 
-  /// final_rss / redundancy: near 1 when the stated uncertainties are right. NaN without redundancy.
+  /// final_rss / redundancy: near 1 when the stated uncertainties are right. NaN without redundancy. With losses it is
+  /// smaller, as they make final_rss smaller than the sum of squares.
   double chi2PerDof() const;
+  bool hasLosses() const;
 };
 
 }  // namespace slom

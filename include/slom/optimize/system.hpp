@@ -27,7 +27,16 @@ class System {
   /// Takes the last tried step back; the linearisation is valid again.
   void undo();
 
-  /// max_i |g_i| / (|J_i| |r|) of the linearisation; 0 for a perfect fit.
+  /// The RSS at the current values, without derivatives; NaN when a residual is not finite.
+  double rss() { return linearizer_.rss(problem_); }
+
+  /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
+  void setLossWidening(double widening);
+  double lossWidening() const { return linearizer_.lossWidening(); }
+  /// max |W r|^2 / c^2 over the measurements with a loss of scale c at the current values; -1 when there are none.
+  double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
+
+  /// max_i |g_i| / (|J_i| |r|) of the linearisation, where losses have reweighted r and J; 0 for a perfect fit.
   double gradientCosine() const;
   /// max_i |d_i| |J_i|
   double stepInDeviations(const Eigen::VectorXd& d) const;
@@ -47,6 +56,7 @@ class System {
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   double rss_ = 0;
+  double squared_norm_ = 0;  // of r as the solver got it
 };
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-/// All measurements of one type, lying together: variables, noise and data in contiguous arrays. The untyped part of
+/// All measurements of one type, lying together: variables, noise, losses and data in contiguous arrays. The untyped part of
 /// the library evaluates and differentiates them a batch at a time.
 #pragma once
 
@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "slom/model/differentiate.hpp"
 #include "slom/model/function.hpp"
+#include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/variable_store.hpp"
 
@@ -57,6 +59,10 @@ class MeasurementPool {
   virtual int columns(int i) const = 0;
   /// Writes the lengths of the residuals of [first, last), and the degrees of freedom of all their variables.
   virtual void sizes(int first, int last, int* rows, int* dof) const = 0;
+  /// The loss of measurement i; null: least squares. evaluate and linearize know nothing of it.
+  const Loss* lossOf(int i) const { return loss_[at(i)]; }
+  /// Number of measurements that have a loss.
+  int lossCount() const { return loss_count_; }
 
   /// Where derivatives come from.
   virtual DerivativeSource derivatives() const = 0;
@@ -81,11 +87,13 @@ class MeasurementPool {
   bool isFree(int variable) const { return table_[at(variable)].optimize; }
 
   /// Books a measurement whose data the derived class has just appended.
-  SlotRef append(const int* variables, WhiteningKind kind, std::size_t noise_at);
+  SlotRef append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss);
   /// Makes room for one more, so that `append` cannot fail.
   void reserveOne();
   /// Appends W of the noise (or finds it equal to the last one's); returns where it lies.
   std::size_t appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind);
+  /// Where the pool keeps this loss, null for none. Throws [slom.bad-loss].
+  const Loss* keepLoss(const Loss& loss);
   void whitenRows(int i, double* m, int cols) const {
     if (noise_kind_[at(i)] == WhiteningKind::unit) return;
     whiten(noise_kind_[at(i)], noise_.data() + noise_at_[at(i)], m, rows(i), cols);
@@ -107,6 +115,7 @@ class MeasurementPool {
   }
 
  private:
+  void compact();
   void compactNoise();
 
   std::string name_;
@@ -116,6 +125,9 @@ class MeasurementPool {
   std::vector<WhiteningKind> noise_kind_;
   std::vector<std::size_t> noise_at_;
   std::vector<double> noise_;
+  std::vector<const Loss*> loss_;  // into losses_
+  std::set<Loss> losses_;          // the different ones
+  int loss_count_ = 0;
   std::vector<long> serial_;
   std::vector<std::uint32_t> slot_;        // of each measurement
   std::vector<int> index_of_slot_;         // -1: free
@@ -148,8 +160,8 @@ class TypedPool final : public MeasurementPool {
   TypedPool(std::string name, const std::vector<VariableRecord>& table)
       : MeasurementPool(std::move(name), kArity, table) {}
 
-  /// Throws, with nothing changed, for bad noise or when a residual of run-time length cannot be evaluated.
-  SlotRef insert(M measurement, const int* variables, const NoiseView& noise) {
+  /// Throws, with nothing changed, for bad noise, a bad loss or when a residual of run-time length cannot be evaluated.
+  SlotRef insert(M measurement, const int* variables, const NoiseView& noise, const Loss& loss) {
     int rows = kRows;
     if constexpr (kRows == Dynamic) {
       Residual<kRows> ret;
@@ -158,11 +170,12 @@ class TypedPool final : public MeasurementPool {
       if (rows_.size() == rows_.capacity()) rows_.reserve(2 * rows_.size() + 1);
     }
     reserveOne();
+    const Loss* const kept_loss = keepLoss(loss);
     WhiteningKind kind = WhiteningKind::unit;
     const std::size_t noise_at = appendNoise(noise, rows, kind);
     measurements_.push_back(std::move(measurement));
     if constexpr (kRows == Dynamic) rows_.push_back(rows);
-    return append(variables, kind, noise_at);
+    return append(variables, kind, noise_at, kept_loss);
   }
 
   int rows(int i) const override {

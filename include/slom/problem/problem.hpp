@@ -60,7 +60,8 @@ class Problem {
 
   /// `label`: name of the group, empty for the type's own.
   template <Measurement M>
-  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {}) {
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
+                              const Loss& loss = {}) {
     TypedPool<M>& pool = findPool<M>(label);
     constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
     int variables[static_cast<std::size_t>(arity)];
@@ -70,7 +71,7 @@ class Problem {
     }, measurement.variableArgs());
     const SlotRef ref = [&] {
       try {
-        return pool.insert(std::move(measurement), variables, noise);
+        return pool.insert(std::move(measurement), variables, noise, loss);
       } catch (const MeasurementThrew& event) {
         raiseThrew(pool.nextName(), variables, arity, event.exception);
       }

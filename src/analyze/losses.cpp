@@ -1,0 +1,45 @@
+#include "slom/analyze/losses.hpp"
+
+#include <map>
+
+namespace slom {
+
+std::vector<LossSummary> summarizeLosses(MeasurementPool& pool) {
+  if (pool.lossCount() == 0) return {};
+  std::map<Loss, LossSummary> summary_of;
+  std::vector<double> r;
+  for (int i = 0; i < pool.size(); ++i) {
+    const Loss* loss = pool.lossOf(i);
+    if (loss == nullptr) continue;
+    r.resize(static_cast<std::size_t>(pool.rows(i)));
+    pool.evaluate(i, i + 1, r.data());
+    const double s = Eigen::Map<const Eigen::VectorXd>(r.data(), pool.rows(i)).squaredNorm();
+    const double weight = loss->evaluate(s).first;
+    LossSummary& summary = summary_of[*loss];
+    ++summary.measurements;
+    if (weight < 0.5) ++summary.down_weighted;
+    if (weight == 0) ++summary.weightless;
+  }
+  std::vector<LossSummary> result;
+  for (auto& [loss, summary] : summary_of) {
+    summary.loss = loss.text();
+    result.push_back(std::move(summary));
+  }
+  return result;
+}
+
+std::vector<std::string> weightlessMeasurements(const std::vector<GroupSummary>& groups) {
+  std::vector<std::string> result;
+  for (const GroupSummary& group : groups) {
+    for (const LossSummary& summary : group.losses) {
+      if (summary.weightless == 0) continue;
+      result.push_back("the loss " + summary.loss + " gives weight 0 to " + std::to_string(summary.weightless) +
+                       " of " + std::to_string(summary.measurements) + " measurements " + group.name +
+                       ", which then determine nothing; start nearer to the solution, pass a larger scale, or set "
+                       "Options::graduated_non_convexity");
+    }
+  }
+  return result;
+}
+
+}  // namespace slom
