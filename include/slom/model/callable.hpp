@@ -156,11 +156,29 @@ int runtimeDof(const VarArg<T>& variable) {
   return mtk::dof(*variable);
 }
 
+/// Whether a function's result is made of dual numbers. One that returns doubles whatever it gets is no function of them.
+template <class R>
+constexpr bool carriesDerivatives() {
+  if constexpr (mtk::detail::is_std_array<R>) {
+    return carriesDerivatives<typename R::value_type>();
+  } else if constexpr (requires { typename R::Scalar; }) {
+    return mtk::detail::is_dual<typename R::Scalar>;
+  } else if constexpr (mtk::Manifold<R>) {
+    return mtk::detail::is_dual<mtk::scalar_t<R>>;
+  } else {
+    return requires(const R& x) { x.partials(); };
+  }
+}
 /// Whether F accepts variables over the dual number D in place of doubles.
 template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {
-    return accepts<F, decltype(std::tuple_cat(std::declval<DualArgument<Stored, D>&>().passed...))>;
+    using Passed = decltype(std::tuple_cat(std::declval<DualArgument<Stored, D>&>().passed...));
+    if constexpr (accepts<F, Passed>) {
+      return carriesDerivatives<std::remove_cvref_t<decltype(std::apply(std::declval<const F&>(), std::declval<Passed>()))>>();
+    } else {
+      return false;
+    }
   } else {
     return false;
   }

@@ -33,6 +33,10 @@ void scatter(const Lanes* x, double* const* out) {
   constexpr int step = mtk::detail::kNativeLanes;
   int i = 0;
 #if !defined(EIGEN_DONT_VECTORIZE)
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wignored-attributes"  // the alignment of vector types, which does not matter here
+#endif
   if constexpr (step == 2 || step == 4) {
     using Traits = Eigen::internal::packet_traits<double>;
     for (; i + step <= N; i += step) {
@@ -44,6 +48,9 @@ void scatter(const Lanes* x, double* const* out) {
       }
     }
   }
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
 #endif
   for (; i < N; ++i) {
     for (int lane = 0; lane < kLanesAtOnce; ++lane) out[lane][i] = x[i][lane];
