@@ -209,7 +209,13 @@ void seedPart(Y& y, const X& x, int offset, int width) {
     const auto& value = State::read(x);
     if constexpr (EigenState<X>) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
-      for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(S(value[i]), column(i));
+      if constexpr (DOF_v<X> != Dynamic && DOF_v<X> <= 32) {
+        [&]<int... I>(std::integer_sequence<int, I...>) {
+          (state[I].seed(S(value[I]), column(I)), ...);
+        }(std::make_integer_sequence<int, DOF_v<X>>{});
+      } else {
+        for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(S(value[i]), column(i));
+      }
     } else {
       state.seed(S(value), column(0));
     }
@@ -283,6 +289,8 @@ struct SparseRebind<trafo<R>, S, Offset> {
 template <int N, class S, int Offset>
 class SeedVector : public vect<N, SparseDual<S, lowColumns(N) << Offset>> {
  public:
+  SeedVector() : vect<N, SparseDual<S, lowColumns(N) << Offset>>(Uninitialized()) {}
+
   template <std::size_t I>
   auto get() const {
     SparseDual<S, lowColumns(1) << (Offset + static_cast<int>(I))> entry;

@@ -30,7 +30,15 @@ class vect : public PlainVector<S, N> {
   {}
   /// All zero; of size 0 when N is Dynamic.
   vect() {
-    if constexpr (N != Dynamic) this->setZero();
+    if constexpr (N != Dynamic) {
+      for (int i = 0; i < N; ++i) {
+        if constexpr (requires { this->coeffRef(i).seed(0, -1); }) {
+          this->coeffRef(i).seed(0, -1);
+        } else {
+          this->coeffRef(i) = S(0);
+        }
+      }
+    }
   }
   template <class D>
     requires(std::is_same_v<typename D::Scalar, S>)

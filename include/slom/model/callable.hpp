@@ -100,26 +100,38 @@ constexpr auto findDatum(const First& first, const Rest&... rest) {
 
 namespace detail {
 
+/// J[c * stride] := d[c] for c < N
+template <int N, class Partials>
+void storeStrided(const Partials& d, double* J, int stride) {
+  [&]<int... C>(std::integer_sequence<int, C...>) {
+    ((J[C * stride] = d.get(C)), ...);
+  }(std::make_integer_sequence<int, N>{});
+}
+
+/// Stands for the number of a first unknown that is known only at run time.
+inline constexpr int kRuntimeOffset = -1;
+
 /// What the function gets of a stored argument when derivatives are wanted: variables over the dual number D.
-template <class Stored, class D>
+template <class Stored, class D, int Offset>
 struct DualArgument {
   std::tuple<const Stored&> passed;
   explicit DualArgument(const std::pair<const Stored*, int>& source) : passed(*source.first) {}
 };
-template <class T, class D>
-struct DualArgument<VarArg<T>, D> {
+template <class T, class D, int Offset>
+struct DualArgument<VarArg<T>, D, Offset> {
   mtk::rebind_t<T, D> value{};
   std::tuple<const mtk::rebind_t<T, D>&> passed{value};
   /// The variable and the number of its first unknown.
   explicit DualArgument(const std::pair<const VarArg<T>*, int>& source) {
-    mtk::detail::forEachBasicPart(value, **source.first, source.second, [](auto& y, const auto& x, int at) {
+    const int offset = Offset == kRuntimeOffset ? source.second : Offset;
+    mtk::detail::forEachBasicPart(value, **source.first, offset, [](auto& y, const auto& x, int at) {
       mtk::detail::seedPart(y, x, at, D::size);
     });
   }
   DualArgument(const DualArgument&) = delete;
 };
-template <class Z, class D>
-struct DualArgument<Measured<Z>, D> {
+template <class Z, class D, int Offset>
+struct DualArgument<Measured<Z>, D, Offset> {
   std::tuple<> passed;
   explicit DualArgument(const std::pair<const Measured<Z>*, int>&) {}
 };
@@ -173,7 +185,7 @@ constexpr bool carriesDerivatives() {
 template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {
-    using Passed = decltype(std::tuple_cat(std::declval<DualArgument<Stored, D>&>().passed...));
+    using Passed = decltype(std::tuple_cat(std::declval<DualArgument<Stored, D, 0>&>().passed...));
     if constexpr (accepts<F, Passed>) {
       return carriesDerivatives<std::remove_cvref_t<decltype(std::apply(std::declval<const F&>(), std::declval<Passed>()))>>();
     } else {
@@ -388,17 +400,16 @@ class CallableMeasurement {
   }
   /// Residual and the columns [first, first + width) of the derivatives.
   int linearizeWindow(int rows, double* r, double* J, int first, int width) const {
-    if constexpr (is_fixed && columns == window) {
-      constexpr auto offset = fixedOffsets();
-      return linearizeSeeded(std::index_sequence_for<Args...>{}, offset, rows, r, J, columns);
-    } else {
-      return linearizeSeeded(std::index_sequence_for<Args...>{}, offsets(first), rows, r, J, width);
-    }
+    return linearizeSeeded(std::index_sequence_for<Args...>{}, offsets(first), rows, r, J, width);
   }
   template <std::size_t... I>
   __attribute__((flatten)) int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
                       double* J, int width) const {
-    const std::tuple<detail::DualArgument<Stored<Args>, Number>...> seeds(std::pair(&std::get<I>(args_), offset[I])...);
+    constexpr bool one_pass = is_fixed && columns == window;
+    const std::tuple<detail::DualArgument<Stored<Args>, Number, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...>
+        seeds(std::pair(&std::get<I>(args_), offset[I])...);
+    if constexpr (one_pass) width = columns;
+    if constexpr (residual_dim != mtk::Dynamic) rows = residual_dim;
     return write(std::apply(function(), std::tuple_cat(std::get<I>(seeds).passed...)), rows, r, J, width);
   }
   template <class Result>
@@ -406,7 +417,11 @@ class CallableMeasurement {
     const auto sink = [&](int row, const auto& x) {
       if constexpr (mtk::detail::is_dual<std::remove_cvref_t<decltype(x + 0.0)>>) {
         r[row] = x.value();
-        for (int c = 0; c < width; ++c) J[c * rows + row] = x.partials().get(c);
+        if constexpr (is_fixed && columns == window) {
+          detail::storeStrided<columns>(x.partials(), J + row, rows);
+        } else {
+          for (int c = 0; c < width; ++c) J[c * rows + row] = x.partials().get(c);
+        }
       } else {  // does not depend on the variables
         r[row] = x;
         for (int c = 0; c < width; ++c) J[c * rows + row] = 0;
