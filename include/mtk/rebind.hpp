@@ -227,12 +227,30 @@ void seedPart(Y& y, const X& x, int offset, int width) {
   }
 }
 
-/// x among dual numbers, its degrees of freedom being the unknowns offset, offset + 1, ...
-template <class D, class X>
-rebind_t<X, D> seeded(const X& x, int offset) {
-  rebind_t<X, D> y{};
-  forEachBasicPart(y, x, offset, [](auto& part_y, const auto& part_x, int at) { seedPart(part_y, part_x, at, D::size); });
-  return y;
+/// x as a Y whose degrees of freedom are the unknowns offset, offset + 1, ... of a window of `width` columns. Made in place:
+/// nothing is set twice.
+template <class Y, class X>
+Y seededAs(const X& x, int offset, int width) {
+  if constexpr (is_trafo<Y> && !std::is_aggregate_v<Y>) {
+    return Y(seededAs<decltype(Y::orient)>(x.orient, offset + X::DIM, width), seededAs<decltype(Y::pos)>(x.pos, offset, width));
+  } else if constexpr (Compound<X> && std::is_aggregate_v<Y>) {
+    const auto from = membersOf(x);
+    using To = decltype(membersOf(std::declval<Y&>()));
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      int next = offset;
+      const auto begin = [&](int dofs) { return std::exchange(next, next + dofs); };
+      return Y{seededAs<std::remove_cvref_t<std::tuple_element_t<I, To>>>(std::get<I>(from), begin(dof(std::get<I>(from))),
+                                                                          width)...};
+    }(std::make_index_sequence<std::tuple_size_v<To>>{});
+  } else if constexpr (std::is_constructible_v<Y, Uninitialized> && EigenState<X>) {
+    Y y{Uninitialized()};
+    seedPart(y, x, offset, width);
+    return y;
+  } else {
+    Y y{};
+    forEachBasicPart(y, x, offset, [width](auto& part_y, const auto& part_x, int at) { seedPart(part_y, part_x, at, width); });
+    return y;
+  }
 }
 
 /// The basic part y over packs from one measurement's x per lane.
@@ -289,7 +307,8 @@ struct SparseRebind<trafo<R>, S, Offset> {
 template <int N, class S, int Offset>
 class SeedVector : public vect<N, SparseDual<S, lowColumns(N) << Offset>> {
  public:
-  SeedVector() : vect<N, SparseDual<S, lowColumns(N) << Offset>>(Uninitialized()) {}
+  SeedVector() : SeedVector(Uninitialized()) {}
+  explicit SeedVector(Uninitialized u) : vect<N, SparseDual<S, lowColumns(N) << Offset>>(u) {}
 
   template <std::size_t I>
   auto get() const {

@@ -119,15 +119,12 @@ struct DualArgument {
 };
 template <class T, class D, int Offset>
 struct DualArgument<VarArg<T>, D, Offset> {
-  mtk::rebind_t<T, D> value{};
+  mtk::rebind_t<T, D> value;
   std::tuple<const mtk::rebind_t<T, D>&> passed{value};
   /// The variable and the number of its first unknown.
-  explicit DualArgument(const std::pair<const VarArg<T>*, int>& source) {
-    const int offset = Offset == kRuntimeOffset ? source.second : Offset;
-    mtk::detail::forEachBasicPart(value, **source.first, offset, [](auto& y, const auto& x, int at) {
-      mtk::detail::seedPart(y, x, at, D::size);
-    });
-  }
+  explicit DualArgument(const std::pair<const VarArg<T>*, int>& source)
+      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(**source.first, Offset == kRuntimeOffset ? source.second : Offset,
+                                                         D::size)) {}
   DualArgument(const DualArgument&) = delete;
 };
 template <class Z, class D, int Offset>

@@ -64,7 +64,6 @@ struct PackedArgument {
   using Packed = std::conditional_t<possible, mtk::rebind_t<Stored, Lanes>, std::tuple<>>;
   Packed value{};
   std::tuple<const Packed&> passed{value};
-  std::tuple<const Packed&> seeded{value};
 
   explicit PackedArgument(const std::array<const Stored*, kLanesAtOnce>& x) { mtk::detail::gatherParts(value, x); }
   PackedArgument(const PackedArgument&) = delete;
@@ -73,11 +72,8 @@ template <class T, int Offset>
 struct PackedArgument<VarArg<T>, Offset> {
   static constexpr bool possible = mtk::is_rebindable_v<T>;
   using Packed = std::conditional_t<possible, mtk::rebind_t<T, Lanes>, std::tuple<>>;
-  using Seeded = mtk::detail::sparse_rebind_t<T, Lanes, Offset>;
   Packed value{};
-  Seeded dual{};
   std::tuple<const Packed&> passed{value};
-  std::tuple<const Seeded&> seeded{dual};
 
   explicit PackedArgument(const std::array<const VarArg<T>*, kLanesAtOnce>& x) {
     std::array<const T*, kLanesAtOnce> values;
@@ -85,11 +81,6 @@ struct PackedArgument<VarArg<T>, Offset> {
     mtk::detail::gatherParts(value, values);
   }
   PackedArgument(const PackedArgument&) = delete;
-  void seed() {
-    mtk::detail::forEachBasicPart(dual, value, Offset, [](auto& y, const auto& x, int at) {
-      mtk::detail::seedPart(y, x, at, 64);
-    });
-  }
 };
 template <class Z, int Offset>
 struct PackedArgument<Measured<Z>, Offset> {
@@ -97,7 +88,6 @@ struct PackedArgument<Measured<Z>, Offset> {
   using Packed = std::conditional_t<possible, mtk::rebind_t<Z, Lanes>, std::tuple<>>;
   Packed value{};
   std::tuple<> passed;
-  std::tuple<> seeded;
 
   explicit PackedArgument(const std::array<const Measured<Z>*, kLanesAtOnce>& x) {
     std::array<const Z*, kLanesAtOnce> values;
@@ -106,6 +96,22 @@ struct PackedArgument<Measured<Z>, Offset> {
   }
   PackedArgument(const PackedArgument&) = delete;
 };
+/// The same argument where derivatives are wanted.
+template <class Stored, int Offset>
+struct SeededArgument {
+  decltype(PackedArgument<Stored, Offset>::passed) passed;
+  explicit SeededArgument(const PackedArgument<Stored, Offset>& packed) : passed(packed.passed) {}
+};
+template <class T, int Offset>
+struct SeededArgument<VarArg<T>, Offset> {
+  using Seeded = mtk::detail::sparse_rebind_t<T, Lanes, Offset>;
+  Seeded value;
+  std::tuple<const Seeded&> passed{value};
+  explicit SeededArgument(const PackedArgument<VarArg<T>, Offset>& packed)
+      : value(mtk::detail::seededAs<Seeded>(packed.value, Offset, 64)) {}
+  SeededArgument(const SeededArgument&) = delete;
+};
+
 template <class A>
 inline constexpr bool is_measured = false;
 template <class Z, int Offset>
@@ -135,7 +141,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
   }
 
   __attribute__((flatten)) static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
-    auto arguments = gather(source, std::index_sequence_for<Stored...>{});
+    const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows], partials[Rows * Columns];
     const auto sink = [&](int row, const auto& x) {
       using X = std::remove_cvref_t<decltype(x)>;
@@ -149,9 +155,11 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
       }
     };
-    std::apply([&](auto&... argument) {
-      (seedOne(argument), ...);
-      write(std::apply(f, std::tuple_cat(argument.seeded...)), sink, argument...);
+    std::apply([&](const auto&... argument) {
+      const std::tuple<SeededArgument<Stored, Offset>...> seeds(argument...);
+      std::apply([&](const auto&... seed) {
+        write(std::apply(f, std::tuple_cat(seed.passed...)), sink, argument...);
+      }, seeds);
     }, arguments);
     scatter<Rows>(rows, r.data());
     scatter<Rows * Columns>(partials, J.data());
@@ -167,10 +175,6 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     std::array<const std::tuple_element_t<I, Tuple>*, kLanesAtOnce> result;
     for (std::size_t lane = 0; lane < source.size(); ++lane) result[lane] = &std::get<I>(*source[lane]);
     return result;
-  }
-  template <class A>
-  static void seedOne(A& argument) {
-    if constexpr (requires { argument.seed(); }) argument.seed();
   }
   template <class X, int C>
   static Lanes entry(const X& x) {
