@@ -7,6 +7,7 @@
 /// Every argument is `const auto&`: the same code runs on double, on dual numbers and on packs of either.
 #pragma once
 
+#include <mtk/bottleneck.hpp>
 #include <mtk/mtk.hpp>
 
 namespace slom::bench {
@@ -32,13 +33,14 @@ MTK_BUILD_MANIFOLD(StereoIntrinsics,
 /// P = R X + t, p = -P.xy / P.z, residual f (1 + k1 |p|^2 + k2 |p|^4) p - pixel.
 struct BalReprojection {
   auto operator()(const auto& camera, const auto& point, const auto& pixel) const {
-    const auto P = camera.pose * point;
-    const auto x = -P[0] / P[2];
-    const auto y = -P[1] / P[2];
-    const auto r2 = x * x + y * y;
-    const auto& [f, k1, k2] = camera.lens;
-    const auto scale = f * (1.0 + r2 * (k1 + r2 * k2));
-    return mtk::vector(scale * x - pixel[0], scale * y - pixel[1]);
+    return mtk::bottleneck(camera.pose * point, [&](const auto& P) {
+      const auto x = -P[0] / P[2];
+      const auto y = -P[1] / P[2];
+      const auto r2 = x * x + y * y;
+      const auto& [f, k1, k2] = camera.lens;
+      const auto scale = f * (1.0 + r2 * (k1 + r2 * k2));
+      return mtk::vector(scale * x - pixel[0], scale * y - pixel[1]);
+    });
   }
 };
 
@@ -53,8 +55,8 @@ struct StereoReprojection {
                   const auto& on_board, const auto& pixels) const {
     const auto in_left = board2left * on_board;
     const auto in_right = left2right * in_left;
-    const auto left = project(intrinsics.left, in_left);
-    const auto right = project(intrinsics.right, in_right);
+    const auto left = mtk::bottleneck(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
+    const auto right = mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
     return mtk::vector(left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]);
   }
 

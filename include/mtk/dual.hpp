@@ -48,7 +48,8 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
     for (int i = 0; i < r.count; ++i) r.v[i] = both(a.v[i], b.v[i]);
     return r;
   } else {
-    auto r = Partials<S, A | B>::zero();
+    Partials<S, A | B> r;
+    if constexpr (r.lanes > 1) r.v[r.count - 1] = typename Partials<S, A | B>::Vector{};  // what is left over
     [&]<int... I>(std::integer_sequence<int, I...>) {
       const auto one = [&](auto index) {
         constexpr int column = columnAt(A | B, index);
@@ -110,8 +111,19 @@ class SparseDual {
   /// The same number among more columns.
   template <std::uint64_t A>
     requires((A & ~C) == 0 && A != C)
-  SparseDual(const SparseDual<S, A>& x)  // NOLINT(google-explicit-constructor): nothing is lost
-      : v_(x.value()), d_(detail::combine<A, C>(x.partials(), Partials::zero(), add, same, same)) {}
+  SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
+    *this = x;
+  }
+  template <std::uint64_t A>
+    requires((A & ~C) == 0 && A != C)
+  SparseDual& operator=(const SparseDual<S, A>& x) {
+    v_ = x.value();
+    if constexpr (Partials::lanes > 1) d_ = Partials::zero();
+    [&]<int... I>(std::integer_sequence<int, I...>) {
+      (d_.set(I, x.partial(detail::columnAt(C, I))), ...);
+    }(std::make_integer_sequence<int, size>{});
+    return *this;
+  }
 
   const S& value() const { return v_; }
   const Partials& partials() const { return d_; }
@@ -153,9 +165,6 @@ class SparseDual {
   }
 
  private:
-  static constexpr auto add = [](const auto& a, const auto& b) { return a + b; };
-  static constexpr auto same = [](const auto& a) { return a; };
-
   S v_;
   Partials d_;
 };

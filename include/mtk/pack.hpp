@@ -30,11 +30,12 @@ struct PackMask {
   static constexpr int count = detail::Lanes<double, Width>::count;
   Native v[count];
 
+  /// Whether it holds in this lane.
   bool operator[](int lane) const {
-    if constexpr (std::is_same_v<Native, bool>) {
+    if constexpr (kLanes == 1) {
       return v[lane];
     } else {
-      return v[lane / detail::Lanes<double, Width>::lanes][lane % detail::Lanes<double, Width>::lanes] != 0;
+      return v[lane / kLanes][lane % kLanes] != 0;
     }
   }
   friend PackMask operator&&(const PackMask& a, const PackMask& b) {
@@ -60,13 +61,34 @@ struct PackMask {
   }
   friend bool all(const PackMask& a) {
     bool result = true;
-    for (int i = 0; i < Width; ++i) result &= a[i];
+    for (int i = 0; i < count; ++i) result &= bits(a.v[i]) == (1 << kLanes) - 1;
     return result;
   }
   friend bool any(const PackMask& a) {
-    bool result = false;
-    for (int i = 0; i < Width; ++i) result |= a[i];
-    return result;
+    int result = 0;
+    for (int i = 0; i < count; ++i) result |= bits(a.v[i]);
+    return result != 0;
+  }
+
+ private:
+  static constexpr int kLanes = detail::Lanes<double, Width>::lanes;
+  /// A bit for each lane of one vector.
+  static int bits(const Native& mask) {
+    if constexpr (kLanes == 1) {
+      return mask ? 1 : 0;
+#if defined(__AVX__)
+    } else if constexpr (kLanes == 4) {
+      return __builtin_ia32_movmskpd256(reinterpret_cast<const Vector&>(mask));
+#endif
+#if defined(__SSE2__)
+    } else if constexpr (kLanes == 2) {
+      return __builtin_ia32_movmskpd(reinterpret_cast<const Vector&>(mask));
+#endif
+    } else {
+      int result = 0;
+      for (int i = 0; i < kLanes; ++i) result |= mask[i] != 0 ? 1 << i : 0;
+      return result;
+    }
   }
 };
 
