@@ -135,15 +135,7 @@ class SparseDual {
   void seed(const S& x, int column) {
     v_ = x;
     const int place = column >= 0 && column < 64 && ((C >> column) & 1) ? detail::placeOf(C, column) : -1;
-    for (int k = 0; k < Partials::count; ++k) {
-      typename Partials::Vector entries{};
-      if constexpr (Partials::lanes == 1) {
-        if (k == place) entries = S(1);
-      } else {
-        for (int lane = 0; lane < Partials::lanes; ++lane) entries[lane] = k * Partials::lanes + lane == place ? S(1) : S(0);
-      }
-      d_.v[k] = entries;
-    }
+    d_ = Partials::generate([&](int i) { return i == place ? S(1) : S(0); });
   }
   void setPartial(int c, const S& x) { d_.set(detail::placeOf(C, c), x); }
 

@@ -257,14 +257,15 @@ Y seededAs(const X& x, int offset, int width) {
 template <class Y, class X, std::size_t W>
 void gatherPart(Y& y, const std::array<const X*, W>& x) {
   auto& to = State::of(y);
+  using Number = Pack<static_cast<int>(W)>;
   const auto from = [&](std::size_t lane) -> const auto& { return State::read(*x[lane]); };
   if constexpr (EigenState<X>) {
     to.resize(from(0).rows(), from(0).cols());
     for (Eigen::Index i = 0; i < to.size(); ++i) {
-      for (std::size_t lane = 0; lane < W; ++lane) to.data()[i].set(static_cast<int>(lane), from(lane).data()[i]);
+      to.data()[i] = Number(Number::Numbers::generate([&](int lane) { return from(static_cast<std::size_t>(lane)).data()[i]; }));
     }
   } else {
-    for (std::size_t lane = 0; lane < W; ++lane) to.set(static_cast<int>(lane), from(lane));
+    to = Number(Number::Numbers::generate([&](int lane) { return from(static_cast<std::size_t>(lane)); }));
   }
 }
 template <class Y, class X, std::size_t W>

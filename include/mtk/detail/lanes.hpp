@@ -1,6 +1,9 @@
 /// A fixed number of doubles in the machine's vector registers.
 #pragma once
 
+#include <type_traits>
+#include <utility>
+
 #include <Eigen/Core>
 
 namespace mtk::detail {
@@ -61,6 +64,15 @@ struct Lanes {
     for (int i = 0; i < count; ++i) x.v[i] = Vector{};
     return x;
   }
+  /// number(i) for i = 0 ... N - 1, put together in registers.
+  template <class F>
+  static Lanes generate(const F& number) {
+    Lanes x;
+    [&]<int... K>(std::integer_sequence<int, K...>) {
+      ((x.v[K] = vectorOf(number, std::integral_constant<int, K * lanes>{}, std::make_integer_sequence<int, lanes>{})), ...);
+    }(std::make_integer_sequence<int, count>{});
+    return x;
+  }
   S get(int i) const {
     if constexpr (lanes == 1) {
       return v[i];
@@ -74,6 +86,12 @@ struct Lanes {
     } else {
       v[i / lanes][i % lanes] = x;
     }
+  }
+
+ private:
+  template <class F, int First, int... I>
+  static Vector vectorOf(const F& number, std::integral_constant<int, First>, std::integer_sequence<int, I...>) {
+    return Vector{(First + I < N ? number(First + I) : S(0))...};
   }
 };
 
