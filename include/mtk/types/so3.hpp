@@ -34,9 +34,9 @@ class SO3 {
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(exp(Vector(a.angle() * a.axis()))) {}
-  /// The same rotation in another number type: a constant among packs.
+  /// The same rotation in a number type that loses nothing: a constant among packs.
   template <class T>
-    requires(!std::is_same_v<T, S> && !std::is_arithmetic_v<S> && std::is_arithmetic_v<T>)
+    requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
   SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it.
