@@ -44,4 +44,11 @@ std::string readableTypeName(std::string_view compiler_text) {
   return text;
 }
 
+std::string detail::typeNameIn(const char* function) {
+  std::string_view text = function;
+  text.remove_prefix(text.find("T = ") + 4);
+  const auto end = text.find("; std::string");  // gcc appends what std::string is
+  return readableTypeName(text.substr(0, end == std::string_view::npos ? text.rfind(']') : end));
+}
+
 }  // namespace slom

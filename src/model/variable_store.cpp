@@ -12,21 +12,87 @@ std::string textOf(const void* value, void (*write)(std::ostream&, const void*))
   return text.str();
 }
 
-void raiseStaleHandle(const std::string& type, bool was_valid) {
+void raiseStaleHandle(std::string (*type)(), bool was_valid) {
   throw Error("slom.stale-handle",
-              "the VarID<" + type + "> " +
+              "the VarID<" + type() + "> " +
                   (was_valid ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
                              : "refers to no variable; assign it the result of insertRV first"));
 }
 
 }  // namespace detail
 
+VariableStoreBase::VariableStoreBase(std::size_t value_size, std::size_t alignment)
+    : values_(value_size, alignment), value_size_(value_size), alignment_(alignment), saved_(value_size, alignment) {}
+
 VariableStoreBase::~VariableStoreBase() = default;
+
+void VariableStoreBase::clear() noexcept {
+  for (ValueArray* all : {&values_, &saved_}) {
+    for (std::size_t i = 0; i < all->size(); ++i) destroy((*all)[i]);
+  }
+}
+
+SlotRef VariableStoreBase::insert(const void* value, int variable) {
+  std::uint32_t slot = static_cast<std::uint32_t>(values_.size());
+  if (free_.empty()) {
+    if (slot == free_.capacity()) {  // room for all, so that neither this nor release() can fail half-way
+      const std::size_t room = 2 * std::size_t{slot} + 16;
+      variable_.reserve(room);
+      generation_.reserve(room);
+      free_.reserve(room);
+    }
+    construct(values_.place(), value);
+    values_.grow();
+    variable_.push_back(variable);
+    generation_.push_back(0);
+  } else {
+    slot = free_.back();
+    assign(values_[slot], value);
+    free_.pop_back();
+    variable_[slot] = variable;
+  }
+  return {slot, generation_[slot]};
+}
+
+void VariableStoreBase::save() {
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (i < saved_.size()) {
+      assign(saved_[i], values_[i]);
+    } else {
+      construct(saved_.place(), values_[i]);
+      saved_.grow();
+    }
+  }
+}
+
+void VariableStoreBase::restore() {
+  for (std::size_t i = 0; i < saved_.size(); ++i) assign(values_[i], saved_[i]);
+}
+
+void VariableStoreBase::applyStep(const std::vector<int>& offset_of_variable, const double* step) {
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    const int v = variable_[i];
+    if (v < 0 || offset_of_variable[static_cast<std::size_t>(v)] < 0) continue;
+    boxplus(values_[i], step + offset_of_variable[static_cast<std::size_t>(v)]);
+  }
+}
 
 void VariableStoreBase::release(std::uint32_t slot) {
   free_.push_back(slot);
   variable_[slot] = -1;
   ++generation_[slot];
 }
+
+template class VariableStore<double>;
+template class VariableStore<Eigen::Vector2d>;
+template class VariableStore<Eigen::Vector3d>;
+template class VariableStore<Eigen::VectorXd>;
+template class VariableStore<mtk::vect<2>>;
+template class VariableStore<mtk::vect<3>>;
+template class VariableStore<mtk::Scalar<>>;
+template class VariableStore<mtk::SO2<>>;
+template class VariableStore<mtk::SO3<>>;
+template class VariableStore<mtk::trafo<mtk::SO2<>>>;
+template class VariableStore<mtk::trafo<mtk::SO3<>>>;
 
 }  // namespace slom

@@ -3,13 +3,139 @@
 #include <algorithm>
 #include <map>
 
+#include <Eigen/Core>
+
 namespace slom {
 
-void detail::raiseWrongLength(const std::string& subject, Eigen::Index expected, Eigen::Index got) {
-  throw Error("slom.residual-length",
-              (subject.empty() ? std::string("a measurement") : "measurement " + subject) + " returned a residual of length " +
-                  std::to_string(got) + " but had length " + std::to_string(expected) +
-                  " when it was inserted; return the same length for all values of the variables");
+namespace {
+
+bool isFinite(const double* x, std::ptrdiff_t n) {
+  return (Eigen::Map<const Eigen::ArrayXd>(x, n) * 0.0).sum() == 0.0;  // NaN for NaN and infinities
+}
+
+[[noreturn]] void raiseWrongLength(const std::string& measurement, int expected, int got) {
+  throw Error("slom.residual-length", "measurement " + measurement + " returned a residual of length " +
+                                          std::to_string(got) + " but had length " + std::to_string(expected) +
+                                          " when it was inserted; return the same length for all values of the variables");
+}
+
+/// Runs f, which runs the user's functions; what they throw becomes a MeasurementThrew. `i`: the measurement at work.
+template <class F>
+int guarded(const int& i, const F& f) {
+  try {
+    return f();
+  } catch (const Error&) {
+    throw;
+  } catch (...) {
+    throw MeasurementThrew{i, std::current_exception()};
+  }
+}
+
+/// Sum of the degrees of freedom of all variables, Dynamic unless all are known.
+int columnsOf(const MeasurementType& type) {
+  int sum = 0;
+  for (int k = 0; k < type.arity; ++k) {
+    if (type.dof[k] == Dynamic) return Dynamic;
+    sum += type.dof[k];
+  }
+  return sum;
+}
+
+}  // namespace
+
+MeasurementPool::MeasurementPool(std::string name, const MeasurementType& type, const std::vector<VariableRecord>& table)
+    : name_(std::move(name)), type_(type), arity_(type.arity), columns_(columnsOf(type)), table_(table) {}
+
+MeasurementPool::~MeasurementPool() = default;
+
+std::string MeasurementPool::measurementName(int i) const { return name_ + " #" + std::to_string(serial_[at(i)]); }
+std::string MeasurementPool::nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
+
+int MeasurementPool::sumOfDof(int i) const {
+  int sum = 0;
+  for (int k = 0; k < arity_; ++k) sum += table_[at(variables(i)[k])].dof;
+  return sum;
+}
+
+void MeasurementPool::sizes(int first, int last, int* row, int* dof) const {
+  const int* variable = variables(first);
+  for (int i = first; i < last; ++i) {
+    *row++ = rows(i);
+    for (int k = 0; k < arity_; ++k, ++variable) *dof++ = type_.dof[k] != Dynamic ? type_.dof[k] : table_[at(*variable)].dof;
+  }
+}
+
+void MeasurementPool::runGuarded(int first, int last, double* r, double* J) {
+  int i = first;
+  const int got = guarded(i, [&] { return run(i, last, r, J); });
+  if (got >= 0) raiseWrongLength(measurementName(i), rows(i), got);
+}
+
+int MeasurementPool::evaluate(int first, int last, double* r) {
+  runGuarded(first, last, r, nullptr);
+  double* const start = r;
+  for (int i = first; i < last; ++i) {
+    whitenRows(i, r, 1);
+    r += rows(i);
+  }
+  if (isFinite(start, r - start)) return -1;
+  r = start;
+  for (int i = first; i < last; r += rows(i++)) {
+    if (!isFinite(r, rows(i))) return i;
+  }
+  return -1;
+}
+
+int MeasurementPool::linearize(int first, int last, double* r, double* J) {
+  runGuarded(first, last, r, J);
+  double *const start_r = r, *const start_J = J;
+  for (int i = first; i < last; ++i) {
+    const int n = rows(i), width = columns(i);
+    whitenRows(i, r, 1);
+    whitenRows(i, J, width);
+    r += n;
+    J += static_cast<std::ptrdiff_t>(n) * width;
+  }
+  if (isFinite(start_r, r - start_r) && isFinite(start_J, J - start_J)) return -1;
+  r = start_r;
+  J = start_J;
+  for (int i = first; i < last; ++i) {
+    if (!isFinite(r, rows(i)) || !areFreeColumnsFinite(i, J)) return i;
+    r += rows(i);
+    J += static_cast<std::ptrdiff_t>(rows(i)) * columns(i);
+  }
+  return -1;
+}
+
+bool MeasurementPool::areFreeColumnsFinite(int i, const double* J) const {
+  bool finite = true;
+  for (int k = 0; k < arity_; ++k) {
+    const VariableRecord& record = table_[at(variables(i)[k])];
+    const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(rows(i)) * record.dof;
+    if (record.optimize) finite = finite && isFinite(J, entries);
+    J += entries;
+  }
+  return finite;
+}
+
+void MeasurementPool::evaluateRaw(int i, double* r) {
+  const int got = guarded(i, [&] { return evaluateOne(i, rows(i), r); });
+  if (got != rows(i)) raiseWrongLength(measurementName(i), rows(i), got);
+}
+
+SlotRef MeasurementPool::insert(void* measurement, const int* variables, const NoiseView& noise, const Loss& loss) {
+  int rows = type_.rows;
+  if (rows == Dynamic) {
+    const int next = size();
+    rows = guarded(next, [&] { return lengthOf(measurement); });
+  }
+  reserveOne();
+  const Loss* const kept_loss = keepLoss(loss);
+  WhiteningKind kind = WhiteningKind::unit;
+  const std::size_t noise_at = appendNoise(noise, rows, kind);
+  push(measurement);
+  if (type_.rows == Dynamic) rows_.push_back(rows);
+  return append(variables, kind, noise_at, kept_loss);
 }
 
 int MeasurementPool::indexOf(SlotRef ref) const {
@@ -26,6 +152,7 @@ void MeasurementPool::reserveOne() {
     if (v.size() + more > v.capacity()) v.reserve(std::max(2 * v.capacity(), v.size() + more));
   };
   grow(variables_, at(arity_));
+  if (type_.rows == Dynamic) grow(rows_, 1);
   grow(noise_kind_, 1);
   grow(noise_at_, 1);
   grow(loss_, 1);
@@ -82,6 +209,10 @@ SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::s
 void MeasurementPool::remove(int i) {
   const std::size_t hole = at(i), last = slot_.size() - 1;
   moveLastTo(i);
+  if (type_.rows == Dynamic) {
+    rows_[hole] = rows_[last];
+    rows_.pop_back();
+  }
   if (loss_[hole] != nullptr) --loss_count_;
   free_slots_.push_back(slot_[hole]);
   ++generation_[slot_[hole]];

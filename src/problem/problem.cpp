@@ -27,10 +27,14 @@ void Problem::bookVariable(int index, VariableRecord record) {
   ++value_revision_;
 }
 
-std::shared_ptr<VariableStoreBase> Problem::findOrMakeStore(std::type_index type, VariableStoreBase* (*make)()) {
-  auto& entry = store_of_type_[type];
-  if (!entry) entry.reset(make());
-  return entry;
+VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
+                                       std::string name) {
+  auto& store = store_of_type_[type];
+  if (!store) store.reset(make());
+  const int index = reserveVariable();
+  const SlotRef ref = store->insert(value, index);
+  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::move(name)});
+  return VariableHandle(store, ref);
 }
 
 MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
@@ -76,12 +80,16 @@ int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::stri
                                      "estimator whose insertRV returned it");
 }
 
-void Problem::checkNewDof(int variable, int dof) const {
+void Problem::setValue(int variable, const void* value) {
   const VariableRecord& record = table_[at(variable)];
-  if (record.dof == dof) return;
-  throw Error("slom.size-change", "variable " + variableName(variable) + " has " + std::to_string(record.dof) +
-                                      " degrees of freedom, the new value has " + std::to_string(dof) +
-                                      "; insert a new variable instead");
+  const int dof = record.store->dofOf(value);
+  if (record.dof != dof) {
+    throw Error("slom.size-change", "variable " + variableName(variable) + " has " + std::to_string(record.dof) +
+                                        " degrees of freedom, the new value has " + std::to_string(dof) +
+                                        "; insert a new variable instead");
+  }
+  record.store->assign(record.store->valueAt(record.slot), value);
+  ++value_revision_;
 }
 
 void Problem::setOptimized(int variable, bool optimize) {
@@ -120,9 +128,30 @@ std::vector<std::string> Problem::componentNames(int variable) const {
   return record.store->componentNames(record.slot, variableName(variable));
 }
 
-void Problem::bookMeasurement(const int* variables, int arity) {
-  for (int k = 0; k < arity; ++k) ++table_[at(variables[k])].uses;
+std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const MeasurementType& type, void* measurement,
+                                                                VariableArgument* const* arguments,
+                                                                const NoiseView& noise, std::string_view label,
+                                                                const Loss& loss) {
+  MeasurementPool* pool = findPool(*type.id, label);
+  if (pool == nullptr) {
+    const std::string name = nameForPool(label.empty() ? type.name() : std::string(label));
+    pool = &adoptPool(*type.id, label, type.make_pool(name, table_));
+  }
+  std::vector<int>& variables = variables_of_new_;
+  variables.clear();
+  for (int k = 0; k < type.arity; ++k) {
+    variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(), type.variable_type[k]));
+  }
+  const SlotRef ref = [&] {
+    try {
+      return pool->insert(measurement, variables.data(), noise, loss);
+    } catch (const MeasurementThrew& event) {
+      raiseThrew(pool->nextName(), variables.data(), type.arity, event.exception);
+    }
+  }();
+  for (const int variable : variables) ++table_[at(variable)].uses;
   ++structure_revision_;
+  return {pool, ref};
 }
 
 std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {

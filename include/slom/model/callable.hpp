@@ -312,10 +312,7 @@ class CallableMeasurement {
   int linearize(int rows, double* r, double* J) const
     requires(derivatives == DerivativeSource::given)
   {
-    Residual<residual_dim> ret(rows);
-    evaluatePoisoned(*this, ret);
-    if (ret.size() != rows) return static_cast<int>(ret.size());
-    std::copy(ret.data(), ret.data() + rows, r);
+    if (const int got = detail::evaluatePoisoned(*this, rows, r); got != rows) return got;
     detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
     prepareBlocks(blocks, rows);
     const auto passed = std::apply([](const auto&... stored) {

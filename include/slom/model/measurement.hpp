@@ -10,6 +10,7 @@
 #pragma once
 
 #include <concepts>
+#include <limits>
 #include <tuple>
 #include <type_traits>
 
@@ -39,6 +40,23 @@ concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret)
   { m.variableArgs() };
   { c.evaluate(ret) };
 } && detail::IsVarArgTuple<decltype(std::declval<M&>().variableArgs())>::value;
+
+namespace detail {
+/// Writes the residual, `rows` entries, to r; entries that the measurement leaves out are NaN. Returns the residual's length;
+/// nothing is written when that is not `rows`.
+template <Measurement M>
+int evaluatePoisoned(const M& measurement, int rows, double* r) {
+  Residual<M::residual_dim> ret;
+  if constexpr (M::residual_dim == Dynamic) ret.resize(rows);
+  for (int i = 0; i < rows; ++i) ret.data()[i] = std::numeric_limits<double>::quiet_NaN();
+  measurement.evaluate(ret);
+  if constexpr (M::residual_dim == Dynamic) {
+    if (ret.size() != rows) return static_cast<int>(ret.size());
+  }
+  for (int i = 0; i < rows; ++i) r[i] = ret.data()[i];
+  return rows;
+}
+}  // namespace detail
 
 }  // namespace slom
 

@@ -9,73 +9,97 @@ namespace slom {
 
 class Problem;
 
+/// The part of a VarID that does not depend on the type.
+class VariableHandle {
+ public:
+  VariableHandle();
+  VariableHandle(std::shared_ptr<VariableStoreBase> store, SlotRef ref);
+  VariableHandle(const VariableHandle&);
+  VariableHandle(VariableHandle&&) noexcept;
+  VariableHandle& operator=(const VariableHandle&);
+  VariableHandle& operator=(VariableHandle&&) noexcept;
+  ~VariableHandle();
+
+  /// Whether the variable exists.
+  bool isValid() const { return store_ && store_->isCurrent(ref_); }
+
+ protected:
+  friend class Problem;
+  friend class VariableArgument;
+
+  bool equals(const VariableHandle& other) const {
+    return store_ == other.store_ && ref_.slot == other.ref_.slot && ref_.generation == other.ref_.generation;
+  }
+
+  std::shared_ptr<VariableStoreBase> store_;
+  SlotRef ref_;
+};
+
 /// Reads the current value by `*id` and `id->member`. A cheap value type: copy it, store it, compare it. It stays
 /// valid whatever else is inserted or removed. After removeRV it is stale, and reading it throws
 /// [slom.stale-handle]; after the estimator is gone the last value can still be read.
 template <class T>
-class VarID {
+class VarID : public VariableHandle {
  public:
   using Value = T;
 
   /// Refers to nothing; reading it throws.
   VarID() = default;
 
-  const T& operator*() const { return current().value(ref_.slot); }
-  const T* operator->() const { return &current().value(ref_.slot); }
+  const T& operator*() const { return current(); }
+  const T* operator->() const { return &current(); }
 
-  /// Whether the variable exists.
-  bool isValid() const { return store_ && store_->isCurrent(ref_); }
-
-  friend bool operator==(const VarID& a, const VarID& b) {
-    return a.store_ == b.store_ && a.ref_.slot == b.ref_.slot && a.ref_.generation == b.ref_.generation;
-  }
+  friend bool operator==(const VarID& a, const VarID& b) { return a.equals(b); }
 
  private:
   friend class Problem;
-  template <class>
-  friend class VarArg;
 
-  VarID(std::shared_ptr<VariableStore<T>> store, SlotRef ref) : store_(std::move(store)), ref_(ref) {}
+  explicit VarID(VariableHandle handle) : VariableHandle(std::move(handle)) {}
 
-  const VariableStore<T>& current() const {
-    if (!isValid()) detail::raiseStaleHandle(typeName<T>(), store_ != nullptr);
-    return *store_;
+  const T& current() const {
+    if (!isValid()) detail::raiseStaleHandle(&typeName<T>, store_ != nullptr);
+    return static_cast<const VariableStore<T>&>(*store_).value(ref_.slot);
   }
+};
 
-  std::shared_ptr<VariableStore<T>> store_;
+/// The part of a VarArg that does not depend on the type.
+class VariableArgument {
+ public:
+  /// Used by the library: where the value comes from, and what the measurement is evaluated at.
+  const VariableStoreBase* store() const { return store_; }
+  SlotRef slotRef() const { return ref_; }
+  const void* pointer() const { return value_; }
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdangling-pointer"  // numeric derivatives put the old pointer back
+#endif
+  void setPointer(const void* value) { value_ = value; }
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
+#pragma GCC diagnostic pop
+#endif
+
+ protected:
+  VariableArgument(const VariableHandle& id, const void* value) : value_(value), store_(id.store_.get()), ref_(id.ref_) {}
+
+  const void* value_;
+
+ private:
+  const VariableStoreBase* store_;
   SlotRef ref_;
 };
 
 /// A variable as a measurement sees it: `*pose`, `pose->pos`. Made from a VarID. Not owning; while a measurement
 /// is in an estimator its variables cannot be removed.
 template <class T>
-class VarArg {
+class VarArg : public VariableArgument {
  public:
   using Value = T;
 
   VarArg(const VarID<T>& id)  // NOLINT(google-explicit-constructor): measurements are built from VarIDs
-      : value_(&*id), store_(id.store_.get()), ref_(id.ref_) {}
+      : VariableArgument(id, &*id) {}
 
-  const T& operator*() const { return *value_; }
-  const T* operator->() const { return value_; }
-
-  /// Used by the library: where the value comes from, and what the measurement is evaluated at.
-  const VariableStoreBase* store() const { return store_; }
-  SlotRef slotRef() const { return ref_; }
-  const T* pointer() const { return value_; }
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wdangling-pointer"  // detail::Redirected puts the old pointer back
-#endif
-  void setPointer(const T* value) { value_ = value; }
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
-#pragma GCC diagnostic pop
-#endif
-
- private:
-  const T* value_;
-  const VariableStoreBase* store_;
-  SlotRef ref_;
+  const T& operator*() const { return *static_cast<const T*>(value_); }
+  const T* operator->() const { return static_cast<const T*>(value_); }
 };
 
 }  // namespace slom

@@ -1,15 +1,17 @@
 /// The values of all variables of one type, in slots that handles refer to.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "mtk/manifold.hpp"
 #include "mtk/stream.hpp"
-#include "slom/model/stable_vector.hpp"
 #include "slom/model/type_name.hpp"
+#include "slom/model/value_array.hpp"
 
 namespace slom {
 
@@ -24,27 +26,47 @@ struct SlotRef {
 namespace detail {
 /// What `write(stream, value)` writes, as a string. Compiled once: streams are dear to every file that makes one.
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
-[[noreturn]] void raiseStaleHandle(const std::string& type, bool was_valid);
+[[noreturn]] void raiseStaleHandle(std::string (*type)(), bool was_valid);
 }  // namespace detail
 
-/// What the untyped part of the library does with values: all of one type in one call.
+/// The values of all variables of one type. What does not depend on the type is compiled once; the type's part is how one
+/// value is made, moved and described.
 class VariableStoreBase {
  public:
   virtual ~VariableStoreBase();
+  VariableStoreBase(const VariableStoreBase&) = delete;
+  VariableStoreBase& operator=(const VariableStoreBase&) = delete;
 
   virtual std::string typeName() const = 0;
-  virtual int dof(std::uint32_t slot) const = 0;
   virtual std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const = 0;
   /// The value as text, for messages.
   virtual std::string valueText(std::uint32_t slot) const = 0;
-  /// Writes |x_i| of every component (1 for angles) to out.
-  virtual void magnitudes(std::uint32_t slot, double* out) const = 0;
 
+  // One value. Pointers are to the type of this store.
+
+  virtual void construct(void* place, const void* value) const = 0;
+  virtual void destroy(void* value) const noexcept = 0;
+  virtual void assign(void* to, const void* from) const = 0;
+  virtual int dofOf(const void* value) const = 0;
+  /// value := value [+] d, d of dofOf(value) entries.
+  virtual void boxplus(void* value, const double* d) const = 0;
+  /// Writes |x_i| of every component (1 for angles) to out.
+  virtual void magnitudesOf(const void* value, double* out) const = 0;
+  std::size_t valueSize() const { return value_size_; }
+  std::size_t alignment() const { return alignment_; }
+
+  // All values.
+
+  /// Stores `value` as the variable with index `variable`.
+  SlotRef insert(const void* value, int variable);
+  void* valueAt(std::uint32_t slot) { return values_[slot]; }
+  int dof(std::uint32_t slot) { return dofOf(values_[slot]); }
+  void magnitudes(std::uint32_t slot, double* out) { magnitudesOf(values_[slot], out); }
   /// Remembers all values; `restore` brings them back.
-  virtual void save() = 0;
-  virtual void restore() = 0;
+  void save();
+  void restore();
   /// x := x [+] step[offset_of_variable[v]...] for each variable v of this store whose offset is not negative.
-  virtual void applyStep(const std::vector<int>& offset_of_variable, const double* step) = 0;
+  void applyStep(const std::vector<int>& offset_of_variable, const double* step);
 
   /// Index of the slot's variable in the problem, -1 when the slot is free.
   int variable(std::uint32_t slot) const { return variable_[slot]; }
@@ -55,6 +77,15 @@ class VariableStoreBase {
   void release(std::uint32_t slot);
 
  protected:
+  VariableStoreBase(std::size_t value_size, std::size_t alignment);
+  /// Destroys all values, which the derived class has to do while it is still there.
+  void clear() noexcept;
+
+  ValueArray values_;
+
+ private:
+  std::size_t value_size_, alignment_;
+  ValueArray saved_;
   std::vector<int> variable_;
   std::vector<std::uint32_t> generation_;
   std::vector<std::uint32_t> free_;
@@ -65,66 +96,85 @@ class VariableStore final : public VariableStoreBase {
   static_assert(std::is_same_v<mtk::scalar_t<T>, double>, "slom: the scalar of an estimated variable must be double");
 
  public:
-  /// Stores `value` as the variable with index `variable`.
-  SlotRef insert(const T& value, int variable) {
-    std::uint32_t slot = static_cast<std::uint32_t>(values_.size());
-    if (free_.empty()) {
-      variable_.reserve(slot + 1);
-      generation_.reserve(slot + 1);
-      free_.reserve(slot + 1);  // so that release() cannot fail
-      values_.push_back(value);
-      variable_.push_back(variable);
-      generation_.push_back(0);
-    } else {
-      slot = free_.back();
-      values_[slot] = value;
-      free_.pop_back();
-      variable_[slot] = variable;
-    }
-    return {slot, generation_[slot]};
-  }
+  VariableStore();
+  ~VariableStore() override;
 
-  const T& value(std::uint32_t slot) const { return values_[slot]; }
-  T& value(std::uint32_t slot) { return values_[slot]; }
+  const T& value(std::uint32_t slot) const { return values_.as<T>(slot); }
 
-  std::string typeName() const override { return slom::typeName<T>(); }
-  int dof(std::uint32_t slot) const override { return mtk::dof(values_[slot]); }
-  std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const override {
-    return mtk::componentNames(values_[slot], path);
-  }
-  std::string valueText(std::uint32_t slot) const override {
-    if constexpr (mtk::isWritable<T>()) {
-      return detail::textOf(&values_[slot], [](std::ostream& os, const void* value) {
-        mtk::write(os, *static_cast<const T*>(value));
-      });
-    } else {
-      return "a " + typeName();
-    }
-  }
-  void magnitudes(std::uint32_t slot, double* out) const override {
-    mtk::magnitudes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, dof(slot)), values_[slot]);
-  }
-
-  void save() override {
-    saved_.clear();
-    saved_.reserve(values_.size());
-    for (std::size_t i = 0; i < values_.size(); ++i) saved_.push_back(values_[i]);
-  }
-  void restore() override {
-    for (std::size_t i = 0; i < saved_.size(); ++i) values_[i] = saved_[i];
-  }
-  void applyStep(const std::vector<int>& offset_of_variable, const double* step) override {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      const int v = variable_[i];
-      if (v < 0 || offset_of_variable[static_cast<std::size_t>(v)] < 0) continue;
-      const double* d = step + offset_of_variable[static_cast<std::size_t>(v)];
-      mtk::boxplus<T>(values_[i], mtk::vectview<const double, mtk::DOF_v<T>>(d, mtk::dof(values_[i])));
-    }
-  }
-
- private:
-  StableVector<T> values_;
-  std::vector<T> saved_;
+  // Not inline, so that files which use the types below compile none of them.
+  std::string typeName() const override;
+  std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const override;
+  std::string valueText(std::uint32_t slot) const override;
+  void construct(void* place, const void* value) const override;
+  void destroy(void* value) const noexcept override;
+  void assign(void* to, const void* from) const override;
+  int dofOf(const void* value) const override;
+  void boxplus(void* value, const double* d) const override;
+  void magnitudesOf(const void* value, double* out) const override;
 };
+
+template <class T>
+VariableStore<T>::VariableStore() : VariableStoreBase(sizeof(T), alignof(T)) {}
+template <class T>
+VariableStore<T>::~VariableStore() {
+  clear();
+}
+template <class T>
+std::string VariableStore<T>::typeName() const {
+  return slom::typeName<T>();
+}
+template <class T>
+std::vector<std::string> VariableStore<T>::componentNames(std::uint32_t slot, const std::string& path) const {
+  return mtk::componentNames(value(slot), path);
+}
+template <class T>
+std::string VariableStore<T>::valueText(std::uint32_t slot) const {
+  if constexpr (mtk::isWritable<T>()) {
+    return detail::textOf(&value(slot), [](std::ostream& os, const void* value) {
+      mtk::write(os, *static_cast<const T*>(value));
+    });
+  } else {
+    return "a " + typeName();
+  }
+}
+template <class T>
+void VariableStore<T>::construct(void* place, const void* value) const {
+  ::new (place) T(*static_cast<const T*>(value));
+}
+template <class T>
+void VariableStore<T>::destroy(void* value) const noexcept {
+  static_cast<T*>(value)->~T();
+}
+template <class T>
+void VariableStore<T>::assign(void* to, const void* from) const {
+  *static_cast<T*>(to) = *static_cast<const T*>(from);
+}
+template <class T>
+int VariableStore<T>::dofOf(const void* value) const {
+  return mtk::dof(*static_cast<const T*>(value));
+}
+template <class T>
+void VariableStore<T>::boxplus(void* value, const double* d) const {
+  T& x = *static_cast<T*>(value);
+  mtk::boxplus<T>(x, mtk::vectview<const double, mtk::DOF_v<T>>(d, mtk::dof(x)));
+}
+template <class T>
+void VariableStore<T>::magnitudesOf(const void* value, double* out) const {
+  const T& x = *static_cast<const T*>(value);
+  mtk::magnitudes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(x)), x);
+}
+
+// Compiled once: the types that many programs use.
+extern template class VariableStore<double>;
+extern template class VariableStore<Eigen::Vector2d>;
+extern template class VariableStore<Eigen::Vector3d>;
+extern template class VariableStore<Eigen::VectorXd>;
+extern template class VariableStore<mtk::vect<2>>;
+extern template class VariableStore<mtk::vect<3>>;
+extern template class VariableStore<mtk::Scalar<>>;
+extern template class VariableStore<mtk::SO2<>>;
+extern template class VariableStore<mtk::SO3<>>;
+extern template class VariableStore<mtk::trafo<mtk::SO2<>>>;
+extern template class VariableStore<mtk::trafo<mtk::SO3<>>>;
 
 }  // namespace slom

@@ -26,11 +26,8 @@ class Problem {
   template <class T>
   VarID<T> insertVariable(const T& value, bool optimize, std::string name) {
     mtk::requireManifold<T>();
-    auto store = findStore<T>();
-    const int index = reserveVariable();
-    const SlotRef ref = store->insert(value, index);
-    bookVariable(index, {store.get(), ref.slot, mtk::dof(value), optimize, 0, 0, std::move(name)});
-    return VarID<T>(std::move(store), ref);
+    const auto make = []() -> VariableStoreBase* { return new VariableStore<T>; };
+    return VarID<T>(insertVariable(typeid(T), make, &value, optimize, std::move(name)));
   }
   /// Index of the variable in the table; throws [slom.stale-handle] when it is not in this problem.
   template <class T>
@@ -39,10 +36,7 @@ class Problem {
   }
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {
-    const int index = indexOf(id);
-    checkNewDof(index, mtk::dof(value));
-    id.store_->value(id.ref_.slot) = value;
-    ++value_revision_;
+    setValue(indexOf(id), &value);
   }
   void setOptimized(int variable, bool optimize);
   /// Throws [slom.variable-in-use] when measurements depend on it.
@@ -62,22 +56,10 @@ class Problem {
   template <Measurement M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {
-    TypedPool<M>& pool = findPool<M>(label);
-    constexpr int arity = static_cast<int>(std::tuple_size_v<decltype(measurement.variableArgs())>);
-    int variables[static_cast<std::size_t>(arity)];
-    int k = 0;
-    std::apply([&](auto&... arg) {
-      ((variables[k++] = checkedIndex(arg.store(), arg.slotRef(), &slom::typeName<ValueOf<decltype(arg)>>)), ...);
-    }, measurement.variableArgs());
-    const SlotRef ref = [&] {
-      try {
-        return pool.insert(std::move(measurement), variables, noise, loss);
-      } catch (const MeasurementThrew& event) {
-        raiseThrew(pool.nextName(), variables, arity, event.exception);
-      }
-    }();
-    bookMeasurement(variables, arity);
-    return MeasID<M>(&pool, ref);
+    const auto arguments = detail::argumentsOf(measurement);
+    const auto [pool, ref] =
+        insertMeasurement(TypedPool<M>::type, &measurement, arguments.data(), noise, label, loss);
+    return MeasID<M>(pool, ref);
   }
   template <class M>
   std::pair<MeasurementPool*, int> locate(const MeasID<M>& id) const {
@@ -117,47 +99,27 @@ class Problem {
     std::string label;
     MeasurementPool* pool;
   };
-  template <class Arg>
-  using ValueOf = typename std::remove_cvref_t<Arg>::Value;
-
-  template <class T>
-  std::shared_ptr<VariableStore<T>> findStore() {
-    const auto make = []() -> VariableStoreBase* { return new VariableStore<T>; };
-    return std::static_pointer_cast<VariableStore<T>>(findOrMakeStore(typeid(T), make));
-  }
-  template <class M>
-  TypedPool<M>& findPool(std::string_view label) {
-    MeasurementPool* pool = findPool(typeid(M), label);
-    if (pool == nullptr) {
-      std::string name(label);
-      if (label.empty()) {
-        if constexpr (requires { M::groupName(); }) {
-          name = M::groupName();
-        } else {
-          name = slom::typeName<M>();
-        }
-      }
-      pool = &adoptPool(typeid(M), label, std::make_unique<TypedPool<M>>(nameForPool(std::move(name)), table_));
-    }
-    return static_cast<TypedPool<M>&>(*pool);
-  }
-
   // What concerns containers is compiled once, not in every file that inserts something.
-  std::shared_ptr<VariableStoreBase> findOrMakeStore(std::type_index type, VariableStoreBase* (*make)());
+  VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
+                                std::string name);
+  void setValue(int variable, const void* value);
+  /// `measurement` is of this type and is moved from; `arguments` are its variables.
+  std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
+                                                         VariableArgument* const* arguments, const NoiseView& noise,
+                                                         std::string_view label, const Loss& loss);
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
   MeasurementPool& adoptPool(std::type_index type, std::string_view label, std::unique_ptr<MeasurementPool> pool);
   int reserveVariable();
   void bookVariable(int index, VariableRecord record);
-  void bookMeasurement(const int* variables, int arity);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
-  void checkNewDof(int variable, int dof) const;
   std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
   /// The name, with a number behind it when another pool has it already.
   std::string nameForPool(const std::string& name) const;
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
+  std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
   std::unordered_map<std::type_index, std::vector<LabelledPool>> pools_of_type_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;

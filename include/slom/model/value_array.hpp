@@ -1,0 +1,35 @@
+/// A growing array of values whose type only its owner knows: chunks of contiguous values that never move.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace slom {
+
+/// Memory alone: the owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.
+class ValueArray {
+ public:
+  ValueArray(std::size_t value_size, std::size_t alignment) : value_size_(value_size), alignment_(alignment) {}
+  ValueArray(const ValueArray&) = delete;
+  ValueArray& operator=(const ValueArray&) = delete;
+  ~ValueArray();
+
+  std::size_t size() const { return size_; }
+  void* operator[](std::size_t i) { return chunks_[i / kChunk] + (i % kChunk) * value_size_; }
+  /// Value i, which is a T.
+  template <class T>
+  T& as(std::size_t i) const {
+    return reinterpret_cast<T*>(chunks_[i / kChunk])[i % kChunk];
+  }
+  /// Where the next value belongs.
+  void* place();
+  void grow() { ++size_; }
+
+ private:
+  static constexpr std::size_t kChunk = 256;
+  std::size_t value_size_, alignment_;
+  std::vector<std::byte*> chunks_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace slom

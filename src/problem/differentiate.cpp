@@ -1,0 +1,168 @@
+/// Derivatives of a measurement with respect to its variables: central differences in the tangent space.
+///   J(:, c) = (f(x [+] h e_c) - f(x [+] -h e_c)) / 2h
+/// The best step h of a component with magnitude |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
+/// bends over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). For components
+/// near zero, whose scale the value does not tell, the step shrinks until two steps agree.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <new>
+#include <vector>
+
+#include "slom/problem/measurement_pool.hpp"
+
+namespace slom {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Points a measurement's variable to a copy of its value, which can be moved, for as long as this object lives.
+class Redirected {
+ public:
+  Redirected(VariableArgument& variable, const VariableStoreBase& store)
+      : variable_(variable), store_(store), original_(variable.pointer()) {
+    if (store.valueSize() > sizeof(few_) || store.alignment() > kAlignment) {
+      many_ = ::operator new(store.valueSize(), std::align_val_t(store.alignment()));
+    }
+    try {
+      store_.construct(moved(), original_);
+    } catch (...) {
+      release();
+      throw;
+    }
+    variable_.setPointer(moved());
+  }
+  Redirected(const Redirected&) = delete;
+  Redirected& operator=(const Redirected&) = delete;
+  ~Redirected() {
+    variable_.setPointer(original_);
+    store_.destroy(moved());
+    release();
+  }
+
+  const void* original() const { return original_; }
+  /// To the original value [+] d.
+  void move(const double* d) {
+    store_.assign(moved(), original_);
+    store_.boxplus(moved(), d);
+  }
+
+ private:
+  static constexpr std::size_t kAlignment = 64;
+
+  void* moved() { return many_ != nullptr ? many_ : few_; }
+  void release() {
+    if (many_ != nullptr) ::operator delete(many_, std::align_val_t(store_.alignment()));
+  }
+
+  alignas(kAlignment) std::byte few_[512];  // most values need no allocation
+  void* many_ = nullptr;
+  VariableArgument& variable_;
+  const VariableStoreBase& store_;
+  const void* original_;
+};
+
+/// The largest |x_i|, NaN when one is.
+double largest(const double* x, int n) {
+  double most = 0;
+  for (int i = 0; i < n; ++i) {
+    const double size = std::abs(x[i]);
+    if (size > most || std::isnan(size)) most = size;
+  }
+  return most;
+}
+
+/// Central differences of one measurement by one variable. `evaluate(r)` returns the length of the residual.
+template <class Evaluate>
+class CentralDifferences {
+ public:
+  /// `delta`: zeros, one for each component; `workspace`: 4 * rows numbers.
+  CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, const Evaluate& evaluate)
+      : variable_(variable), rows_(rows), delta_(delta), plus_(workspace), minus_(plus_ + rows), coarse_(minus_ + rows),
+        fine_(coarse_ + rows), evaluate_(evaluate) {}
+
+  /// The derivative along component c, whose size is given. Returns the length of the residual; `out` is complete when
+  /// that is the right one.
+  int column(int c, double size, double* out) {
+    constexpr double cube_root_of_epsilon = 6.0554544523933395e-06;
+    if (size >= 0.1) return difference(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
+    return refined(c, cube_root_of_epsilon, cube_root_of_epsilon * size, out);
+  }
+
+ private:
+  int difference(int c, double h, double* out) {
+    if (const int got = shifted(c, h, plus_); got != rows_) return got;
+    if (const int got = shifted(c, -h, minus_); got != rows_) return got;
+    for (int i = 0; i < rows_; ++i) out[i] = (plus_[i] - minus_[i]) / (2 * h);
+    return rows_;
+  }
+
+  int shifted(int c, double h, double* r) {
+    delta_[c] = h;
+    variable_.move(delta_);
+    delta_[c] = 0;
+    return evaluate_(r);
+  }
+
+  /// Steps from `h` down to `smallest`, each an eighth of the last; keeps the one that agrees best with the step before.
+  int refined(int c, double h, double smallest, double* best) {
+    if (const int got = difference(c, h, coarse_); got != rows_) return got;
+    std::copy_n(coarse_, rows_, best);
+    double best_gap = kInfinity;
+    for (int worse = 0; worse < 2 && h > std::max(smallest, 1e-30);) {
+      h /= 8;
+      if (const int got = difference(c, h, fine_); got != rows_) return got;
+      for (int i = 0; i < rows_; ++i) plus_[i] = fine_[i] - coarse_[i];
+      const double gap = largest(plus_, rows_);  // NaN compares as not better
+      const bool agrees = gap <= 1e-8 * largest(fine_, rows_);
+      if (gap < best_gap || !std::isfinite(largest(best, rows_))) {
+        std::copy_n(best_gap == kInfinity && agrees ? coarse_ : fine_, rows_, best);
+        best_gap = std::isfinite(gap) ? gap : best_gap;
+        worse = 0;
+      } else {
+        ++worse;
+      }
+      if (agrees) break;
+      std::swap(coarse_, fine_);
+    }
+    return rows_;
+  }
+
+  Redirected& variable_;
+  int rows_;
+  double* delta_;
+  double *plus_, *minus_, *coarse_, *fine_;
+  const Evaluate& evaluate_;
+};
+
+}  // namespace
+
+int MeasurementPool::differentiate(int i, int rows, double* r, double* J) {
+  if (const int got = evaluateOne(i, rows, r); got != rows) return got;
+  const auto evaluate = [&](double* out) { return evaluateOne(i, rows, out); };
+  for (int k = 0; k < arity_; ++k) {
+    const VariableRecord& record = table_[at(variables(i)[k])];
+    const int dof = record.dof;
+    if (record.optimize) {
+      double few[128];
+      const std::size_t needed = 2 * at(dof) + 4 * at(rows);
+      std::vector<double> many(needed > std::size(few) ? needed : 0);
+      double* const delta = many.empty() ? few : many.data();
+      double* const magnitudes = delta + dof;
+      std::fill_n(delta, dof, 0.0);
+      Redirected variable(argument(i, k), *record.store);
+      record.store->magnitudesOf(variable.original(), magnitudes);
+      CentralDifferences differences(variable, rows, delta, magnitudes + dof, evaluate);
+      for (int c = 0; c < dof; ++c) {
+        double* const column = J + static_cast<std::ptrdiff_t>(c) * rows;
+        if (const int got = differences.column(c, magnitudes[c], column); got != rows) return got;
+      }
+    }
+    J += static_cast<std::ptrdiff_t>(rows) * dof;
+  }
+  return rows;
+}
+
+}  // namespace slom
