@@ -34,6 +34,10 @@ template <class T, class S>
 struct Rebind<T, S> {
   using type = S;
 };
+template <int W, class S>
+struct Rebind<Pack<W>, S> {
+  using type = S;
+};
 template <class T, class S>
 using rebound_t = typename Rebind<T, S>::type;
 
