@@ -19,7 +19,8 @@ namespace detail {
 /// The depth z where it is positive, NaN elsewhere.
 template <class S>
 S depthInFront(const S& z) {
-  return mtk::select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
+  using mtk::select;
+  return select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
 }
 }  // namespace detail
 
@@ -104,12 +105,13 @@ struct FisheyeIntrinsics : mtk::vect<8, S> {
   /// there.
   template <class T>
   static T angleByRadius(const T& r2, const T& z) {
+    using mtk::select;
     using std::atan2;
     using std::sqrt;
     const T z2 = z * z;
     const auto on_axis = z > 0.0 && r2 < 1e-15 * z2;
-    const T r = sqrt(mtk::select(on_axis, T(1.0), r2));
-    return mtk::select(on_axis, T((1.0 - r2 / (3.0 * z2)) / z), T(atan2(r, z) / r));
+    const T r = sqrt(select(on_axis, T(1.0), r2));
+    return select(on_axis, T((1.0 - r2 / (3.0 * z2)) / z), T(atan2(r, z) / r));
   }
 };
 

@@ -161,10 +161,10 @@ template <class R>
 constexpr bool carriesDerivatives() {
   if constexpr (mtk::detail::is_std_array<R>) {
     return carriesDerivatives<typename R::value_type>();
+  } else if constexpr (mtk::Manifold<R>) {  // first: to mtk::Scalar, R::Scalar is its own name
+    return mtk::detail::is_dual<mtk::scalar_t<R>>;
   } else if constexpr (requires { typename R::Scalar; }) {
     return mtk::detail::is_dual<typename R::Scalar>;
-  } else if constexpr (mtk::Manifold<R>) {
-    return mtk::detail::is_dual<mtk::scalar_t<R>>;
   } else {
     return requires(const R& x) { x.partials(); };
   }
