@@ -34,6 +34,10 @@ template <class T, class S>
 struct Rebind<T, S> {
   using type = S;
 };
+template <int W, class S>
+struct Rebind<Pack<W>, S> {
+  using type = S;
+};
 template <class T, class S>
 using rebound_t = typename Rebind<T, S>::type;
 
@@ -323,15 +327,19 @@ template <int N, class S, int Offset>
 struct SparseRebind<vect<N>, S, Offset> {
   using type = SeedVector<N, S, Offset>;
 };
+/// Degrees of freedom of the first `count` of the members M.
+template <class... M>
+constexpr int dofOfFirst(int count, std::type_identity<std::tuple<M&...>>) {
+  const int dofs[] = {DOF_v<M>...};
+  int sum = 0;
+  for (int i = 0; i < count; ++i) sum += dofs[i];
+  return sum;
+}
 template <class T, class S, int Offset>
 struct SparseMap {
   template <class Member, int Index>
-  using member = typename SparseRebind<Member, S, Offset + []<class... M>(std::type_identity<std::tuple<M&...>>) {
-    const int dofs[] = {DOF_v<M>...};
-    int sum = 0;
-    for (int i = 0; i < Index; ++i) sum += dofs[i];
-    return sum;
-  }(std::type_identity<MemberTypesOf<T>>{})>::type;
+  using member =
+      typename SparseRebind<Member, S, Offset + dofOfFirst(Index, std::type_identity<MemberTypesOf<T>>{})>::type;
 };
 template <MacroCompound T, class S, int Offset>
 struct SparseRebind<T, S, Offset> {

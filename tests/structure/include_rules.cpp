@@ -13,9 +13,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // Levels: mtk, then the steps in the order of the data flow, then the facade.
-constexpr std::array<const char*, 7> kLevels{"mtk",   "model",    "problem", "linearize",
-                                             "solve", "optimize", "analyze"};
+constexpr std::array<const char*, 8> kLevels{"mtk",       "model", "measurements", "problem",
+                                             "linearize", "solve", "optimize",     "analyze"};
 constexpr int kMtk = 0;
+constexpr int kMeasurements = 2;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 
 std::string levelName(int level) {
@@ -91,6 +92,8 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
       return levelName(level) + " may include only what stands above it, " + levelName(*target_level) +
              " stands below";
     }
+    if (*target_level == kMeasurements && level != kMeasurements && level != kFacade)
+      return "only the facade and users include measurements";
     if (is_public && startsWith(target->generic_string(), "src/"))
       return "a public header includes public headers";
     return "";

@@ -17,6 +17,7 @@ struct IncludeReport {
 ///   * mtk includes mtk, Eigen and the standard library;
 ///   * include/slom/<step> and src/<step> include mtk and the steps from model down to their own;
 ///   * files directly in include/slom and src, the facade, include all of these;
+///   * include/slom/measurements, kinds of measurements, includes mtk and model, and is included by the facade alone;
 ///   * nobody includes apps/, or what only the command may use: fmt, JSON, CLI11, OpenCV;
 ///   * public headers include neither <iostream> nor other libraries than Eigen and oneTBB.
 IncludeReport checkIncludes(const std::filesystem::path& root);

@@ -28,6 +28,10 @@ TEST(IncludeRules, AllowedIncludesAreNotReported) {
   writeFile(root / "include/mtk/b.hpp", "#include <iosfwd>\n#include <ostream>\n#include <sstream>\n");
   writeFile(root / "include/slom/model/m.hpp", "#include <mtk/a.hpp>\n#include \"n.hpp\"\n");
   writeFile(root / "include/slom/model/n.hpp", "// #include <iostream>\n");
+  writeFile(root / "include/slom/measurements/k.hpp",
+            "#include \"mtk/a.hpp\"\n#include \"slom/model/m.hpp\"\n#include \"slom/measurements/l.hpp\"\n");
+  writeFile(root / "include/slom/measurements/l.hpp", "");
+  writeFile(root / "include/slom/measurements.hpp", "#include \"slom/measurements/k.hpp\"\n");
   writeFile(root / "include/slom/solve/s.hpp",
             "#include \"slom/model/m.hpp\"\n#include <tbb/parallel_for.h>\n");
   writeFile(root / "include/slom/slom.hpp",
@@ -46,9 +50,11 @@ TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
   writeFile(root / "include/mtk/a.hpp",
             "#include <vector>\n#include \"slom/model/m.hpp\"\n#include <tbb/tbb.h>\n");
   writeFile(root / "include/slom/extra/e.hpp", "");
+  writeFile(root / "include/slom/measurements/k.hpp", "#include \"slom/solve/s.hpp\"\n");
   writeFile(root / "include/slom/model/m.hpp",
             "#include \"../solve/s.hpp\"\n  #  include <slom/estimator.hpp>\n");
   writeFile(root / "include/slom/optimize/o.hpp", "#include <iostream>\n#include <nlohmann/json.hpp>\n");
+  writeFile(root / "include/slom/problem/p.hpp", "#include \"slom/measurements/k.hpp\"\n");
   writeFile(root / "include/slom/solve/s.hpp", "\n\n#include <cholmod.h>\n#include \"nowhere.hpp\"\n");
   writeFile(root / "src/linearize/l.cpp", "#include \"slom/analyze/report.hpp\"\n#include <fmt/core.h>\n");
   writeFile(root / "src/solve/s.cpp",
@@ -60,6 +66,8 @@ TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
       "below\n"
       "include/mtk/a.hpp:3: includes tbb/tbb.h: mtk uses Eigen alone\n"
       "include/slom/extra/e.hpp:1: its folder is not a step of the data flow\n"
+      "include/slom/measurements/k.hpp:1: includes slom/solve/s.hpp: measurements may include only what stands "
+      "above it, solve stands below\n"
       "include/slom/model/m.hpp:1: includes ../solve/s.hpp: model may include only what stands above it, "
       "solve "
       "stands below\n"
@@ -70,6 +78,8 @@ TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
       "include/slom/optimize/o.hpp:2: includes nlohmann/json.hpp: the libraries do without it, only the "
       "command "
       "may use it\n"
+      "include/slom/problem/p.hpp:1: includes slom/measurements/k.hpp: only the facade and users include "
+      "measurements\n"
       "include/slom/solve/s.hpp:3: includes cholmod.h: a public header needs no other library than Eigen and "
       "oneTBB\n"
       "include/slom/solve/s.hpp:4: includes nowhere.hpp: no such file of the project\n"

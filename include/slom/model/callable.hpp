@@ -170,10 +170,10 @@ template <class R>
 constexpr bool carriesDerivatives() {
   if constexpr (mtk::detail::is_std_array<R>) {
     return carriesDerivatives<typename R::value_type>();
+  } else if constexpr (mtk::Manifold<R>) {  // first: to mtk::Scalar, R::Scalar is its own name
+    return mtk::detail::is_dual<mtk::scalar_t<R>>;
   } else if constexpr (requires { typename R::Scalar; }) {
     return mtk::detail::is_dual<typename R::Scalar>;
-  } else if constexpr (mtk::Manifold<R>) {
-    return mtk::detail::is_dual<mtk::scalar_t<R>>;
   } else {
     return requires(const R& x) { x.partials(); };
   }
@@ -261,17 +261,17 @@ class CallableMeasurement {
 
  public:
   static constexpr int residual_dim = rows();
+  /// Whether several measurements are evaluated at once.
+  static constexpr bool vectorized = detail::is_vectorized<F> || (detail::VectorizedByItself<F> && columns <= 64 &&
+                                                                  (detail::is_packable<Stored<Args>> && ...));
   static constexpr DerivativeSource derivatives = [] {
     using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
-    if (detail::is_vectorized<F>) return DerivativeSource::exact;
+    if (vectorized) return DerivativeSource::exact;
     if (detail::is_numeric<F>) return DerivativeSource::numeric;
     if (detail::has_jacobian<Function, Passed, Blocks>) return DerivativeSource::given;
     return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact : DerivativeSource::numeric;
   }();
   static constexpr bool richardson = detail::is_richardson<F>;
-
-  /// Whether several measurements are evaluated at once.
-  static constexpr bool vectorized = detail::is_vectorized<F>;
 
   /// What messages call measurements of this callable: its type, `lambda` or `function`.
   static std::string groupName() { return std::is_class_v<Function> ? typeName<Function>() : "function"; }

@@ -64,6 +64,10 @@ inline constexpr bool is_vectorized = false;
 template <class F>
 inline constexpr bool is_vectorized<VectorizedFunction<F>> = true;
 
+/// A functor that is vectorised without being asked, wherever its arguments allow it.
+template <class F>
+concept VectorizedByItself = requires { requires bool(F::is_vectorized); };
+
 /// The user's function inside the wrappers.
 template <class F>
 struct Unwrapped {
@@ -94,6 +98,8 @@ auto numeric(F f, Richardson) {
 /// Lets f work on several measurements at once: all its parameters, data included, are `const auto&`, numbers are never
 /// declared as double, and in place of `if` on computed numbers stands mtk::select. Each variable's derivatives are
 /// carried only as far as they reach, so that numbers that depend on different variables have different types.
+/// A functor with the member `static constexpr bool is_vectorized = true;` does without this wrapper, and is evaluated one
+/// by one where its arguments do not exist in packs.
 template <class F>
 auto vectorized(F f) {
   return detail::VectorizedFunction<F>{std::move(f)};

@@ -112,6 +112,32 @@ struct SeededArgument<VarArg<T>, Offset> {
   SeededArgument(const SeededArgument&) = delete;
 };
 
+template <class... M>
+constexpr bool arePackable(std::type_identity<std::tuple<M&...>>);
+/// Whether values of T fill packs: its size is fixed, and it is made of the library's types.
+template <class T>
+constexpr bool isPackable() {
+  if constexpr (!mtk::Manifold<T> || std::is_void_v<mtk::rebind_t<T, Lanes>>) {
+    return false;
+  } else if constexpr (mtk::detail::Compound<T>) {
+    return arePackable(std::type_identity<decltype(mtk::detail::membersOf(std::declval<T&>()))>{});
+  } else if constexpr (mtk::detail::StdArray<T>) {
+    return isPackable<typename T::value_type>();
+  } else {
+    return mtk::DOF_v<T> != mtk::Dynamic && mtk::detail::HasState<T>;
+  }
+}
+template <class... M>
+constexpr bool arePackable(std::type_identity<std::tuple<M&...>>) {
+  return (isPackable<M>() && ...);
+}
+template <class Stored>
+inline constexpr bool is_packable = isPackable<Stored>();
+template <class T>
+inline constexpr bool is_packable<VarArg<T>> = isPackable<T>();
+template <class Z>
+inline constexpr bool is_packable<Measured<Z>> = isPackable<Z>();
+
 template <class A>
 inline constexpr bool is_measured = false;
 template <class Z, int Offset>

@@ -1,0 +1,141 @@
+/// Lenses: how a point in the camera's frame (x right, y down, z forward) becomes a pixel (u right, v down).
+///
+/// Each is a vector of named numbers, `intrinsics->fx()`, with `project(p)`: p of 3 coordinates in any unit,
+/// the pixel [px]. A camera model of your own is one more such class template. Lenses are class templates
+/// over their number type, so that derivatives are exact and several points are projected at once.
+///
+/// Points that have no image give NaN, so that a step that takes a point behind its camera is taken back, and
+/// a start value that has one there is an error that names the measurement.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "mtk/types/vect.hpp"
+
+namespace slom {
+
+namespace detail {
+/// The depth z where it is positive, NaN elsewhere.
+template <class S>
+S depthInFront(const S& z) {
+  using mtk::select;
+  return select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
+}
+}  // namespace detail
+
+/// No distortion: u = fx x/z + cx, v = fy y/z + cy. NaN for z <= 0.
+template <class S = double>
+struct PinholeIntrinsics : mtk::vect<4, S> {
+  static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
+  using mtk::vect<4, S>::vect;
+
+  const S& fx() const { return (*this)[0]; }
+  const S& fy() const { return (*this)[1]; }
+  const S& cx() const { return (*this)[2]; }
+  const S& cy() const { return (*this)[3]; }
+
+  auto project(const auto& p) const {
+    const auto z = detail::depthInFront(p[2]);
+    return mtk::vector(fx() * (p[0] / z) + cx(), fy() * (p[1] / z) + cy());
+  }
+};
+
+/// Radial and tangential distortion in the order and meaning of OpenCV's five coefficients. NaN for z <= 0.
+///   source   OpenCV 4 documentation, module calib3d, detailed description; Brown, "Close-range camera
+///   calibration", 1971
+template <class S = double>
+struct OpenCv5Intrinsics : mtk::vect<9, S> {
+  static constexpr std::array<std::string_view, 9> component_names{"fx", "fy", "cx", "cy", "k1",
+                                                                   "k2", "p1", "p2", "k3"};
+  using mtk::vect<9, S>::vect;
+
+  const S& fx() const { return (*this)[0]; }
+  const S& fy() const { return (*this)[1]; }
+  const S& cx() const { return (*this)[2]; }
+  const S& cy() const { return (*this)[3]; }
+  const S& k1() const { return (*this)[4]; }
+  const S& k2() const { return (*this)[5]; }
+  const S& p1() const { return (*this)[6]; }
+  const S& p2() const { return (*this)[7]; }
+  const S& k3() const { return (*this)[8]; }
+
+  auto project(const auto& p) const {
+    const auto z = detail::depthInFront(p[2]);
+    const auto x = p[0] / z, y = p[1] / z;
+    const auto xx = x * x, yy = y * y, xy2 = 2.0 * x * y, r2 = xx + yy;
+    const auto radial = 1.0 + r2 * (k1() + r2 * (k2() + r2 * k3()));
+    return mtk::vector(fx() * (x * radial + p1() * xy2 + p2() * (r2 + 2.0 * xx)) + cx(),
+                       fy() * (y * radial + p1() * (r2 + 2.0 * yy) + p2() * xy2) + cy());
+  }
+};
+
+/// Equidistant fisheye lens, OpenCV's `fisheye` without skew: the distance from the image centre is
+/// theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta the angle between the ray and the
+/// optical axis. Rays more than 90 degrees off the axis (z <= 0) have an image too; where OpenCV would mirror
+/// them, this follows the angle. NaN on the axis behind the camera and in its centre.
+///   source   OpenCV 4 documentation, namespace cv::fisheye; Kannala and Brandt, "A generic camera model and
+///   calibration
+///            method for conventional, wide-angle, and fish-eye lenses", 2006, equation (6)
+template <class S = double>
+struct FisheyeIntrinsics : mtk::vect<8, S> {
+  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
+                                                                   "k1", "k2", "k3", "k4"};
+  using mtk::vect<8, S>::vect;
+
+  const S& fx() const { return (*this)[0]; }
+  const S& fy() const { return (*this)[1]; }
+  const S& cx() const { return (*this)[2]; }
+  const S& cy() const { return (*this)[3]; }
+  const S& k1() const { return (*this)[4]; }
+  const S& k2() const { return (*this)[5]; }
+  const S& k3() const { return (*this)[6]; }
+  const S& k4() const { return (*this)[7]; }
+
+  auto project(const auto& p) const {
+    const auto r2 = p[0] * p[0] + p[1] * p[1];
+    const auto theta_by_r = angleByRadius(r2, p[2]);
+    const auto t2 = theta_by_r * theta_by_r * r2;
+    const auto scale = theta_by_r * (1.0 + t2 * (k1() + t2 * (k2() + t2 * (k3() + t2 * k4()))));
+    return mtk::vector(fx() * (scale * p[0]) + cx(), fy() * (scale * p[1]) + cy());
+  }
+
+ private:
+  /// atan2(r, z) / r; near the axis by the series (1 - (r/z)^2 / 3 + ...) / z, of which two terms are exact
+  /// there.
+  template <class T>
+  static T angleByRadius(const T& r2, const T& z) {
+    using mtk::select;
+    using std::atan2;
+    using std::sqrt;
+    const T z2 = z * z;
+    const auto on_axis = z > 0.0 && r2 < 1e-15 * z2;
+    const T r = sqrt(select(on_axis, T(1.0), r2));
+    return select(on_axis, T((1.0 - r2 / (3.0 * z2)) / z), T(atan2(r, z) / r));
+  }
+};
+
+/// The lens of "Bundle adjustment in the large": f [px], k1, k2, no image centre. This camera looks along -z,
+/// y upwards: with p = -(x, y) / z the pixel is f (1 + k1 |p|^2 + k2 |p|^4) p, from the image centre, v
+/// upwards. As published there is no test for points behind the camera (z > 0), which have a mirrored image;
+/// not finite for z = 0.
+///   source   Agarwal, Snavely, Seitz, Szeliski, 2010, and the description of the data sets on the project's
+///   page
+template <class S = double>
+struct SnavelyIntrinsics : mtk::vect<3, S> {
+  static constexpr std::array<std::string_view, 3> component_names{"f", "k1", "k2"};
+  using mtk::vect<3, S>::vect;
+
+  const S& f() const { return (*this)[0]; }
+  const S& k1() const { return (*this)[1]; }
+  const S& k2() const { return (*this)[2]; }
+
+  auto project(const auto& p) const {
+    const auto x = -p[0] / p[2], y = -p[1] / p[2];
+    const auto r2 = x * x + y * y;
+    const auto scale = f() * (1.0 + r2 * (k1() + r2 * k2()));
+    return mtk::vector(scale * x, scale * y);
+  }
+};
+
+}  // namespace slom

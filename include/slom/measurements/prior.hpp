@@ -1,0 +1,17 @@
+/// What is known of a variable beforehand, or measured of it directly.
+///
+///     est.insertMeasurement(slom::Prior(), x, slom::measured(z), slom::StandardDeviation(sigma));
+///
+///   variable  x    any manifold: numbers, vectors (dynamic ones too), rotations, poses, compounds, the
+///   user's own datum     z    of the type of x residual  x [-] z, in the tangent space at z; units and names
+///   are those of the components of x
+#pragma once
+
+namespace slom {
+
+struct Prior {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& x) const { return x; }
+};
+
+}  // namespace slom

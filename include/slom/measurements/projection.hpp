@@ -1,0 +1,55 @@
+/// Points seen in an image.
+///
+///     est.insertMeasurement(slom::Projection(), intrinsics, in_camera, slom::measured(pixel), noise);
+///     est.insertMeasurement(slom::Reprojection(), pose, intrinsics, point, slom::measured(pixel), noise);
+///     est.insertMeasurement(slom::Reprojection(), camera, point, slom::measured(pixel), noise);
+///
+///   variables  intrinsics  a lens of slom/measurements/intrinsics.hpp; one variable for all measurements
+///   that share it
+///              in_camera   a point in the camera's frame, 3
+///              pose        cam_T_world, mtk::trafo<mtk::SO3<>>: it moves points of the world to the camera's
+///              frame point       in the world, 3, in the unit of the pose camera      any compound with the
+///              members `pose` and `intrinsics`: a lens of its own
+///   datum      pixel, 2 [px]
+///   residual   projection - pixel [px]; not finite where the point has no image (see the lens)
+/// A pose world_T_cam, as slom::RelativePose has it, is turned round by a function of your own:
+/// `[](const auto& pose, const auto& lens, const auto& point) { return lens.project(pose.inverse() * point);
+/// }`.
+#pragma once
+
+#include "mtk/build_manifold.hpp"
+#include "mtk/types/trafo.hpp"
+#include "slom/measurements/intrinsics.hpp"
+
+namespace slom {
+
+struct Projection {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& intrinsics, const auto& in_camera) const {
+    return intrinsics.project(in_camera);
+  }
+};
+
+struct Reprojection {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& pose, const auto& intrinsics, const auto& point) const {
+    return intrinsics.project(pose * point);
+  }
+  auto operator()(const auto& camera, const auto& point) const {
+    return (*this)(camera.pose, camera.intrinsics, point);
+  }
+};
+
+namespace detail {
+using CameraPose = mtk::trafo<mtk::SO3<>>;
+}
+
+// Cameras that have their own lens: pose (world to camera), then intrinsics.
+// clang-format off
+MTK_BUILD_MANIFOLD(PinholeCamera, ((detail::CameraPose, pose)) ((PinholeIntrinsics<>, intrinsics)))
+MTK_BUILD_MANIFOLD(OpenCv5Camera, ((detail::CameraPose, pose)) ((OpenCv5Intrinsics<>, intrinsics)))
+MTK_BUILD_MANIFOLD(FisheyeCamera, ((detail::CameraPose, pose)) ((FisheyeIntrinsics<>, intrinsics)))
+MTK_BUILD_MANIFOLD(SnavelyCamera, ((detail::CameraPose, pose)) ((SnavelyIntrinsics<>, intrinsics)))
+// clang-format on
+
+}  // namespace slom

@@ -1,0 +1,32 @@
+/// A distance: total stations, laser, ultra-wideband, sonar; with an unknown offset also pseudo-ranges.
+///
+///     est.insertMeasurement(slom::Range(), a, b, slom::measured(metres), slom::StandardDeviation(0.01));
+///     est.insertMeasurement(slom::Range(), a, b, offset, slom::measured(metres), ...);
+///
+///   variables  a, b    points of 2 or 3 coordinates, or poses, of which the positions count
+///              offset  what the instrument adds to each distance: a number or mtk::Scalar
+///   datum      a number, in the unit of the coordinates
+///   residual   |b - a| (+ offset) - z
+/// Where a and b are the same point the distance has no derivative; zero is taken, so such a measurement
+/// pulls nowhere. Start values of a and b should differ.
+#pragma once
+
+#include <cmath>
+
+#include "slom/measurements/point.hpp"
+
+namespace slom {
+
+struct Range {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& a, const auto& b) const {
+    using std::sqrt;
+    const auto difference = detail::positionOf(b) - detail::positionOf(a);
+    return sqrt(difference.squaredNorm());
+  }
+  auto operator()(const auto& a, const auto& b, const auto& offset) const {
+    return (*this)(a, b) + detail::numberOf(offset);
+  }
+};
+
+}  // namespace slom
