@@ -194,6 +194,8 @@ Eigen::VectorXd Estimator::standardDeviationOf(int variable) const {
   return covarianceOf(variable, variable).diagonal().cwiseSqrt();
 }
 
+DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }
+
 std::vector<std::string> Estimator::warnings() const { return unmeasuredVariables(problem()); }
 
 }  // namespace slom

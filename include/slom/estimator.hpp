@@ -22,6 +22,7 @@
 
 #include <Eigen/Core>
 
+#include "slom/analyze/derivative_check.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
 #include "slom/model/insertion.hpp"
@@ -232,6 +233,10 @@ class Estimator {
   std::vector<std::string> componentNames(const VarID<T>& id) const {
     return problem().componentNames(problem().indexOf(id));
   }
+
+  /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
+  /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
+  DerivativeCheck checkDerivatives() const;
 
   /// Optimised variables that no measurement depends on, a sentence for each.
   std::vector<std::string> warnings() const;

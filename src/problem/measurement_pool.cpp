@@ -123,6 +123,13 @@ void MeasurementPool::evaluateRaw(int i, double* r) {
   if (got != rows(i)) raiseWrongLength(measurementName(i), rows(i), got);
 }
 
+void MeasurementPool::linearizeRaw(int i, double* r, double* J) { runGuarded(i, i + 1, r, J); }
+
+void MeasurementPool::differenceRaw(int i, double* r, double* J) {
+  const int got = guarded(i, [&] { return differentiate(i, rows(i), r, J, true); });
+  if (got != rows(i)) raiseWrongLength(measurementName(i), rows(i), got);
+}
+
 SlotRef MeasurementPool::insert(void* measurement, const int* variables, const NoiseView& noise, const Loss& loss) {
   int rows = type_.rows;
   if (rows == Dynamic) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mtk/manifold.hpp"
+#include "mtk/rebind.hpp"
 #include "mtk/stream.hpp"
 #include "slom/model/type_name.hpp"
 #include "slom/model/value_array.hpp"
@@ -52,6 +53,8 @@ class VariableStoreBase {
   virtual void boxplus(void* value, const double* d) const = 0;
   /// Writes |x_i| of every component (1 for angles) to out.
   virtual void magnitudesOf(const void* value, double* out) const = 0;
+  /// Writes A (dof x dof, column-major): the perturbation A d on the right does what d does on the left of rotations.
+  virtual void leftPerturbation(const void* value, double* A) const = 0;
   std::size_t valueSize() const { return value_size_; }
   std::size_t alignment() const { return alignment_; }
 
@@ -111,6 +114,7 @@ class VariableStore final : public VariableStoreBase {
   int dofOf(const void* value) const override;
   void boxplus(void* value, const double* d) const override;
   void magnitudesOf(const void* value, double* out) const override;
+  void leftPerturbation(const void* value, double* A) const override;
 };
 
 template <class T>
@@ -157,6 +161,18 @@ template <class T>
 void VariableStore<T>::boxplus(void* value, const double* d) const {
   T& x = *static_cast<T*>(value);
   mtk::boxplus<T>(x, mtk::vectview<const double, mtk::DOF_v<T>>(d, mtk::dof(x)));
+}
+template <class T>
+void VariableStore<T>::leftPerturbation(const void* value, double* A) const {
+  const int n = dofOf(value);
+  for (int i = 0; i < n * n; ++i) A[i] = i % (n + 1) == 0 ? 1 : 0;
+  const T& x = *static_cast<const T*>(value);
+  mtk::detail::forEachBasicPart(x, x, 0, [&](const auto& part, const auto&, int at) {
+    if constexpr (requires { part.toRotationMatrix(); } && mtk::DOF_v<std::remove_cvref_t<decltype(part)>> == 3) {
+      const auto R = part.toRotationMatrix();
+      for (int i = 0; i < 9; ++i) A[(at + i / 3) * n + at + i % 3] = R(i / 3, i % 3);
+    }
+  });
 }
 template <class T>
 void VariableStore<T>::magnitudesOf(const void* value, double* out) const {

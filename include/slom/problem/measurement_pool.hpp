@@ -91,6 +91,10 @@ class MeasurementPool {
   int linearize(int first, int last, double* r, double* J);
   /// The residual of one measurement in its own units.
   void evaluateRaw(int i, double* r);
+  /// Residual and Jacobian of one measurement in its own units; columns of fixed variables may be left as they are.
+  void linearizeRaw(int i, double* r, double* J);
+  /// The same by extrapolated central differences.
+  void differenceRaw(int i, double* r, double* J);
 
   /// Moves `measurement`, which is of the pool's type, into the pool. Throws, with nothing changed, for bad noise, a bad
   /// loss or when a residual of run-time length cannot be evaluated.
@@ -120,7 +124,7 @@ class MeasurementPool {
   virtual VariableArgument& argument(int i, int k) = 0;
 
   /// Residual and central differences by the free variables of measurement i. Returns what evaluateOne does.
-  int differentiate(int i, int rows, double* r, double* J);
+  int differentiate(int i, int rows, double* r, double* J, bool extrapolate);
 
  private:
   int sumOfDof(int i) const;
@@ -265,7 +269,7 @@ class TypedPool final : public MeasurementPool {
     if constexpr (requires { measurement.linearize(rows, r, J); }) {
       return measurement.linearize(rows, r, J);
     } else {
-      return differentiate(i, rows, r, J);
+      return differentiate(i, rows, r, J, requires { requires M::richardson; });
     }
   }
 

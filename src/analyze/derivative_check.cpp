@@ -1,0 +1,167 @@
+#include "slom/analyze/derivative_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+#include <Eigen/Core>
+
+namespace slom {
+
+namespace {
+
+using Block = Eigen::Map<const Eigen::MatrixXd>;
+
+/// |a - b| relative to the larger of the two, by their largest entries.
+double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const double scale = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
+  return scale > 0 ? (a - b).cwiseAbs().maxCoeff() / scale : 0;
+}
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+/// What would turn `reference` into `used`. `left`: what turns perturbations on the left into such on the right.
+std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& reference, const Eigen::MatrixXd& left) {
+  constexpr double same = 1e-3;
+  if (!used.allFinite()) return "an entry is not finite: the function that gives the derivatives left it unset";
+  if (!reference.allFinite()) return "the function is not finite next to this point";
+  if (used.isZero(0)) return "all derivatives by this variable are zero: they were forgotten";
+  if (reference.isZero(0)) return "the residual does not depend on this variable";
+  if (distance(used, -reference) < same) return "the sign is wrong";
+  const bool square = used.rows() == used.cols();
+  if (square && distance(used, reference.transpose()) < same) return "it is transposed";
+  if (square && distance(used, -reference.transpose()) < same) return "it is transposed, and the sign is wrong";
+  const Eigen::MatrixXd on_the_left = reference * left;
+  if (distance(used, on_the_left) < same) {
+    return "it is the derivative by a rotation on the left, exp(d) R; rotations are perturbed on the right, R exp(d): "
+           "multiply by the rotation matrix from the right";
+  }
+  if (distance(used, -on_the_left) < same) {
+    return "it is the derivative by a rotation on the left, exp(d) R, with the wrong sign; rotations are perturbed on the "
+           "right, R exp(d)";
+  }
+  const double factor = used.cwiseProduct(reference).sum() / reference.squaredNorm();
+  if (std::abs(factor) > 0 && distance(used, factor * reference) < same) {
+    constexpr double degrees = 57.29577951308232;
+    std::string text = "it is too large by the factor " + number(factor);
+    if (std::abs(factor / degrees - 1) < same || std::abs(factor * degrees - 1) < same) text += ": degrees instead of radians, or the other way round";
+    return text;
+  }
+  for (Eigen::Index c = 0; c < used.cols(); ++c) {
+    if (used.col(c).isZero(0) && !reference.col(c).isZero(0)) return "the derivatives by this component are zero: they were forgotten";
+  }
+  return "no simple cause: compare the formula with the function";
+}
+
+class Comparison {
+ public:
+  Comparison(Problem& problem, MeasurementPool& pool) : problem_(problem), pool_(pool) {
+    result_.group = pool.name();
+    result_.source = pool.derivatives();
+  }
+
+  GroupDerivativeCheck run() {
+    for (int i = 0; i < pool_.size(); ++i) compare(i);
+    if (result_.error <= DerivativeCheck::kTolerance) result_.guess.clear();
+    return result_;
+  }
+  bool hasEntries() const { return compared_; }
+
+ private:
+  void compare(int i) {
+    const int rows = pool_.rows(i);
+    const auto entries = static_cast<std::size_t>(rows) * static_cast<std::size_t>(pool_.columns(i));
+    residual_.resize(static_cast<std::size_t>(rows));
+    used_.assign(entries, 0);
+    reference_.assign(entries, 0);
+    pool_.linearizeRaw(i, residual_.data(), used_.data());
+    pool_.differenceRaw(i, residual_.data(), reference_.data());
+    ++result_.measurements;
+    std::ptrdiff_t start = 0;
+    for (int k = 0; k < pool_.arity(); ++k) {
+      const int variable = pool_.variables(i)[k];
+      const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
+      if (record.optimize) compareBlock(i, variable, record, rows, start);
+      start += static_cast<std::ptrdiff_t>(rows) * record.dof;
+    }
+  }
+
+  void compareBlock(int i, int variable, const VariableRecord& record, int rows, std::ptrdiff_t start) {
+    if (rows == 0 || record.dof == 0) return;
+    const Block used(used_.data() + start, rows, record.dof), reference(reference_.data() + start, rows, record.dof);
+    const double scale = std::max(used.cwiseAbs().maxCoeff(), reference.cwiseAbs().maxCoeff());
+    Eigen::Index row = 0, column = 0;
+    double error = 0;
+    if (used.allFinite() && reference.allFinite()) {
+      error = (used - reference).cwiseAbs().maxCoeff(&row, &column);
+      error = scale > 0 ? error / scale : 0;
+    } else {
+      error = std::numeric_limits<double>::infinity();
+      for (Eigen::Index e = 0; e < used.size(); ++e) {
+        if (std::isfinite(used.data()[e]) && std::isfinite(reference.data()[e])) continue;
+        row = e % rows;
+        column = e / rows;
+        break;
+      }
+    }
+    if (compared_ && !(error > result_.error)) return;
+    compared_ = true;
+    result_.error = error;
+    result_.measurement = pool_.measurementName(i);
+    result_.row = static_cast<int>(row);
+    result_.component = problem_.componentNames(variable)[static_cast<std::size_t>(column)];
+    result_.used = used(row, column);
+    result_.reference = reference(row, column);
+    Eigen::MatrixXd left(record.dof, record.dof);
+    record.store->leftPerturbation(record.store->valueAt(record.slot), left.data());
+    result_.guess = guessCause(used, reference, left);
+  }
+
+  Problem& problem_;
+  MeasurementPool& pool_;
+  GroupDerivativeCheck result_;
+  bool compared_ = false;
+  std::vector<double> residual_, used_, reference_;
+};
+
+}  // namespace
+
+bool DerivativeCheck::ok() const {
+  return std::all_of(groups.begin(), groups.end(), [](const auto& group) { return group.error <= kTolerance; });
+}
+
+std::string DerivativeCheck::text() const {
+  std::string all;
+  for (const GroupDerivativeCheck& g : groups) {
+    const bool agrees = g.error <= kTolerance;
+    all += g.group + ": " + toString(g.source) + " derivatives of " + std::to_string(g.measurements) +
+           (g.measurements == 1 ? " measurement " : " measurements ") + (agrees ? "agree" : "do NOT agree") +
+           " with differences; worst: d residual[" + std::to_string(g.row) + "] / d " + g.component + " of " + g.measurement +
+           " is " + number(g.used) + ", by differences " + number(g.reference) + "\n";
+    if (!agrees) all += "  guess: " + g.guess + "\n";
+  }
+  return all;
+}
+
+std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check) { return os << check.text(); }
+
+DerivativeCheck compareDerivatives(Problem& problem) {
+  DerivativeCheck result;
+  for (const auto& pool : problem.pools()) {
+    Comparison comparison(problem, *pool);
+    try {
+      GroupDerivativeCheck group = comparison.run();
+      if (comparison.hasEntries()) result.groups.push_back(std::move(group));
+    } catch (const MeasurementThrew& event) {
+      problem.raiseThrew(*pool, event);
+    }
+  }
+  return result;
+}
+
+}  // namespace slom
