@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mtk/dual.hpp"
-#include "mtk/manifold.hpp"
+#include "mtk/types/vect.hpp"
 
 namespace mtk {
 
@@ -47,5 +47,19 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   void boxplus(vectview<const scalar, 1> d, scalar scale = scalar(1)) { *this = Scalar(*this + scale * d[0]); }
   void boxminus(vectview<scalar, 1> out, const Scalar& y) const { out[0] = value() - y.value(); }
 };
+
+// Scalars times vectors, which have no conversion to look for.
+template <int N, class S, class T>
+auto operator*(const vect<N, S>& v, const Scalar<T>& factor) {
+  return v * static_cast<const T&>(factor);
+}
+template <int N, class S, class T>
+auto operator*(const Scalar<T>& factor, const vect<N, S>& v) {
+  return v * static_cast<const T&>(factor);
+}
+template <int N, class S, class T>
+auto operator/(const vect<N, S>& v, const Scalar<T>& divisor) {
+  return v / static_cast<const T&>(divisor);
+}
 
 }  // namespace mtk

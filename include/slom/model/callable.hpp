@@ -72,7 +72,7 @@ template <class R>
 struct Returned<R> {
   static_assert(requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
                 "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
-                "that are gone; give it a return type, such as `-> Eigen::Vector2d`");
+                "that are gone; return its value: `return (...).eval();`, or give the function a return type");
   static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
   static constexpr int rows = R::RowsAtCompileTime;
   static void write(const R& value, Residual<rows>& ret) { ret = value; }
@@ -178,13 +178,24 @@ constexpr bool carriesDerivatives() {
     return requires(const R& x) { x.partials(); };
   }
 }
+/// What F returns for these arguments; does not compile F's body where its return type is written out.
+template <class F, class Passed>
+struct ResultOf {
+  using type = double;  // F does not accept them, which is said elsewhere
+};
+template <class F, class... P>
+  requires std::is_invocable_v<const F&, P...>
+struct ResultOf<F, std::tuple<P...>> {
+  using type = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
+};
+
 /// Whether F accepts variables over the dual number D in place of doubles.
 template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {
     using Passed = decltype(std::tuple_cat(std::declval<DualArgument<Stored, D, 0>&>().passed...));
     if constexpr (accepts<F, Passed>) {
-      return carriesDerivatives<std::remove_cvref_t<decltype(std::apply(std::declval<const F&>(), std::declval<Passed>()))>>();
+      return carriesDerivatives<typename ResultOf<F, Passed>::type>();
     } else {
       return false;
     }
@@ -231,7 +242,7 @@ class CallableMeasurement {
   static_assert(detail::accepts<Function, Passed>,
                 "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
                 "and `const D&` for each datum of type D, in the order of the call");
-  using Value = std::remove_cvref_t<decltype(std::apply(std::declval<const Function&>(), std::declval<Passed>()))>;
+  using Value = typename detail::ResultOf<Function, Passed>::type;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
 

@@ -8,13 +8,23 @@
 
 namespace slom::detail {
 
+/// The number itself where x derives from one, as mtk::Scalar of dual numbers does.
+template <class X>
+const X& plainNumber(const X& x) {
+  return x;
+}
+template <class S, std::uint64_t C>
+const mtk::SparseDual<S, C>& plainNumber(const mtk::Scalar<mtk::SparseDual<S, C>>& x) {
+  return x;
+}
+
 /// sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.
 template <class R, class Sink>
 void eachRow(const R& value, const Sink& sink) {
   if constexpr (requires { value.size(); value[0]; }) {
-    for (int i = 0; i < static_cast<int>(value.size()); ++i) sink(i, value[static_cast<decltype(value.size())>(i)]);
+    for (int i = 0; i < static_cast<int>(value.size()); ++i) sink(i, plainNumber(value[static_cast<decltype(value.size())>(i)]));
   } else if constexpr (requires { value.partials(); } || mtk::is_scalar_v<R>) {
-    sink(0, value);
+    sink(0, plainNumber(value));
   } else {
     sink(0, static_cast<double>(value));
   }
