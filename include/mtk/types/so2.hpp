@@ -17,6 +17,16 @@ template <class S>
 inline constexpr built_in_t<S> two_pi_rest =
     built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
 
+/// x as a constant.
+template <class S>
+S withoutDerivatives(const S& x) {
+  if constexpr (is_dual<S>) {
+    return S(x.value());
+  } else {
+    return x;
+  }
+}
+
 /// The angle in [-pi, pi) that differs from `a` by whole turns.
 template <class S>
 S wrapAngle(const S& a) {
@@ -26,7 +36,7 @@ S wrapAngle(const S& a) {
     const S turns = floor(S(a / two_pi<S> + S(0.5)));
     S wrapped = (a - turns * two_pi<S>) - turns * two_pi_rest<S>;
     wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
-    return select(wrapped < S(-half), S(-half), wrapped);
+    return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
   });
 }
 }  // namespace detail
