@@ -22,6 +22,7 @@
 
 #include <Eigen/Core>
 
+#include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
 #include "slom/model/insertion.hpp"
