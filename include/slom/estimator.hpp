@@ -23,6 +23,7 @@
 #include <Eigen/Core>
 
 #include "slom/analyze/derivative_check.hpp"
+#include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/model/callable.hpp"
 #include "slom/model/insertion.hpp"

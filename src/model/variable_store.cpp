@@ -22,7 +22,7 @@ void raiseStaleHandle(std::string (*type)(), bool was_valid) {
 }  // namespace detail
 
 VariableStoreBase::VariableStoreBase(std::size_t value_size, std::size_t alignment)
-    : values_(value_size, alignment), value_size_(value_size), alignment_(alignment), saved_(value_size, alignment) {}
+    : value_size_(value_size), alignment_(alignment), values_(value_size, alignment), saved_(value_size, alignment) {}
 
 VariableStoreBase::~VariableStoreBase() = default;
 
@@ -83,16 +83,16 @@ void VariableStoreBase::release(std::uint32_t slot) {
   ++generation_[slot];
 }
 
-template class VariableStore<double>;
-template class VariableStore<Eigen::Vector2d>;
-template class VariableStore<Eigen::Vector3d>;
-template class VariableStore<Eigen::VectorXd>;
-template class VariableStore<mtk::vect<2>>;
-template class VariableStore<mtk::vect<3>>;
-template class VariableStore<mtk::Scalar<>>;
-template class VariableStore<mtk::SO2<>>;
-template class VariableStore<mtk::SO3<>>;
-template class VariableStore<mtk::trafo<mtk::SO2<>>>;
-template class VariableStore<mtk::trafo<mtk::SO3<>>>;
+template VariableStoreBase* makeVariableStore<double>();
+template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
+template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();
+template VariableStoreBase* makeVariableStore<Eigen::VectorXd>();
+template VariableStoreBase* makeVariableStore<mtk::vect<2>>();
+template VariableStoreBase* makeVariableStore<mtk::vect<3>>();
+template VariableStoreBase* makeVariableStore<mtk::Scalar<>>();
+template VariableStoreBase* makeVariableStore<mtk::SO2<>>();
+template VariableStoreBase* makeVariableStore<mtk::SO3<>>();
+template VariableStoreBase* makeVariableStore<mtk::trafo<mtk::SO2<>>>();
+template VariableStoreBase* makeVariableStore<mtk::trafo<mtk::SO3<>>>();
 
 }  // namespace slom

@@ -38,6 +38,9 @@ void DogLeg::reset() {
   scales_.reset();
 }
 
+std::string DogLeg::name() const { return "dog leg"; }
+std::unique_ptr<Algorithm> DogLeg::clone() const { return std::make_unique<DogLeg>(*this); }
+
 StepOutcome DogLeg::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();

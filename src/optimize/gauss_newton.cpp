@@ -4,6 +4,9 @@
 
 namespace slom {
 
+std::string GaussNewton::name() const { return "Gauss-Newton"; }
+std::unique_ptr<Algorithm> GaussNewton::clone() const { return std::make_unique<GaussNewton>(*this); }
+
 StepOutcome GaussNewton::step(System& system, const Options&) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();

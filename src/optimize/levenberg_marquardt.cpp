@@ -35,6 +35,9 @@ void LevenbergMarquardt::reset() {
   scales_.reset();
 }
 
+std::string LevenbergMarquardt::name() const { return "Levenberg-Marquardt"; }
+std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const { return std::make_unique<LevenbergMarquardt>(*this); }
+
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();

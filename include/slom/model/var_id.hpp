@@ -58,7 +58,7 @@ class VarID : public VariableHandle {
 
   const T& current() const {
     if (!isValid()) detail::raiseStaleHandle(&typeName<T>, store_ != nullptr);
-    return static_cast<const VariableStore<T>&>(*store_).value(ref_.slot);
+    return store_->template value<T>(ref_.slot);
   }
 };
 

@@ -63,6 +63,11 @@ class VariableStoreBase {
   /// Stores `value` as the variable with index `variable`.
   SlotRef insert(const void* value, int variable);
   void* valueAt(std::uint32_t slot) { return values_[slot]; }
+  /// T is the type of this store.
+  template <class T>
+  const T& value(std::uint32_t slot) const {
+    return values_.as<T>(slot);
+  }
   int dof(std::uint32_t slot) { return dofOf(values_[slot]); }
   void magnitudes(std::uint32_t slot, double* out) { magnitudesOf(values_[slot], out); }
   /// Remembers all values; `restore` brings them back.
@@ -84,11 +89,9 @@ class VariableStoreBase {
   /// Destroys all values, which the derived class has to do while it is still there.
   void clear() noexcept;
 
-  ValueArray values_;
-
  private:
   std::size_t value_size_, alignment_;
-  ValueArray saved_;
+  ValueArray values_, saved_;
   std::vector<int> variable_;
   std::vector<std::uint32_t> generation_;
   std::vector<std::uint32_t> free_;
@@ -102,9 +105,6 @@ class VariableStore final : public VariableStoreBase {
   VariableStore();
   ~VariableStore() override;
 
-  const T& value(std::uint32_t slot) const { return values_.as<T>(slot); }
-
-  // Not inline, so that files which use the types below compile none of them.
   std::string typeName() const override;
   std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const override;
   std::string valueText(std::uint32_t slot) const override;
@@ -129,12 +129,12 @@ std::string VariableStore<T>::typeName() const {
 }
 template <class T>
 std::vector<std::string> VariableStore<T>::componentNames(std::uint32_t slot, const std::string& path) const {
-  return mtk::componentNames(value(slot), path);
+  return mtk::componentNames(value<T>(slot), path);
 }
 template <class T>
 std::string VariableStore<T>::valueText(std::uint32_t slot) const {
   if constexpr (mtk::isWritable<T>()) {
-    return detail::textOf(&value(slot), [](std::ostream& os, const void* value) {
+    return detail::textOf(&value<T>(slot), [](std::ostream& os, const void* value) {
       mtk::write(os, *static_cast<const T*>(value));
     });
   } else {
@@ -180,17 +180,22 @@ void VariableStore<T>::magnitudesOf(const void* value, double* out) const {
   mtk::magnitudes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(x)), x);
 }
 
-// Compiled once: the types that many programs use.
-extern template class VariableStore<double>;
-extern template class VariableStore<Eigen::Vector2d>;
-extern template class VariableStore<Eigen::Vector3d>;
-extern template class VariableStore<Eigen::VectorXd>;
-extern template class VariableStore<mtk::vect<2>>;
-extern template class VariableStore<mtk::vect<3>>;
-extern template class VariableStore<mtk::Scalar<>>;
-extern template class VariableStore<mtk::SO2<>>;
-extern template class VariableStore<mtk::SO3<>>;
-extern template class VariableStore<mtk::trafo<mtk::SO2<>>>;
-extern template class VariableStore<mtk::trafo<mtk::SO3<>>>;
+/// A new store for values of type T. Not inline, and declared for the types that many programs use: files that use these
+/// compile nothing of their stores.
+template <class T>
+VariableStoreBase* makeVariableStore() {
+  return new VariableStore<T>;
+}
+extern template VariableStoreBase* makeVariableStore<double>();
+extern template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
+extern template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();
+extern template VariableStoreBase* makeVariableStore<Eigen::VectorXd>();
+extern template VariableStoreBase* makeVariableStore<mtk::vect<2>>();
+extern template VariableStoreBase* makeVariableStore<mtk::vect<3>>();
+extern template VariableStoreBase* makeVariableStore<mtk::Scalar<>>();
+extern template VariableStoreBase* makeVariableStore<mtk::SO2<>>();
+extern template VariableStoreBase* makeVariableStore<mtk::SO3<>>();
+extern template VariableStoreBase* makeVariableStore<mtk::trafo<mtk::SO2<>>>();
+extern template VariableStoreBase* makeVariableStore<mtk::trafo<mtk::SO3<>>>();
 
 }  // namespace slom

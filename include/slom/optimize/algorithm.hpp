@@ -42,8 +42,8 @@ class Algorithm {
 /// d = -(J^T J)^-1 J^T r, taken whatever it does to the RSS.
 class GaussNewton final : public Algorithm {
  public:
-  std::string name() const override { return "Gauss-Newton"; }
-  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<GaussNewton>(*this); }
+  std::string name() const override;
+  std::unique_ptr<Algorithm> clone() const override;
   StepOutcome step(System& system, const Options& options) override;
 };
 
@@ -71,8 +71,8 @@ class LevenbergMarquardt final : public Algorithm {
   /// `initial_damping` is the first mu.
   explicit LevenbergMarquardt(double initial_damping = 1e-4);
 
-  std::string name() const override { return "Levenberg-Marquardt"; }
-  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<LevenbergMarquardt>(*this); }
+  std::string name() const override;
+  std::unique_ptr<Algorithm> clone() const override;
   void reset() override;
   StepOutcome step(System& system, const Options& options) override;
 
@@ -92,8 +92,8 @@ class DogLeg final : public Algorithm {
   /// `initial_radius` 0: the length of the first Gauss-Newton step.
   explicit DogLeg(double initial_radius = 0);
 
-  std::string name() const override { return "dog leg"; }
-  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<DogLeg>(*this); }
+  std::string name() const override;
+  std::unique_ptr<Algorithm> clone() const override;
   void reset() override;
   StepOutcome step(System& system, const Options& options) override;
 

@@ -26,8 +26,7 @@ class Problem {
   template <class T>
   VarID<T> insertVariable(const T& value, bool optimize, std::string name) {
     mtk::requireManifold<T>();
-    const auto make = []() -> VariableStoreBase* { return new VariableStore<T>; };
-    return VarID<T>(insertVariable(typeid(T), make, &value, optimize, std::move(name)));
+    return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, std::move(name)));
   }
   /// Index of the variable in the table; throws [slom.stale-handle] when it is not in this problem.
   template <class T>
