@@ -1,4 +1,4 @@
-// expect: slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> and `const D&` for each datum of type D, in the order of the call
+// expect: slom: argument 1 of the measurement function is not of the type that it takes
 #include <slom/slom.hpp>
 
 double residual(const mtk::vect<2>& x, double z) { return x[0] - z; }

@@ -14,6 +14,16 @@
 
 namespace mtk {
 
+namespace detail {
+/// Whether an Eigen vector may have N entries.
+template <class D, int N>
+inline constexpr bool fits = bool(D::IsVectorAtCompileTime) && (N == Dynamic || D::SizeAtCompileTime == Dynamic ||
+                                                                int(D::SizeAtCompileTime) == N);
+template <class D, int N>
+  requires(!bool(D::IsVectorAtCompileTime))
+inline constexpr bool fits<D, N> = D::SizeAtCompileTime == Dynamic;
+}  // namespace detail
+
 /// Says that what is constructed is about to be filled.
 struct Uninitialized {};
 
@@ -41,12 +51,12 @@ class vect : public PlainVector<S, N> {
     }
   }
   template <class D>
-    requires(std::is_same_v<typename D::Scalar, S>)
+    requires(std::is_same_v<typename D::Scalar, S> && detail::fits<D, N>)
   vect(const Eigen::MatrixBase<D>& v) : Base(v) {}  // NOLINT(google-explicit-constructor): as Eigen's vectors
   /// From coordinates of another type that loses nothing: constants among dual numbers.
   template <class D>
     requires(!std::is_same_v<typename D::Scalar, S> && !std::is_arithmetic_v<S> &&
-             std::is_convertible_v<typename D::Scalar, S>)
+             std::is_convertible_v<typename D::Scalar, S> && detail::fits<D, N>)
   vect(const Eigen::MatrixBase<D>& v) : Base(v.size()) {  // NOLINT(google-explicit-constructor)
     for (Eigen::Index i = 0; i < v.size(); ++i) this->coeffRef(i) = S(v.derived()[i]);
   }

@@ -58,6 +58,62 @@ inline constexpr bool accepts = false;
 template <class F, class... P>
 inline constexpr bool accepts<F, std::tuple<P...>> = std::is_invocable_v<const F&, P...>;
 
+/// The parameters of a function that is no template.
+template <class F>
+struct Parameters {
+  static constexpr bool known = false;
+};
+template <class... P>
+struct ParameterList {
+  static constexpr bool known = true;
+  using type = std::tuple<P...>;
+};
+template <class R, class... P>
+struct Parameters<R (*)(P...)> : ParameterList<P...> {};
+template <class R, class... P>
+struct Parameters<R (*)(P...) noexcept> : ParameterList<P...> {};
+template <class R, class C, class... P>
+struct Parameters<R (C::*)(P...) const> : ParameterList<P...> {};
+template <class R, class C, class... P>
+struct Parameters<R (C::*)(P...) const noexcept> : ParameterList<P...> {};
+template <class F>
+  requires requires { &F::operator(); }
+struct Parameters<F> : Parameters<decltype(&F::operator())> {};
+
+/// One line for the first argument that does not fit, with both types in the line that says where.
+template <int Number, class Given, class Wanted>
+constexpr void requireArgument() {
+  constexpr bool fits = std::is_convertible_v<Given, Wanted>;
+  static_assert(Number != 1 || fits, "slom: argument 1 of the measurement function is not of the type that it takes");
+  static_assert(Number != 2 || fits, "slom: argument 2 of the measurement function is not of the type that it takes");
+  static_assert(Number != 3 || fits, "slom: argument 3 of the measurement function is not of the type that it takes");
+  static_assert(Number != 4 || fits, "slom: argument 4 of the measurement function is not of the type that it takes");
+  static_assert(Number != 5 || fits, "slom: argument 5 of the measurement function is not of the type that it takes");
+  static_assert(Number != 6 || fits, "slom: argument 6 of the measurement function is not of the type that it takes");
+  static_assert(Number <= 6 || fits, "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
+}
+/// Fails to compile, naming the argument where the function is no template.
+template <class F, class... Given>
+constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
+  if constexpr (!std::is_invocable_v<const F&, Given...>) {
+    if constexpr (Parameters<F>::known) {
+      using Wanted = typename Parameters<F>::type;
+      constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
+      static_assert(right_number, "slom: the measurement function takes another number of arguments: it gets one for each "
+                                  "VarID and each datum, none for noise, loss, name and slom::measured");
+      if constexpr (right_number) {
+        [&]<std::size_t... I>(std::index_sequence<I...>) {
+          (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
+        }(std::index_sequence_for<Given...>{});
+      }
+    } else {
+      static_assert(std::is_invocable_v<const F&, Given...>,
+                    "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
+                    "and `const D&` for each datum of type D, in the order of the call");
+    }
+  }
+}
+
 /// The residual that a callable's return value stands for.
 template <class R>
 struct Returned {
@@ -239,9 +295,7 @@ class CallableMeasurement {
   using Passed = decltype(std::tuple_cat(std::declval<typename detail::Argument<Args>::Passed>()...));
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
-  static_assert(detail::accepts<Function, Passed>,
-                "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
-                "and `const D&` for each datum of type D, in the order of the call");
+  static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
   using Value = typename detail::ResultOf<Function, Passed>::type;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
