@@ -1,9 +1,9 @@
-// The kinds of measurements that come with the library: a robot drives along two sides of a square and sees a beacon.
-// Units: metre, radian.
+// The kinds of measurements that come with the library: a robot drives along two sides of a square and sees a
+// beacon. Units: metre, radian.
+#include <cstdio>
+
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
-
-#include <cstdio>
 
 int main() {
   using Pose = mtk::trafo<mtk::SO2<>>;  // moves points of the robot's frame to the world's
@@ -16,10 +16,13 @@ int main() {
   auto beacon = est.insertRV(mtk::vect<2>(1, 1), "beacon");
 
   est.insertMeasurement(slom::Prior(), a, slom::measured(Pose()), slom::StandardDeviation(0.001));
-  est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(forward_and_left), slom::StandardDeviation(0.05));
+  est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(forward_and_left),
+                        slom::StandardDeviation(0.05));
   est.insertMeasurement(slom::RelativePose(), b, c, slom::measured(forward), slom::StandardDeviation(0.05));
-  est.insertMeasurement(slom::Bearing(), a, beacon, slom::measured(mtk::SO2<>(0.79)), slom::StandardDeviation(0.01));
-  est.insertMeasurement(slom::Bearing(), b, beacon, slom::measured(mtk::SO2<>(0.78)), slom::StandardDeviation(0.01));
+  est.insertMeasurement(slom::Bearing(), a, beacon, slom::measured(mtk::SO2<>(0.79)),
+                        slom::StandardDeviation(0.01));
+  est.insertMeasurement(slom::Bearing(), b, beacon, slom::measured(mtk::SO2<>(0.78)),
+                        slom::StandardDeviation(0.01));
   est.insertMeasurement(slom::Range(), a, beacon, slom::measured(1.42), slom::StandardDeviation(0.02));
   est.insertMeasurement(slom::Range(), c, beacon, slom::measured(1.40), slom::StandardDeviation(0.02));
 

@@ -41,7 +41,8 @@ void fitPoseGraph() {
   const auto pose = insert(est, truth, 1, 0.3);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     for (const std::size_t j : {i + 1, i + 3}) {
-      if (j < truth.size()) est.insertMeasurement(RelativePose(), pose[i], pose[j], measured(truth[i].inverse() * truth[j]));
+      if (j < truth.size())
+        est.insertMeasurement(RelativePose(), pose[i], pose[j], measured(truth[i].inverse() * truth[j]));
     }
   }
   expectFit(est);
@@ -61,7 +62,8 @@ void fitRotations() {
   const auto rotation = insert(est, truth, 1, 0.5);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      est.insertMeasurement(RelativeRotation(), rotation[i], rotation[j], measured(truth[i].inverse() * truth[j]));
+      est.insertMeasurement(RelativeRotation(), rotation[i], rotation[j],
+                            measured(truth[i].inverse() * truth[j]));
     }
   }
   expectFit(est);
@@ -85,7 +87,8 @@ void fitLandmarks() {
   const auto point = insert(est, points, 0, 1);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (std::size_t j = 0; j < points.size(); ++j) {
-      est.insertMeasurement(Landmark(), pose[i], point[j], measured(V(poses[i].inverse() * points[j])), StandardDeviation(0.1));
+      est.insertMeasurement(Landmark(), pose[i], point[j], measured(V(poses[i].inverse() * points[j])),
+                            StandardDeviation(0.1));
     }
   }
   expectFit(est);
@@ -120,7 +123,8 @@ TEST(Fit, BearingInThePlane) {
   const auto pose = est.insertRV(SE2(SO2(-2.9), Vec2(0, 0)));
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const Vec2 seen = truth.inverse() * landmarks[i];
-    est.insertMeasurement(Bearing(), pose, landmark[i], measured(SO2(std::atan2(seen[1], seen[0]))), StandardDeviation(0.01));
+    est.insertMeasurement(Bearing(), pose, landmark[i], measured(SO2(std::atan2(seen[1], seen[0]))),
+                          StandardDeviation(0.01));
   }
   expectFit(est);
   expectNear(*pose, truth);
@@ -132,7 +136,8 @@ TEST(Fit, BearingInSpace) {
   const auto point = est.insertRV(Vec3(2, 1, 0));
   for (int i = 0; i < 3; ++i) {
     const SE3 pose = random.pose<SE3>(20);
-    est.insertMeasurement(Bearing(), pose, point, measured(S2(pose.inverse() * truth)), StandardDeviation(0.01));
+    est.insertMeasurement(Bearing(), pose, point, measured(S2(pose.inverse() * truth)),
+                          StandardDeviation(0.01));
   }
   expectFit(est);
   expectNear(*point, truth);
@@ -189,7 +194,8 @@ void calibrate(const Lens& truth, double forward) {
   const auto pose = insert(est, poses, 0, 0.05);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (const Vec3& p : points) {
-      est.insertMeasurement(Reprojection(), pose[i], lens, p, measured(Vec2(truth.project(poses[i] * p))), StandardDeviation(0.2));
+      est.insertMeasurement(Reprojection(), pose[i], lens, p, measured(Vec2(truth.project(poses[i] * p))),
+                            StandardDeviation(0.2));
     }
   }
   expectFit(est);
@@ -222,7 +228,8 @@ void adjustBundle(const Lens& lens, double forward) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     for (std::size_t j = 0; j < points.size(); ++j) {
       est.insertMeasurement(Reprojection(), camera[i], point[j],
-                            measured(Vec2(cameras[i].intrinsics.project(cameras[i].pose * points[j]))), StandardDeviation(0.2));
+                            measured(Vec2(cameras[i].intrinsics.project(cameras[i].pose * points[j]))),
+                            StandardDeviation(0.2));
     }
   }
   expectFit(est);
@@ -239,7 +246,8 @@ TEST(Fit, Projection) {
   const auto point = est.insertRV(Vec3(0, 0, 2));
   const Vec3 truth(0.4, -0.2, 3);
   const PinholeIntrinsics<> lens(700, 710, 320, 240);
-  est.insertMeasurement(Projection(), lens, point, measured(Vec2(lens.project(truth))), StandardDeviation(0.2));
+  est.insertMeasurement(Projection(), lens, point, measured(Vec2(lens.project(truth))),
+                        StandardDeviation(0.2));
   est.insertMeasurement([](const auto& p, const auto& depth) { return p[2] - depth; }, point, 3.0);
   expectFit(est);
   expectNear(*point, truth);
@@ -277,7 +285,8 @@ TEST(Fit, AccelerometerCalibration) {
   for (int i = 0; i < 10; ++i) {
     const SE3 body = random.pose<SE3>();
     est.insertMeasurement(Accelerometer(), body, body2imu, up, g, b,
-                          measured(Accelerometer()(body, mounting, up, gravity, bias)), StandardDeviation(0.05));
+                          measured(Accelerometer()(body, mounting, up, gravity, bias)),
+                          StandardDeviation(0.05));
   }
   expectFit(est);
   expectNear(*body2imu, mounting);

@@ -4,17 +4,17 @@
 ///   packs        agree with scalars for every number of measurements, whether it fills the last pack or not
 #pragma once
 
-#include <slom/measurements.hpp>
-#include <slom/slom.hpp>
-
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
 #include <string>
 #include <tuple>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include <slom/measurements.hpp>
+#include <slom/slom.hpp>
 
 namespace slom::testing {
 
@@ -35,9 +35,10 @@ struct OneByOne {
   auto operator()(const auto&... x) const { return F()(x...); }
 };
 
-/// The last `count` rows of a residual are a rotation vector. Where it jumps at half a turn: the other one that means the
-/// same rotation, if it is closer to that of `base`.
-inline void continueRotation(Eigen::Matrix<Real, -1, 1>& residual, const Eigen::Matrix<Real, -1, 1>& base, int count) {
+/// The last `count` rows of a residual are a rotation vector. Where it jumps at half a turn: the other one
+/// that means the same rotation, if it is closer to that of `base`.
+inline void continueRotation(Eigen::Matrix<Real, -1, 1>& residual, const Eigen::Matrix<Real, -1, 1>& base,
+                             int count) {
   const Eigen::Matrix<Real, -1, 1> v = residual.tail(count);
   const Real angle = v.norm(), turn = 2 * std::acos(Real(-1));
   if (angle < turn / 4) return;
@@ -45,10 +46,11 @@ inline void continueRotation(Eigen::Matrix<Real, -1, 1>& residual, const Eigen::
   if ((other - base.tail(count)).norm() < (v - base.tail(count)).norm()) residual.tail(count) = other;
 }
 
-/// Derivatives of the formula by central differences of order 6, in column i of the result for unknown i. The last
-/// `angles` rows are a rotation vector.
+/// Derivatives of the formula by central differences of order 6, in column i of the result for unknown i. The
+/// last `angles` rows are a rotation vector.
 template <class Formula, class... X>
-Eigen::Matrix<Real, -1, -1> differences(const Formula& formula, const std::tuple<X...>& at, Real step, int angles) {
+Eigen::Matrix<Real, -1, -1> differences(const Formula& formula, const std::tuple<X...>& at, Real step,
+                                        int angles) {
   const int n = (mtk::DOF_v<X> + ...);
   const Eigen::Matrix<Real, -1, 1> base = std::apply(formula, at);
   Eigen::Matrix<Real, -1, -1> J;
@@ -84,8 +86,9 @@ mtk::tangent_t<X> largest(const X& x) {
   return result.cwiseMax(1.0);
 }
 
-/// `samples` are tuples of the datum and the variables; formula(z, variables...) gives the residual in long double; its
-/// differences take steps of `step`; its last `angles` entries are a rotation vector, which may jump at half a turn.
+/// `samples` are tuples of the datum and the variables; formula(z, variables...) gives the residual in long
+/// double; its differences take steps of `step`; its last `angles` entries are a rotation vector, which may
+/// jump at half a turn.
 template <class F, class Formula, class Z, class... X>
 void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& samples, int angles = 0,
                Real step = 1e-3L) {
@@ -106,34 +109,41 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
   std::vector<double> size;  // of the numbers that the residual is a sum of: rounding is relative to it
   for (const auto& sample : samples) {
     SCOPED_TRACE("sample " + std::to_string(packed.size()));
-    std::apply([&](const Z& z, const X&... x) {
-      const auto ids = std::tuple(owner.insertRV(x)...);
-      std::apply([&](const auto&... id) {
-        packed.emplace_back(F(), id..., measured(z));
-        const Scalar scalar(OneByOne<F>(), id..., measured(z));
-        Vector r;
-        Matrix J;
-        ASSERT_EQ(scalar.linearize(rows, r.data(), J.data()), rows);
-        Residual<rows> again;
-        scalar.evaluate(again);
-        Eigen::VectorXd of_unknowns(columns);
-        int next = 0;
-        ((of_unknowns.segment<mtk::DOF_v<X>>(next) = largest(x), next += mtk::DOF_v<X>), ...);
-        size.push_back(std::max({largest(z).maxCoeff(), r.cwiseAbs().maxCoeff(), (J.cwiseAbs() * of_unknowns).maxCoeff()}));
-        EXPECT_LE((r - again).norm(), 1e-14 * size.back());
-        scalar_r.push_back(r);
-        scalar_J.push_back(J);
+    std::apply(
+        [&](const Z& z, const X&... x) {
+          const auto ids = std::tuple(owner.insertRV(x)...);
+          std::apply(
+              [&](const auto&... id) {
+                packed.emplace_back(F(), id..., measured(z));
+                const Scalar scalar(OneByOne<F>(), id..., measured(z));
+                Vector r;
+                Matrix J;
+                ASSERT_EQ(scalar.linearize(rows, r.data(), J.data()), rows);
+                Residual<rows> again;
+                scalar.evaluate(again);
+                Eigen::VectorXd of_unknowns(columns);
+                int next = 0;
+                ((of_unknowns.segment<mtk::DOF_v<X>>(next) = largest(x), next += mtk::DOF_v<X>), ...);
+                size.push_back(std::max({largest(z).maxCoeff(), r.cwiseAbs().maxCoeff(),
+                                         (J.cwiseAbs() * of_unknowns).maxCoeff()}));
+                EXPECT_LE((r - again).norm(), 1e-14 * size.back());
+                scalar_r.push_back(r);
+                scalar_J.push_back(J);
 
-        const auto long_z = mtk::lifted<Real>(z);
-        const auto long_x = std::tuple(mtk::lifted<Real>(x)...);
-        const auto of_variables = [&](const auto&... y) { return formula(long_z, y...); };
-        const Eigen::Matrix<Real, -1, 1> expected = std::apply(of_variables, long_x);
-        EXPECT_LE((r - expected.template cast<double>()).norm(), 1e-14 * size.back())
-            << r.transpose() << " in place of " << expected.transpose();
-        const Eigen::MatrixXd derivatives = differences(of_variables, long_x, step, angles).template cast<double>();
-        EXPECT_LE((J - derivatives).norm(), 1e-9 * derivatives.norm()) << J << "\nin place of\n" << derivatives;
-      }, ids);
-    }, sample);
+                const auto long_z = mtk::lifted<Real>(z);
+                const auto long_x = std::tuple(mtk::lifted<Real>(x)...);
+                const auto of_variables = [&](const auto&... y) { return formula(long_z, y...); };
+                const Eigen::Matrix<Real, -1, 1> expected = std::apply(of_variables, long_x);
+                EXPECT_LE((r - expected.template cast<double>()).norm(), 1e-14 * size.back())
+                    << r.transpose() << " in place of " << expected.transpose();
+                const Eigen::MatrixXd derivatives =
+                    differences(of_variables, long_x, step, angles).template cast<double>();
+                EXPECT_LE((J - derivatives).norm(), 1e-9 * derivatives.norm()) << J << "\nin place of\n"
+                                                                               << derivatives;
+              },
+              ids);
+        },
+        sample);
   }
 
   for (int count = 1; count <= static_cast<int>(samples.size()); ++count) {
@@ -162,7 +172,9 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
 class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
-  double number(double from = -1, double to = 1) { return std::uniform_real_distribution<double>(from, to)(engine_); }
+  double number(double from = -1, double to = 1) {
+    return std::uniform_real_distribution<double>(from, to)(engine_);
+  }
   template <class V>
   V vector(double size = 1) {
     V v;

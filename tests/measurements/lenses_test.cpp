@@ -1,5 +1,6 @@
 // Projections by every lens against its published formula; points on the optical axis and behind the camera.
 #include "measurements/formulas.hpp"
+#include "support/message_of.hpp"
 
 namespace slom::testing {
 namespace {
@@ -9,7 +10,8 @@ const OpenCv5Intrinsics<> kOpenCv5(700, 710, 320, 240, -0.3, 0.12, 1e-3, -2e-3, 
 const FisheyeIntrinsics<> kFisheye(300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4);
 const SnavelyIntrinsics<> kSnavely(600, -0.1, 0.02);
 
-/// Points in a camera's frame that look forward: on the axis, next to it at all scales, anywhere. `forward` is 1 or -1.
+/// Points in a camera's frame that look forward: on the axis, next to it at all scales, anywhere. `forward`
+/// is 1 or -1.
 std::vector<Vec3> points(double forward) {
   Random random(31);
   std::vector<Vec3> result;
@@ -32,11 +34,14 @@ void checkLens(const Lens& lens, const std::vector<Vec3>& in_camera) {
     projections.emplace_back(pixel, own, p);
     shared.emplace_back(pixel, pose, lens, pose.inverse() * p);
   }
-  checkKind<Projection>([](const auto& z, const auto& c, const auto& p) -> LongVector { return projected(c, p) - z; },
-                        projections);
-  checkKind<Reprojection>([](const auto& z, const auto& pose, const auto& c, const auto& p) -> LongVector {
-    return projected(c, matrix(pose.orient) * p + pose.pos) - z;
-  }, shared);
+  checkKind<Projection>(
+      [](const auto& z, const auto& c, const auto& p) -> LongVector { return projected(c, p) - z; },
+      projections);
+  checkKind<Reprojection>(
+      [](const auto& z, const auto& pose, const auto& c, const auto& p) -> LongVector {
+        return projected(c, matrix(pose.orient) * p + pose.pos) - z;
+      },
+      shared);
 }
 TEST(Reprojection, Pinhole) { checkLens(kPinhole, points(1)); }
 TEST(Reprojection, OpenCv5) { checkLens(kOpenCv5, points(1)); }
@@ -54,9 +59,11 @@ void checkOwnIntrinsics(const Lens& lens, double forward) {
     const Camera camera(random.pose<SE3>(), lens);
     samples.emplace_back(lens.project(p) + random.vector<Vec2>(), camera, camera.pose.inverse() * p);
   }
-  checkKind<Reprojection>([](const auto& z, const auto& camera, const auto& p) -> LongVector {
-    return projected(camera.intrinsics, matrix(camera.pose.orient) * p + camera.pose.pos) - z;
-  }, samples);
+  checkKind<Reprojection>(
+      [](const auto& z, const auto& camera, const auto& p) -> LongVector {
+        return projected(camera.intrinsics, matrix(camera.pose.orient) * p + camera.pose.pos) - z;
+      },
+      samples);
 }
 TEST(Reprojection, OwnIntrinsics) {
   checkOwnIntrinsics<PinholeCamera>(kPinhole, 1);
@@ -91,7 +98,8 @@ TEST(Intrinsics, APointBehindTheCameraSpoilsNoOther) {
   Estimator est;
   const auto lens = est.insertRV(kPinhole);
   std::vector<M> all;
-  for (const double z : {1.0, -1.0, 2.0}) all.emplace_back(Projection(), lens, est.insertRV(Vec3(0.1, 0.2, z)), measured(Vec2(1, 2)));
+  for (const double z : {1.0, -1.0, 2.0})
+    all.emplace_back(Projection(), lens, est.insertRV(Vec3(0.1, 0.2, z)), measured(Vec2(1, 2)));
   double r[6], J[3 * 14];
   M::evaluateMany(all.data(), 3, r, J);
   for (int i = 0; i < 6; ++i) EXPECT_EQ(std::isnan(r[i]), i == 2 || i == 3) << i;
@@ -102,27 +110,35 @@ TEST(Reprojection, AStartBehindTheCameraIsNamed) {
   const auto lens = est.insertRV(kPinhole, false, "lens");
   const auto point = est.insertRV(Vec3(0.1, 0.2, -1), "point");
   est.insertMeasurement(Projection(), lens, point, measured(Vec2(300, 200)));
-  const Summary summary = est.optimize();
-  EXPECT_FALSE(summary.converged);
-  EXPECT_NE(summary.message.find("Projection #0"), std::string::npos) << summary.message;
-  EXPECT_NE(summary.message.find("point"), std::string::npos) << summary.message;
+  EXPECT_EQ(messageOf([&] { est.optimize(); }),
+            "[slom.not-finite] the residual of measurement Projection #1 is not finite at lens = (700 710 "
+            "320 240), point = "
+            "(0.1 0.2 -1); check its data, the function where it divides, takes roots or logarithms or "
+            "leaves an entry of "
+            "its result unset, and the start values");
 }
-/// The full step of Gauss-Newton takes the point behind the second camera; it is taken back, and the point is found.
+/// Counts the points that it finds behind a camera.
+struct CountingReprojection {
+  static inline int behind = 0;
+  auto operator()(const auto& pose, const auto& lens, const auto& point) const {
+    const auto pixel = Reprojection()(pose, lens, point);
+    if (pixel[0] != pixel[0]) ++behind;
+    return pixel;
+  }
+};
 TEST(Reprojection, AStepBehindTheCameraIsTakenBack) {
+  // From far away, full steps overshoot: the image moves as 1 / depth.
   const Vec3 truth(0.3, 0.1, 4);
-  const SE3 poses[] = {SE3(), SE3(Vec3(-0.5, 0, 0)), SE3(Vec3(0, 0, -3.8))};
   Estimator est;
+  est.setThreads(1);
   const auto lens = est.insertRV(kPinhole, false);
   const auto point = est.insertRV(Vec3(0, 0, 30), "point");
-  for (const SE3& pose : poses) {
-    est.insertMeasurement(Reprojection(), est.insertRV(pose, false), lens, point, measured(kPinhole.project(pose * truth)));
+  for (const SE3& pose : {SE3(), SE3(Vec3(-0.5, 0, 0)), SE3(Vec3(0, 0, -3.8))}) {
+    est.insertMeasurement(CountingReprojection(), est.insertRV(pose, false), lens, point,
+                          measured(kPinhole.project(pose * truth)));
   }
-  bool took_back = false;
-  Options options;
-  options.max_iterations = 200;
-  est.changeAlgorithm(LevenbergMarquardt());
-  const Summary summary = est.optimize(options);
-  (void)took_back;
+  const Summary summary = est.optimize();
+  EXPECT_GT(CountingReprojection::behind, 0);
   EXPECT_TRUE(summary.converged) << summary;
   EXPECT_LT((*point - truth).norm(), 1e-8) << point->transpose();
 }

@@ -1,10 +1,12 @@
-// Relative poses and rotations, landmarks, priors, gravity: residuals and derivatives at easy and at hard points.
+// Relative poses and rotations, landmarks, priors, gravity: residuals and derivatives at easy and at hard
+// points.
 #include "measurements/formulas.hpp"
 
 namespace slom::testing {
 namespace {
 
-/// Turns from a datum to its prediction: none, tiny, random, close to half a turn; then everything at the origin.
+/// Turns from a datum to its prediction: none, tiny, random, close to half a turn; then everything at the
+/// origin.
 constexpr int kTurns = 9;
 template <class R>
 R turn(int i, Random& random) {
@@ -35,7 +37,8 @@ std::vector<std::tuple<T, T, T>> posePairs() {
   for (int i = 0; i < kTurns; ++i) {
     const T a = i == 0 ? T() : random.pose<T>(), b = i == 0 ? T() : random.pose<T>();
     T z = a.inverse() * b;
-    z = T(z.orient * turn<typename T::Rotation>(i, random), i % 2 ? z.pos : random.vector<typename T::Vector>());
+    z = T(z.orient * turn<typename T::Rotation>(i, random),
+          i % 2 ? z.pos : random.vector<typename T::Vector>());
     samples.emplace_back(z, a, b);
   }
   return samples;
@@ -43,7 +46,9 @@ std::vector<std::tuple<T, T, T>> posePairs() {
 TEST(RelativePose, InThePlane) { checkKind<RelativePose>(relative_pose, posePairs<SE2>(), 1); }
 TEST(RelativePose, InSpace) { checkKind<RelativePose>(relative_pose, posePairs<SE3>(), 3); }
 
-constexpr auto relative_rotation = [](const auto& z, const auto& a, const auto& b) { return rotationResidual(a, b, z); };
+constexpr auto relative_rotation = [](const auto& z, const auto& a, const auto& b) {
+  return rotationResidual(a, b, z);
+};
 template <class R>
 std::vector<std::tuple<R, R, R>> rotationPairs() {
   Random random(2);
@@ -54,14 +59,18 @@ std::vector<std::tuple<R, R, R>> rotationPairs() {
   }
   return samples;
 }
-TEST(RelativeRotation, InThePlane) { checkKind<RelativeRotation>(relative_rotation, rotationPairs<SO2>(), 1); }
+TEST(RelativeRotation, InThePlane) {
+  checkKind<RelativeRotation>(relative_rotation, rotationPairs<SO2>(), 1);
+}
 TEST(RelativeRotation, InSpace) { checkKind<RelativeRotation>(relative_rotation, rotationPairs<SO3>(), 3); }
 TEST(RelativeRotation, TakesTheOrientationOfAPose) {
   std::vector<std::tuple<SO3, SE3, SO3>> samples;
   Random random(3);
-  for (int i = 0; i < 5; ++i) samples.emplace_back(random.rotation<SO3>(), random.pose<SE3>(), random.rotation<SO3>());
+  for (int i = 0; i < 5; ++i)
+    samples.emplace_back(random.rotation<SO3>(), random.pose<SE3>(), random.rotation<SO3>());
   checkKind<RelativeRotation>(
-      [](const auto& z, const auto& a, const auto& b) { return rotationResidual(a.orient, b, z); }, samples, 3);
+      [](const auto& z, const auto& a, const auto& b) { return rotationResidual(a.orient, b, z); }, samples,
+      3);
 }
 
 constexpr auto landmark = [](const auto& z, const auto& pose, const auto& point) -> LongVector {
@@ -72,7 +81,8 @@ auto landmarks() {
   using V = typename T::Vector;
   Random random(4);
   std::vector<std::tuple<V, T, V>> samples{{V(), T(), V()}};
-  for (int i = 0; i < 8; ++i) samples.emplace_back(random.vector<V>(), random.pose<T>(), random.vector<V>(i == 3 ? 1e6 : 5));
+  for (int i = 0; i < 8; ++i)
+    samples.emplace_back(random.vector<V>(), random.pose<T>(), random.vector<V>(i == 3 ? 1e6 : 5));
   return samples;
 }
 TEST(Landmark, InThePlane) { checkKind<Landmark>(landmark, landmarks<SE2>()); }
@@ -80,9 +90,11 @@ TEST(Landmark, InSpace) { checkKind<Landmark>(landmark, landmarks<SE3>()); }
 TEST(Landmark, MayBeAPose) {
   Random random(5);
   std::vector<std::tuple<Vec3, SE3, SE3>> samples;
-  for (int i = 0; i < 5; ++i) samples.emplace_back(random.vector<Vec3>(), random.pose<SE3>(), random.pose<SE3>());
-  checkKind<Landmark>(
-      [](const auto& z, const auto& a, const auto& b) -> LongVector { return movedBack(a, b.pos) - LongVector(z); }, samples);
+  for (int i = 0; i < 5; ++i)
+    samples.emplace_back(random.vector<Vec3>(), random.pose<SE3>(), random.pose<SE3>());
+  checkKind<Landmark>([](const auto& z, const auto& a,
+                         const auto& b) -> LongVector { return movedBack(a, b.pos) - LongVector(z); },
+                      samples);
 }
 
 // Priors.
@@ -112,9 +124,11 @@ TEST(Prior, OfRotationsAndPoses) {
     poses.emplace_back(SE2(T.orient * turn<SO2>(i, random), random.vector<Vec2>()), T);
   }
   checkKind<Prior>([](const auto& z, const auto& x) { return rotationResidual({}, x, z); }, rotations, 3);
-  checkKind<Prior>([](const auto& z, const auto& x) {
-    return stacked(x.pos - z.pos, rotationResidual({}, x.orient, z.orient));
-  }, poses, 1);
+  checkKind<Prior>(
+      [](const auto& z, const auto& x) {
+        return stacked(x.pos - z.pos, rotationResidual({}, x.orient, z.orient));
+      },
+      poses, 1);
 }
 TEST(Prior, OfDirections) {
   Random random(8);
@@ -123,12 +137,10 @@ TEST(Prior, OfDirections) {
     const S2 z(random.vector<Vec3>());
     samples.emplace_back(z, mtk::moved(z, random.vector<Vec2>(i < 3 ? std::pow(10, -4 * i) : 2)));
   }
-  checkKind<Prior>([](const auto& z, const auto& x) { return directionResidual(x.vector(), z); }, samples, 0, 1e-5L);
+  checkKind<Prior>([](const auto& z, const auto& x) { return directionResidual(x.vector(), z); }, samples, 0,
+                   1e-5L);
 }
-MTK_BUILD_MANIFOLD(Robot,
-  ((SE2, pose))
-  ((Vec3, calibration))
-)
+MTK_BUILD_MANIFOLD(Robot, ((SE2, pose))((Vec3, calibration)))
 template <class S>
 struct Rig {
   mtk::SO3<S> orient;
@@ -142,17 +154,22 @@ TEST(Prior, OfCompounds) {
     return Rig<double>{random.rotation<SO3>(), {random.vector<Vec2>(), random.vector<Vec2>()}};
   };
   for (int i = 0; i < 9; ++i) {
-    robots.emplace_back(Robot(random.pose<SE2>(), random.vector<Vec3>()), Robot(random.pose<SE2>(), random.vector<Vec3>()));
+    robots.emplace_back(Robot(random.pose<SE2>(), random.vector<Vec3>()),
+                        Robot(random.pose<SE2>(), random.vector<Vec3>()));
     rigs.emplace_back(rig(), rig());
   }
-  checkKind<Prior>([](const auto& z, const auto& x) {
-    return stacked(stacked(x.pose.pos - z.pose.pos, rotationResidual({}, x.pose.orient, z.pose.orient)),
-                   x.calibration - z.calibration);
-  }, robots);
-  checkKind<Prior>([](const auto& z, const auto& x) {
-    return stacked(rotationResidual({}, x.orient, z.orient),
-                   stacked(x.points[0] - z.points[0], x.points[1] - z.points[1]));
-  }, rigs);
+  checkKind<Prior>(
+      [](const auto& z, const auto& x) {
+        return stacked(stacked(x.pose.pos - z.pose.pos, rotationResidual({}, x.pose.orient, z.pose.orient)),
+                       x.calibration - z.calibration);
+      },
+      robots);
+  checkKind<Prior>(
+      [](const auto& z, const auto& x) {
+        return stacked(rotationResidual({}, x.orient, z.orient),
+                       stacked(x.points[0] - z.points[0], x.points[1] - z.points[1]));
+      },
+      rigs);
 }
 
 /// A manifold of the user's own, over doubles alone.
@@ -210,11 +227,14 @@ TEST(GravityDirection, IsTheRotatedDirection) {
   for (int i = 0; i < 8; ++i) {
     const SO3 R = random.rotation<SO3>();
     const S2 up(random.vector<Vec3>());
-    samples.emplace_back(mtk::moved(R.inverse() * up, random.vector<Vec2>(i < 3 ? std::pow(10, -4 * i) : 2)), R, up);
+    samples.emplace_back(mtk::moved(R.inverse() * up, random.vector<Vec2>(i < 3 ? std::pow(10, -4 * i) : 2)),
+                         R, up);
   }
-  checkKind<GravityDirection>([](const auto& z, const auto& R, const auto& up) {
-    return directionResidual(matrix(R).transpose() * Long3(up.vector()), z);
-  }, samples, 0, 1e-4L);
+  checkKind<GravityDirection>(
+      [](const auto& z, const auto& R, const auto& up) {
+        return directionResidual(matrix(R).transpose() * Long3(up.vector()), z);
+      },
+      samples, 0, 1e-4L);
 }
 TEST(Accelerometer, ShowsGravityUpwards) {
   Random random(12);
@@ -229,15 +249,20 @@ TEST(Accelerometer, ShowsGravityUpwards) {
     with_bias.emplace_back(z, SE3(R, random.vector<Vec3>(9)), up, random.number(9, 10), bias);
     mounted.emplace_back(z, SE3(R), mounting, up, random.number(9, 10), bias);
   }
-  const auto shown = [](const auto& R, const auto& up, Real g) { return LongVector(matrix(R).transpose() * up.vector() * g); };
-  checkKind<Accelerometer>([&](const auto& z, const auto& R, const auto& up, Real g) -> LongVector {
-    return shown(R, up, g) - LongVector(z);
-  }, plain);
-  checkKind<Accelerometer>([&](const auto& z, const auto& T, const auto& up, const auto& g, const auto& bias) -> LongVector {
-    return shown(T.orient, up, g.value()) + LongVector(bias) - LongVector(z);
-  }, with_bias);
+  const auto shown = [](const auto& R, const auto& up, Real g) {
+    return LongVector(matrix(R).transpose() * up.vector() * g);
+  };
+  checkKind<Accelerometer>([&](const auto& z, const auto& R, const auto& up,
+                               Real g) -> LongVector { return shown(R, up, g) - LongVector(z); },
+                           plain);
   checkKind<Accelerometer>(
-      [&](const auto& z, const auto& T, const auto& mounting, const auto& up, Real g, const auto& bias) -> LongVector {
+      [&](const auto& z, const auto& T, const auto& up, const auto& g, const auto& bias) -> LongVector {
+        return shown(T.orient, up, g.value()) + LongVector(bias) - LongVector(z);
+      },
+      with_bias);
+  checkKind<Accelerometer>(
+      [&](const auto& z, const auto& T, const auto& mounting, const auto& up, Real g,
+          const auto& bias) -> LongVector {
         return matrix(mounting) * shown(T.orient, up, g) + LongVector(bias) - LongVector(z);
       },
       mounted);

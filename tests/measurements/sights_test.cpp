@@ -9,7 +9,8 @@ template <class V>
 auto pointPairs() {
   Random random(21);
   std::vector<std::tuple<double, V, V>> samples;
-  for (int i = 0; i < 9; ++i) samples.emplace_back(random.number(0, 9), random.vector<V>(), random.vector<V>(i == 4 ? 1e6 : 9));
+  for (int i = 0; i < 9; ++i)
+    samples.emplace_back(random.number(0, 9), random.vector<V>(), random.vector<V>(i == 4 ? 1e6 : 9));
   return samples;
 }
 constexpr auto distance = [](Real z, const auto& a, const auto& b) {
@@ -36,9 +37,9 @@ TEST(Range, WithPosesAndAnOffset) {
   for (int i = 0; i < 9; ++i) {
     samples.emplace_back(random.number(), random.pose<SE2>(), random.vector<Vec2>(9), random.number());
   }
-  checkKind<Range>([](Real z, const auto& pose, const auto& point, Real offset) {
-    return LongVector(distance(z, pose.pos, point).array() + offset);
-  }, samples);
+  checkKind<Range>([](Real z, const auto& pose, const auto& point,
+                      Real offset) { return LongVector(distance(z, pose.pos, point).array() + offset); },
+                   samples);
 }
 /// Residual and derivatives of one measurement.
 template <class F, class Z, class... X>
@@ -69,10 +70,12 @@ TEST(Bearing, InThePlane) {
     // The angle is seen, and the datum is 0.3 away, over the seam for some.
     samples.emplace_back(SO2(angle + 0.3), pose, pose * Vec2(4 * std::cos(angle), 4 * std::sin(angle)));
   }
-  checkKind<Bearing>([](const auto& z, const auto& pose, const auto& point) {
-    const Long2 seen = matrix(pose.orient).transpose() * (point - pose.pos);
-    return column(wrapped(std::atan2(seen[1], seen[0]) - z.angle()));
-  }, samples, 1);
+  checkKind<Bearing>(
+      [](const auto& z, const auto& pose, const auto& point) {
+        const Long2 seen = matrix(pose.orient).transpose() * (point - pose.pos);
+        return column(wrapped(std::atan2(seen[1], seen[0]) - z.angle()));
+      },
+      samples, 1);
 }
 TEST(Bearing, InSpace) {
   Random random(25);
@@ -80,18 +83,23 @@ TEST(Bearing, InSpace) {
   for (int i = 0; i < 8; ++i) {
     const SE3 pose = random.pose<SE3>();
     const Vec3 point = random.vector<Vec3>(20);
-    samples.emplace_back(mtk::moved(S2(pose.inverse() * point), random.vector<Vec2>(i < 3 ? std::pow(10, -4 * i) : 2)), pose, point);
+    samples.emplace_back(
+        mtk::moved(S2(pose.inverse() * point), random.vector<Vec2>(i < 3 ? std::pow(10, -4 * i) : 2)), pose,
+        point);
   }
-  checkKind<Bearing>([](const auto& z, const auto& pose, const auto& point) {
-    return directionResidual(matrix(pose.orient).transpose() * (point - pose.pos), z);
-  }, samples, 0, 1e-4L);
+  checkKind<Bearing>(
+      [](const auto& z, const auto& pose, const auto& point) {
+        return directionResidual(matrix(pose.orient).transpose() * (point - pose.pos), z);
+      },
+      samples, 0, 1e-4L);
 }
 TEST(Bearing, OfTheSensorsOwnPosition) {
   const auto [r, J] = linearized(Bearing(), SO2(0.5), SE2(Vec2(1, 2)), Vec2(1, 2));
   EXPECT_EQ(r[0], -0.5);
   EXPECT_TRUE(J.isZero(0)) << J;
   EXPECT_EQ(messageOf([] { linearized(Bearing(), S2(0, 0, 1), SE3(Vec3(1, 2, 3)), Vec3(1, 2, 3)); }),
-            "[mtk.no-direction] a direction (S2) cannot be made of a vector that is zero or not finite; pass a finite vector "
+            "[mtk.no-direction] a direction (S2) cannot be made of a vector that is zero or not finite; pass "
+            "a finite vector "
             "of any positive length");
 }
 
@@ -117,15 +125,20 @@ TEST(Surveying, Angles) {
     zeniths.emplace_back(SO2(random.number(0, kPi)), station, target);
   }
   const auto azimuth = [](const auto& a, const auto& b) { return std::atan2(b[0] - a[0], b[1] - a[1]); };
-  checkKind<Azimuth>([&](const auto& z, const auto& a, const auto& b) { return column(wrapped(azimuth(a, b) - z.angle())); },
-                     azimuths, 1);
-  checkKind<HorizontalDirection>([&](const auto& z, const auto& a, const auto& b, const auto& o) {
-    return column(wrapped(azimuth(a, b) - o.angle() - z.angle()));
-  }, directions, 1);
-  checkKind<ZenithAngle>([](const auto& z, const auto& a, const auto& b) {
-    const Long3 way = b - a;
-    return column(wrapped(std::acos(way[2] / way.norm()) - z.angle()));
-  }, zeniths, 1);
+  checkKind<Azimuth>(
+      [&](const auto& z, const auto& a, const auto& b) { return column(wrapped(azimuth(a, b) - z.angle())); },
+      azimuths, 1);
+  checkKind<HorizontalDirection>(
+      [&](const auto& z, const auto& a, const auto& b, const auto& o) {
+        return column(wrapped(azimuth(a, b) - o.angle() - z.angle()));
+      },
+      directions, 1);
+  checkKind<ZenithAngle>(
+      [](const auto& z, const auto& a, const auto& b) {
+        const Long3 way = b - a;
+        return column(wrapped(std::acos(way[2] / way.norm()) - z.angle()));
+      },
+      zeniths, 1);
 }
 
 }  // namespace
