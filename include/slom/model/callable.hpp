@@ -34,12 +34,14 @@ struct Argument {
   using Stored = A;
   using Passed = std::tuple<const A&>;
   static Passed pass(const Stored& a) { return std::tie(a); }
+  static const A& get(const Stored& a) { return a; }
 };
 template <class T>
 struct Argument<VarID<T>> {
   using Stored = VarArg<T>;
   using Passed = std::tuple<const T&>;
   static Passed pass(const Stored& a) { return std::tie(*a); }
+  static const T& get(const Stored& a) { return *a; }
 };
 template <class Z>
 struct Argument<Measured<Z>> {
@@ -52,6 +54,39 @@ template <class A>
 inline constexpr bool is_var_id = false;
 template <class T>
 inline constexpr bool is_var_id<VarID<T>> = true;
+
+template <class A>
+inline constexpr bool is_datum = false;
+template <class Z>
+inline constexpr bool is_datum<Measured<Z>> = true;
+
+/// The types of several tuples in a row.
+template <class... Tuples>
+struct Join;
+template <class... A>
+struct Join<std::tuple<A...>> {
+  using type = std::tuple<A...>;
+};
+template <class... A, class... B, class... More>
+struct Join<std::tuple<A...>, std::tuple<B...>, More...> : Join<std::tuple<A..., B...>, More...> {};
+
+/// Numbers of the true ones.
+template <bool... Wanted>
+constexpr auto indicesWhere() {
+  constexpr std::size_t count = (std::size_t{Wanted} + ... + 0);
+  constexpr auto index = [] {
+    constexpr bool wanted[] = {Wanted...};
+    std::array<std::size_t, count> result{};
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < sizeof...(Wanted); ++i) {
+      if (wanted[i]) result[next++] = i;
+    }
+    return result;
+  }();
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::index_sequence<index[I]...>{};
+  }(std::make_index_sequence<count>{});
+}
 
 template <class F, class Passed>
 inline constexpr bool accepts = false;
@@ -121,7 +156,8 @@ struct Returned {
                 "slom: a measurement function must return a number, a std::array or an Eigen column vector of doubles; "
                 "one that predicts another manifold value needs slom::measured(z) among the arguments");
   static constexpr int rows = 1;
-  static void write(const R& value, Residual<1>& ret) { ret[0] = static_cast<double>(value); }
+  static int size(const R&) { return 1; }
+  static void write(const R& value, double* r) { *r = static_cast<double>(value); }
 };
 template <class R>
   requires requires { typename R::PlainObject; }
@@ -130,14 +166,19 @@ struct Returned<R> {
                 "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
                 "that are gone; return its value: `return (...).eval();`, or give the function a return type");
   static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
+  static_assert(std::is_same_v<typename R::Scalar, double>, "slom: a measurement function must return a vector of doubles");
   static constexpr int rows = R::RowsAtCompileTime;
-  static void write(const R& value, Residual<rows>& ret) { ret = value; }
+  static int size(const R& value) { return static_cast<int>(value.size()); }
+  static void write(const R& value, double* r) {
+    for (int i = 0; i < size(value); ++i) r[i] = value.data()[i];
+  }
 };
 template <std::size_t N>
 struct Returned<std::array<double, N>> {
   static constexpr int rows = static_cast<int>(N);
-  static void write(const std::array<double, N>& value, Residual<rows>& ret) {
-    for (std::size_t i = 0; i < N; ++i) ret[static_cast<Eigen::Index>(i)] = value[i];
+  static int size(const std::array<double, N>&) { return rows; }
+  static void write(const std::array<double, N>& value, double* r) {
+    for (std::size_t i = 0; i < N; ++i) r[i] = value[i];
   }
 };
 
@@ -245,11 +286,24 @@ struct ResultOf<F, std::tuple<P...>> {
   using type = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
 };
 
+/// The types of DualArgument::passed, without the classes around them.
+template <class Stored, class D>
+struct DualPassed {
+  using type = std::tuple<const Stored&>;
+};
+template <class T, class D>
+struct DualPassed<VarArg<T>, D> {
+  using type = std::tuple<const mtk::rebind_t<T, D>&>;
+};
+template <class Z, class D>
+struct DualPassed<Measured<Z>, D> {
+  using type = std::tuple<>;
+};
 /// Whether F accepts variables over the dual number D in place of doubles.
 template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {
-    using Passed = decltype(std::tuple_cat(std::declval<DualArgument<Stored, D, 0>&>().passed...));
+    using Passed = typename Join<typename DualPassed<Stored, D>::type...>::type;
     if constexpr (accepts<F, Passed>) {
       return carriesDerivatives<typename ResultOf<F, Passed>::type>();
     } else {
@@ -272,7 +326,7 @@ struct BlockFor<Rows, VarArg<T>> {
   using type = std::tuple<JacobianBlock<Rows, mtk::DOF_v<T>>>;
 };
 template <int Rows, class... Stored>
-using BlockTuple = decltype(std::tuple_cat(std::declval<typename BlockFor<Rows, Stored>::type>()...));
+using BlockTuple = typename Join<typename BlockFor<Rows, Stored>::type...>::type;
 
 template <class F, class Passed, class Blocks>
 inline constexpr bool has_jacobian = false;
@@ -292,7 +346,7 @@ class CallableMeasurement {
   template <class A>
   using Stored = typename detail::Argument<A>::Stored;
   using Function = typename detail::Unwrapped<F>::type;
-  using Passed = decltype(std::tuple_cat(std::declval<typename detail::Argument<Args>::Passed>()...));
+  using Passed = typename detail::Join<typename detail::Argument<Args>::Passed...>::type;
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
   static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
@@ -344,18 +398,19 @@ class CallableMeasurement {
   explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_(Stored<Args>(args)...) {}
 
   auto variableArgs() {
-    return std::apply([](auto&... stored) { return std::tuple_cat(tieVariable(stored)...); }, args_);
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return std::tie(std::get<I>(args_)...);
+    }(detail::indicesWhere<detail::is_var_id<Args>...>());
   }
   void evaluate(Residual<residual_dim>& ret) const {
-    const auto predict = [&](const auto&... stored) -> Value {
-      return std::apply(function(), std::tuple_cat(detail::Argument<Args>::pass(stored)...));
-    };
-    if constexpr (has_datum) {
-      using Z = std::remove_cvref_t<decltype(*datum())>;
-      ret = mtk::difference<Z>(std::apply(predict, args_), *datum());
-    } else {
-      detail::Returned<Value>::write(std::apply(predict, args_), ret);
-    }
+    evaluateTo([&](int size) {
+      if constexpr (residual_dim == mtk::Dynamic) ret.resize(size);
+      return ret.data();
+    });
+  }
+  /// The same to r. Returns the length of the residual; nothing is written when it is not `rows`.
+  int evaluate(int rows, double* r) const {
+    return evaluateTo([&](int size) { return size == rows ? r : nullptr; });
   }
 
   /// Residual (`rows` entries) and derivatives by all unknowns (rows x columns, column-major). Returns the length of the
@@ -377,7 +432,7 @@ class CallableMeasurement {
   int linearize(int rows, double* r, double* J) const
     requires(derivatives == DerivativeSource::given)
   {
-    if (const int got = detail::evaluatePoisoned(*this, rows, r); got != rows) return got;
+    if (const int got = evaluate(rows, r); got != rows) return got;
     detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
     prepareBlocks(blocks, rows);
     const auto passed = std::apply([](const auto&... stored) {
@@ -431,14 +486,6 @@ class CallableMeasurement {
                                         Stored<Args>...>;
   };
 
-  template <class T>
-  static std::tuple<VarArg<T>&> tieVariable(VarArg<T>& variable) {
-    return std::tie(variable);
-  }
-  template <class D>
-  static std::tuple<> tieVariable(D&) {
-    return {};
-  }
   const Function& function() const {
     if constexpr (std::is_same_v<F, Function>) {
       return f_;
@@ -448,6 +495,30 @@ class CallableMeasurement {
   }
   Datum datum() const {
     return std::apply([](const auto&... stored) { return detail::findDatum(stored...); }, args_);
+  }
+
+  template <std::size_t... I>
+  Value predict(std::index_sequence<I...>) const {
+    return std::invoke(function(), detail::Argument<std::tuple_element_t<I, std::tuple<Args...>>>::get(std::get<I>(args_))...);
+  }
+  /// Writes the residual to where target(its length) says, unless that is null. Returns its length.
+  template <class Target>
+  int evaluateTo(const Target& target) const {
+    constexpr auto passed = detail::indicesWhere<!detail::is_datum<Args>...>();
+    if constexpr (has_datum) {
+      using Z = std::remove_cvref_t<decltype(*datum())>;
+      const auto difference = mtk::difference<Z>(predict(passed), *datum());
+      const int size = static_cast<int>(difference.size());
+      double* const r = target(size);
+      for (int i = 0; r != nullptr && i < size; ++i) r[i] = difference.data()[i];
+      return size;
+    } else {
+      using Returned = detail::Returned<Value>;
+      const Value value = predict(passed);
+      const int size = Returned::size(value);
+      if (double* const r = target(size)) Returned::write(value, r);
+      return size;
+    }
   }
 
   /// Number of the first unknown of each argument.

@@ -239,7 +239,14 @@ class TypedPool final : public MeasurementPool {
     return -1;
   }
 
-  int evaluateOne(int i, int rows, double* r) override { return detail::evaluatePoisoned(measurements_[at(i)], rows, r); }
+  int evaluateOne(int i, int rows, double* r) override {
+    const M& measurement = measurements_[at(i)];
+    if constexpr (requires { measurement.evaluate(rows, r); }) {
+      return measurement.evaluate(rows, r);
+    } else {
+      return detail::evaluatePoisoned(measurement, rows, r);
+    }
+  }
 
   int lengthOf(const void* measurement) const override {
     if constexpr (kRows == Dynamic) {
