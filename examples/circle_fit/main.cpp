@@ -10,7 +10,7 @@ int main() {
   auto centre = est.insertRV(Eigen::Vector2d(0, 0), "centre");
   auto radius = est.insertRV(1.0, "radius");
   for (const auto& p : points) {
-    est.insertMeasurement([](const auto& c, double r, const auto& point) { return (point - c).norm() - r; },
+    est.insertMeasurement([](const auto& c, const auto& r, const auto& point) { return (point - c).norm() - r; },
                           centre, radius, p, slom::StandardDeviation(0.1));
   }
   std::cout << est.optimize();

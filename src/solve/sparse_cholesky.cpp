@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
 /// A pivot below this share of its diagonal entry is rounding error.
-constexpr double kPivotTolerance = 1e-13;
+constexpr double kPivotTolerance = 1e-12;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 

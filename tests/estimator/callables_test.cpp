@@ -281,7 +281,7 @@ TEST(Groups, HaveTheNamesTheyAreGiven) {
   EXPECT_EQ(summary.groups[1].name, "second");
   EXPECT_EQ(summary.groups[2].name, "lambda");
   EXPECT_EQ(messageOf([&] { est.insertMeasurement(f, x, slom::named("third"), slom::StandardDeviation(-1.0)); }),
-            "[slom.not-positive-definite] standard deviation of measurement third #1 is -1; pass a positive number");
+            "[slom.not-positive-definite] standard deviation of measurement third #1 is -1; pass positive finite numbers");
 }
 
 TEST(Insertion, OfAMillionMeasurementsAllocatesForNoneOfThem) {

@@ -2,8 +2,8 @@
 ///   ordering   approximate minimum degree on the graph of variables
 ///   storage    lower triangle of the permuted H, column block after column block, each a dense panel
 ///   factor     Eigen's simplicial LDL^T
-///   rank       an unknown is undetermined when its pivot D_jj is below 1e-13 of H_jj, i.e. when the other unknowns
-///              reproduce its column of J but for a relative 3e-7
+///   rank       an unknown is undetermined when its pivot D_jj is below 1e-12 of H_jj, i.e. when the other unknowns
+///              reproduce its column of J but for a relative 1e-6
 #pragma once
 
 #include <memory>
