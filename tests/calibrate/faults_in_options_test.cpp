@@ -137,7 +137,7 @@ TEST(CalibrateFaults, ParametersThatAreNotDeterminedAreNamed) {
   testing::RigTruth truth = testing::simulateTruth(options, random);
   truth.left2world.clear();
   for (int i = 1; i <= 4; ++i) {
-    truth.left2world[i] = SE3(SO3::exp(vec3(M_PI, 0., 0.)), vec3(0.15 + 0.02 * i, 0.12, 0.6));
+    truth.left2world[i] = SE3(SO3::exp(vec3(M_PI, 0., 0.)), vec3(-0.15 + 0.02 * i, 0.12, 0.6));
   }
   const Dataset data = testing::simulateMeasurements(truth, options, random);
   const TemporaryFolder folder;

@@ -533,7 +533,7 @@ class CallableMeasurement {
     return linearizeSeeded(std::index_sequence_for<Args...>{}, offsets(first), rows, r, J, width);
   }
   template <std::size_t... I>
-  __attribute__((flatten)) int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
+  SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
                       double* J, int width) const {
     constexpr bool one_pass = is_fixed && columns == window;
     const std::tuple<detail::DualArgument<Stored<Args>, Number, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...>

@@ -7,6 +7,14 @@
 #include <type_traits>
 #include <utility>
 
+/// Before a function that is to be compiled as one piece, with all that it calls: dual numbers stay in registers. Left out
+/// under sanitizers and with SLOM_NO_FLATTEN, which compile faster.
+#if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(SLOM_NO_FLATTEN)
+#define SLOM_FLATTEN __attribute__((flatten))
+#else
+#define SLOM_FLATTEN
+#endif
+
 namespace slom {
 
 /// Where a measurement's derivatives come from.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "mtk/rebind.hpp"
+#include "slom/model/function.hpp"
 #include "slom/model/prediction.hpp"
 #include "slom/model/var_id.hpp"
 
@@ -156,7 +157,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
   using Source = std::array<const Tuple*, kLanesAtOnce>;
   using Target = std::array<double*, kLanesAtOnce>;
 
-  __attribute__((flatten)) static void evaluate(const F& f, const Source& source, const Target& r) {
+  SLOM_FLATTEN static void evaluate(const F& f, const Source& source, const Target& r) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
@@ -166,7 +167,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     scatter<Rows>(rows, r.data());
   }
 
-  __attribute__((flatten)) static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
+  SLOM_FLATTEN static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows], partials[Rows * Columns];
     const auto sink = [&](int row, const auto& x) {
