@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "mtk/bottleneck.hpp"
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
 #include "slom/model/measurement.hpp"
@@ -253,6 +254,17 @@ struct Plain<Measured<Z>> {
   using type = Z;
 };
 
+template <class T>
+constexpr bool hasFixedSize() {
+  if constexpr (requires { T::SizeAtCompileTime; }) {
+    return T::SizeAtCompileTime != mtk::Dynamic;
+  } else if constexpr (mtk::Manifold<T>) {
+    return mtk::DOF_v<T> != mtk::Dynamic;
+  } else {
+    return true;
+  }
+}
+
 template <class A>
 int runtimeDof(const A&) {
   return 0;
@@ -452,8 +464,11 @@ class CallableMeasurement {
     static_assert(std::is_empty_v<Function>,
                   "slom: slom::vectorized needs a function without captures or members, since one call serves several "
                   "measurements: pass what it captures as further arguments of insertMeasurement");
-    static_assert(is_fixed && residual_dim != mtk::Dynamic,
-                  "slom: slom::vectorized needs variables and residuals of sizes known at compile time");
+    static_assert(is_fixed && residual_dim != mtk::Dynamic &&
+                      (detail::hasFixedSize<typename detail::Plain<Stored<Args>>::type>() && ...),
+                  "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
+    static_assert(!is_fixed || columns < mtk::detail::kFirstLocalColumn,
+                  "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
     static_assert((!std::is_void_v<mtk::rebind_t<typename detail::Plain<Stored<Args>>::type, double>> && ...),
                   "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
                   "types, compounds of them and class templates (see mtk/rebind.hpp)");
