@@ -90,11 +90,7 @@ void Estimator::State::fillGroups(Summary& summary, bool before) {
     GroupSummary& group = summary.groups[g];
     if (!before) {
       group.final_rss = rss[g];
-      try {
-        group.losses = summarizeLosses(pool);
-      } catch (const MeasurementThrew& event) {
-        problem.raiseThrew(pool, event);
-      }
+      group.losses = problem.naming(pool, [&] { return summarizeLosses(pool); });
       continue;
     }
     group.name = pool.name();
@@ -172,15 +168,13 @@ int Estimator::getN() const { return state_->system.structure().system.unknowns(
 
 Eigen::VectorXd Estimator::residualOf(MeasurementPool& pool, int i, bool whitened) const {
   Eigen::VectorXd r(pool.rows(i));
-  try {
+  problem().naming(pool, [&] {
     if (whitened) {
       pool.evaluate(i, i + 1, r.data());
     } else {
       pool.evaluateRaw(i, r.data());
     }
-  } catch (const MeasurementThrew& event) {
-    problem().raiseThrew(pool, event);
-  }
+  });
   return r;
 }
 

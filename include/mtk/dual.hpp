@@ -137,7 +137,6 @@ class SparseDual {
     const int place = column >= 0 && column < 64 && ((C >> column) & 1) ? detail::placeOf(C, column) : -1;
     d_ = Partials::generate([&](int i) { return i == place ? S(1) : S(0); });
   }
-  void setPartial(int c, const S& x) { d_.set(detail::placeOf(C, c), x); }
 
   template <class T>
   SparseDual& operator+=(const T& b) {

@@ -154,12 +154,8 @@ DerivativeCheck compareDerivatives(Problem& problem) {
   DerivativeCheck result;
   for (const auto& pool : problem.pools()) {
     Comparison comparison(problem, *pool);
-    try {
-      GroupDerivativeCheck group = comparison.run();
-      if (comparison.hasEntries()) result.groups.push_back(std::move(group));
-    } catch (const MeasurementThrew& event) {
-      problem.raiseThrew(*pool, event);
-    }
+    GroupDerivativeCheck group = problem.naming(*pool, [&] { return comparison.run(); });
+    if (comparison.hasEntries()) result.groups.push_back(std::move(group));
   }
   return result;
 }

@@ -121,11 +121,7 @@ double Linearizer::largestLossArgument(Problem& problem) {
     if (pool.lossCount() == 0) continue;
     Chunk chunk;
     prepare(problem, range, false, chunk);
-    try {
-      pool.evaluate(range.first, range.last, chunk.r.data());
-    } catch (const MeasurementThrew& event) {
-      problem.raiseThrew(pool, event);
-    }
+    problem.naming(pool, [&] { pool.evaluate(range.first, range.last, chunk.r.data()); });
     largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
   }
   return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
@@ -138,11 +134,7 @@ Eigen::VectorXd Linearizer::residuals(Problem& problem) {
     std::size_t length = 0;
     for (int i = 0; i < pool->size(); ++i) length += at(pool->rows(i));
     r.resize(length);
-    try {
-      pool->evaluate(0, pool->size(), r.data());
-    } catch (const MeasurementThrew& event) {
-      problem.raiseThrew(*pool, event);
-    }
+    problem.naming(*pool, [&] { pool->evaluate(0, pool->size(), r.data()); });
     all.insert(all.end(), r.begin(), r.end());
   }
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));

@@ -7,21 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/calibrate_command.hpp"
+#include "support/markdown.hpp"
 
 namespace slom::app::calib {
 namespace {
 
 using slom::testing::sourcePath;
-
-std::vector<std::string> blocks(const std::string& page, const std::string& language) {
-  std::vector<std::string> result;
-  const std::string fence = "```" + language + "\n";
-  for (auto at = page.find(fence); at != std::string::npos; at = page.find(fence, at)) {
-    at += fence.size();
-    result.push_back(page.substr(at, page.find("```", at) - at));
-  }
-  return result;
-}
 
 std::vector<std::string> words(const std::string& line) {
   std::istringstream stream(line);
@@ -42,7 +33,8 @@ TEST(CalibrateDocumentation, ShowsRealRuns) {
   std::filesystem::create_symlink(sourcePath("data"), folder / "data");
   const std::vector<std::string> in_folder{"/usr/bin/env", "-C", folder.path().string()};
   const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
-  const auto runs = blocks(page, "console"), scripts = blocks(page, "python");
+  const auto runs = slom::testing::fencedBlocks(page, "console"),
+             scripts = slom::testing::fencedBlocks(page, "python");
   ASSERT_EQ(runs.size(), 1u);
   ASSERT_EQ(scripts.size(), 1u);
   ASSERT_TRUE(runs[0].starts_with("$ slom ")) << runs[0];

@@ -3,34 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "support/markdown.hpp"
 #include "support/paths.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path);
-  EXPECT_TRUE(file.good()) << path;
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> blocks(const std::string& page, const std::string& language) {
-  std::vector<std::string> result;
-  const std::string fence = "```" + language + "\n";
-  for (auto at = page.find(fence); at != std::string::npos; at = page.find(fence, at)) {
-    at += fence.size();
-    result.push_back(page.substr(at, page.find("```", at) - at));
-  }
-  return result;
-}
+using slom::testing::fencedBlocks;
+using slom::testing::readFile;
 
 /// All sources of examples and tests, one after the other.
 std::string sources(const std::string& extension) {
@@ -38,7 +22,7 @@ std::string sources(const std::string& extension) {
   for (const char* folder : {"examples", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath(folder))) {
       if (entry.is_regular_file() && (entry.path().extension() == extension || entry.path().filename() == extension)) {
-        all += contents(entry.path());
+        all += readFile(entry.path());
       }
     }
   }
@@ -52,11 +36,11 @@ TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
   int count = 0;
   for (const fs::path& page : pages) {
     if (page.extension() != ".md") continue;
-    for (const std::string& block : blocks(contents(page), "cpp")) {
+    for (const std::string& block : fencedBlocks(readFile(page), "cpp")) {
       EXPECT_NE(cpp.find(block), std::string::npos) << page << " shows code that is in no example or test:\n" << block;
       ++count;
     }
-    for (const std::string& block : blocks(contents(page), "cmake")) {
+    for (const std::string& block : fencedBlocks(readFile(page), "cmake")) {
       EXPECT_NE(cmake.find(block), std::string::npos) << page << " shows a build that no test makes:\n" << block;
       ++count;
     }
@@ -65,9 +49,9 @@ TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
 }
 
 TEST(Documentation, ShowsWhatTheFirstProgramPrints) {
-  const auto printed = blocks(contents(slom::testing::sourcePath("README.md")), "text");
+  const auto printed = fencedBlocks(readFile(slom::testing::sourcePath("README.md")), "text");
   ASSERT_FALSE(printed.empty());
-  EXPECT_EQ(printed[0], contents(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
+  EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
 }
 
 }  // namespace

@@ -113,6 +113,21 @@ TEST(Prior, OfVectorsAndNumbers) {
   checkKind<Prior>([](Real z, Real x) { return column(x - z); }, numbers);
   checkKind<Prior>([](const auto& z, const auto& x) { return column(x.value() - z.value()); }, scalars);
 }
+TEST(Prior, OfMoreNumbersThanPacksTellApart) {
+  const auto check = []<int N>(std::integral_constant<int, N>) {
+    Estimator est;
+    const auto x = est.insertRV(mtk::vect<N>());
+    mtk::vect<N> z;
+    for (int i = 0; i < N; ++i) z[i] = 0.5 * i;
+    est.insertMeasurement(Prior(), x, measured(z));
+    EXPECT_TRUE(est.optimize().converged) << N;
+    for (int i = 0; i < N; ++i) EXPECT_NEAR((*x)[i], z[i], 1e-12) << N;
+  };
+  check(std::integral_constant<int, 60>());
+  check(std::integral_constant<int, 61>());
+  check(std::integral_constant<int, 70>());
+}
+
 TEST(Prior, OfRotationsAndPoses) {
   Random random(7);
   std::vector<std::tuple<SO3, SO3>> rotations;

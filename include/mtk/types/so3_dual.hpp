@@ -58,15 +58,6 @@ template <class S, std::uint64_t C>
 vect<3, S> valueOf(const PlainVector<SparseDual<S, C>, 3>& p) {
   return vect<3, S>(p[0].value(), p[1].value(), p[2].value());
 }
-template <class S, std::uint64_t C>
-vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const RowPartials<S, C>& d) {
-  vect<3, SparseDual<S, C>> result{Uninitialized()};
-  for (int i = 0; i < 3; ++i) {
-    result[i].value() = value[i];
-    result[i].partials() = d[static_cast<std::size_t>(i)];
-  }
-  return result;
-}
 /// The vector with this value and derivatives M d.
 template <class S, std::uint64_t C>
 vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M, const RowPartials<S, C>& d) {
@@ -212,7 +203,7 @@ class SO3<SparseDual<S, C>> {
     for (int j = 0; j < 3; ++j) {
       vect<3, S> e;
       e[j] = S(1);
-      M.col(j) = detail::dualVector<S, C>(vect<3, S>(R.col(j)), detail::multiply<S>(R, detail::cross<S>(d_, e)));
+      M.col(j) = detail::dualVector<S, C>(vect<3, S>(R.col(j)), R, detail::cross<S>(d_, e));
     }
     return M;
   }

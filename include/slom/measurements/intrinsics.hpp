@@ -22,22 +22,32 @@ S depthInFront(const S& z) {
   using mtk::select;
   return select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
 }
-}  // namespace detail
 
-/// No distortion: u = fx x/z + cx, v = fy y/z + cy. NaN for z <= 0.
-template <class S = double>
-struct PinholeIntrinsics : mtk::vect<4, S> {
-  static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
-  using mtk::vect<4, S>::vect;
+/// N numbers that begin with focal lengths and image centre [px].
+template <int N, class S>
+struct CentredLens : mtk::vect<N, S> {
+  using mtk::vect<N, S>::vect;
 
   const S& fx() const { return (*this)[0]; }
   const S& fy() const { return (*this)[1]; }
   const S& cx() const { return (*this)[2]; }
   const S& cy() const { return (*this)[3]; }
 
+ protected:
+  /// The pixel of a point of the image plane at depth 1.
+  auto toPixels(const auto& x, const auto& y) const { return mtk::vector(fx() * x + cx(), fy() * y + cy()); }
+};
+}  // namespace detail
+
+/// No distortion: u = fx x/z + cx, v = fy y/z + cy. NaN for z <= 0.
+template <class S = double>
+struct PinholeIntrinsics : detail::CentredLens<4, S> {
+  static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
+  using detail::CentredLens<4, S>::CentredLens;
+
   auto project(const auto& p) const {
     const auto z = detail::depthInFront(p[2]);
-    return mtk::vector(fx() * (p[0] / z) + cx(), fy() * (p[1] / z) + cy());
+    return this->toPixels(p[0] / z, p[1] / z);
   }
 };
 
@@ -45,15 +55,11 @@ struct PinholeIntrinsics : mtk::vect<4, S> {
 ///   source   OpenCV 4 documentation, module calib3d, detailed description; Brown, "Close-range camera
 ///   calibration", 1971
 template <class S = double>
-struct OpenCv5Intrinsics : mtk::vect<9, S> {
+struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
   static constexpr std::array<std::string_view, 9> component_names{"fx", "fy", "cx", "cy", "k1",
                                                                    "k2", "p1", "p2", "k3"};
-  using mtk::vect<9, S>::vect;
+  using detail::CentredLens<9, S>::CentredLens;
 
-  const S& fx() const { return (*this)[0]; }
-  const S& fy() const { return (*this)[1]; }
-  const S& cx() const { return (*this)[2]; }
-  const S& cy() const { return (*this)[3]; }
   const S& k1() const { return (*this)[4]; }
   const S& k2() const { return (*this)[5]; }
   const S& p1() const { return (*this)[6]; }
@@ -65,8 +71,8 @@ struct OpenCv5Intrinsics : mtk::vect<9, S> {
     const auto x = p[0] / z, y = p[1] / z;
     const auto xx = x * x, yy = y * y, xy2 = 2.0 * x * y, r2 = xx + yy;
     const auto radial = 1.0 + r2 * (k1() + r2 * (k2() + r2 * k3()));
-    return mtk::vector(fx() * (x * radial + p1() * xy2 + p2() * (r2 + 2.0 * xx)) + cx(),
-                       fy() * (y * radial + p1() * (r2 + 2.0 * yy) + p2() * xy2) + cy());
+    return this->toPixels(x * radial + p1() * xy2 + p2() * (r2 + 2.0 * xx),
+                          y * radial + p1() * (r2 + 2.0 * yy) + p2() * xy2);
   }
 };
 
@@ -78,15 +84,11 @@ struct OpenCv5Intrinsics : mtk::vect<9, S> {
 ///   calibration
 ///            method for conventional, wide-angle, and fish-eye lenses", 2006, equation (6)
 template <class S = double>
-struct FisheyeIntrinsics : mtk::vect<8, S> {
+struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
                                                                    "k1", "k2", "k3", "k4"};
-  using mtk::vect<8, S>::vect;
+  using detail::CentredLens<8, S>::CentredLens;
 
-  const S& fx() const { return (*this)[0]; }
-  const S& fy() const { return (*this)[1]; }
-  const S& cx() const { return (*this)[2]; }
-  const S& cy() const { return (*this)[3]; }
   const S& k1() const { return (*this)[4]; }
   const S& k2() const { return (*this)[5]; }
   const S& k3() const { return (*this)[6]; }
@@ -97,7 +99,7 @@ struct FisheyeIntrinsics : mtk::vect<8, S> {
     const auto theta_by_r = angleByRadius(r2, p[2]);
     const auto t2 = theta_by_r * theta_by_r * r2;
     const auto scale = theta_by_r * (1.0 + t2 * (k1() + t2 * (k2() + t2 * (k3() + t2 * k4()))));
-    return mtk::vector(fx() * (scale * p[0]) + cx(), fy() * (scale * p[1]) + cy());
+    return this->toPixels(scale * p[0], scale * p[1]);
   }
 
  private:

@@ -10,9 +10,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "mtk/bottleneck.hpp"
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
+#include "slom/model/indices.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/prediction.hpp"
@@ -34,32 +34,22 @@ template <class A>
 struct Argument {
   using Stored = A;
   using Passed = std::tuple<const A&>;
-  static Passed pass(const Stored& a) { return std::tie(a); }
-  static const A& get(const Stored& a) { return a; }
 };
 template <class T>
 struct Argument<VarID<T>> {
   using Stored = VarArg<T>;
   using Passed = std::tuple<const T&>;
-  static Passed pass(const Stored& a) { return std::tie(*a); }
-  static const T& get(const Stored& a) { return *a; }
 };
 template <class Z>
 struct Argument<Measured<Z>> {
   using Stored = Measured<Z>;
   using Passed = std::tuple<>;
-  static Passed pass(const Stored&) { return {}; }
 };
 
 template <class A>
 inline constexpr bool is_var_id = false;
 template <class T>
 inline constexpr bool is_var_id<VarID<T>> = true;
-
-template <class A>
-inline constexpr bool is_datum = false;
-template <class Z>
-inline constexpr bool is_datum<Measured<Z>> = true;
 
 /// The types of several tuples in a row.
 template <class... Tuples>
@@ -70,24 +60,6 @@ struct Join<std::tuple<A...>> {
 };
 template <class... A, class... B, class... More>
 struct Join<std::tuple<A...>, std::tuple<B...>, More...> : Join<std::tuple<A..., B...>, More...> {};
-
-/// Numbers of the true ones.
-template <bool... Wanted>
-constexpr auto indicesWhere() {
-  constexpr std::size_t count = (std::size_t{Wanted} + ... + 0);
-  constexpr auto index = [] {
-    constexpr bool wanted[] = {Wanted...};
-    std::array<std::size_t, count> result{};
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < sizeof...(Wanted); ++i) {
-      if (wanted[i]) result[next++] = i;
-    }
-    return result;
-  }();
-  return [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::index_sequence<index[I]...>{};
-  }(std::make_index_sequence<count>{});
-}
 
 template <class F, class Passed>
 inline constexpr bool accepts = false;
@@ -194,10 +166,6 @@ constexpr auto findDatum(const First& first, const Rest&... rest) {
   }
 }
 
-}  // namespace detail
-
-namespace detail {
-
 /// J[c * stride] := d[c] for c < N
 template <int N, class Partials>
 void storeStrided(const Partials& d, double* J, int stride) {
@@ -239,20 +207,6 @@ template <class A>
 inline constexpr bool is_rebindable_argument = true;
 template <class T>
 inline constexpr bool is_rebindable_argument<VarArg<T>> = mtk::is_rebindable_v<T>;
-
-/// The value type of a stored argument.
-template <class A>
-struct Plain {
-  using type = A;
-};
-template <class T>
-struct Plain<VarArg<T>> {
-  using type = T;
-};
-template <class Z>
-struct Plain<Measured<Z>> {
-  using type = Z;
-};
 
 template <class T>
 constexpr bool hasFixedSize() {
@@ -358,6 +312,8 @@ class CallableMeasurement {
   template <class A>
   using Stored = typename detail::Argument<A>::Stored;
   using Function = typename detail::Unwrapped<F>::type;
+  using VariableIndices = decltype(detail::indicesWhere<detail::is_var_id<Args>...>());
+  using PassedIndices = decltype(detail::indicesWhere<!detail::is_measured<Args>...>());
   using Passed = typename detail::Join<typename detail::Argument<Args>::Passed...>::type;
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
@@ -393,8 +349,9 @@ class CallableMeasurement {
  public:
   static constexpr int residual_dim = rows();
   /// Whether several measurements are evaluated at once.
-  static constexpr bool vectorized = detail::is_vectorized<F> || (detail::VectorizedByItself<F> && columns <= 64 &&
-                                                                  (detail::is_packable<Stored<Args>> && ...));
+  static constexpr bool vectorized = detail::is_vectorized<F> || (detail::VectorizedByItself<F> &&
+                                                                  columns <= detail::kMostPackedColumns &&
+                                                                  (detail::isPackable<detail::Held<Stored<Args>>>() && ...));
   static constexpr DerivativeSource derivatives = [] {
     using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
     if (vectorized) return DerivativeSource::exact;
@@ -412,7 +369,7 @@ class CallableMeasurement {
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return std::tie(std::get<I>(args_)...);
-    }(detail::indicesWhere<detail::is_var_id<Args>...>());
+    }(VariableIndices{});
   }
   void evaluate(Residual<residual_dim>& ret) const {
     evaluateTo([&](int size) {
@@ -430,13 +387,15 @@ class CallableMeasurement {
   int linearize(int rows, double* r, double* J) const
     requires(derivatives == DerivativeSource::exact && !vectorized)
   {
+    constexpr auto arguments = std::index_sequence_for<Args...>{};
     if constexpr (is_fixed && columns == window) {
-      return linearizeWindow(rows, r, J, 0, columns);
+      return linearizeSeeded(arguments, fixedOffsets(), rows, r, J, columns);
     } else {
       const int all = std::apply([](const auto&... stored) { return (detail::runtimeDof(stored) + ...); }, args_);
       int got = rows;
       for (int first = 0; first < all && got == rows; first += window) {
-        got = linearizeWindow(rows, r, J + static_cast<std::ptrdiff_t>(first) * rows, first, std::min(window, all - first));
+        got = linearizeSeeded(arguments, offsets(first), rows, r, J + static_cast<std::ptrdiff_t>(first) * rows,
+                              std::min(window, all - first));
       }
       return got;
     }
@@ -445,15 +404,7 @@ class CallableMeasurement {
     requires(derivatives == DerivativeSource::given)
   {
     if (const int got = evaluate(rows, r); got != rows) return got;
-    detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
-    prepareBlocks(blocks, rows);
-    const auto passed = std::apply([](const auto&... stored) {
-      return std::tuple_cat(detail::Argument<Args>::pass(stored)...);
-    }, args_);
-    std::apply([&](auto&... block) {
-      std::apply([&](const auto&... p) { function().jacobian(p..., block...); }, passed);
-      ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
-    }, blocks);
+    writeJacobian(rows, J, PassedIndices{}, VariableIndices{});
     return rows;
   }
 
@@ -465,11 +416,11 @@ class CallableMeasurement {
                   "slom: slom::vectorized needs a function without captures or members, since one call serves several "
                   "measurements: pass what it captures as further arguments of insertMeasurement");
     static_assert(is_fixed && residual_dim != mtk::Dynamic &&
-                      (detail::hasFixedSize<typename detail::Plain<Stored<Args>>::type>() && ...),
+                      (detail::hasFixedSize<detail::Held<Stored<Args>>>() && ...),
                   "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
-    static_assert(!is_fixed || columns < mtk::detail::kFirstLocalColumn,
+    static_assert(!is_fixed || columns <= detail::kMostPackedColumns,
                   "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
-    static_assert((!std::is_void_v<mtk::rebind_t<typename detail::Plain<Stored<Args>>::type, double>> && ...),
+    static_assert((!std::is_void_v<mtk::rebind_t<detail::Held<Stored<Args>>, double>> && ...),
                   "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
                   "types, compounds of them and class templates (see mtk/rebind.hpp)");
     using Evaluation = typename Packed<std::make_index_sequence<sizeof...(Args)>>::type;
@@ -514,22 +465,31 @@ class CallableMeasurement {
 
   template <std::size_t... I>
   Value predict(std::index_sequence<I...>) const {
-    return std::invoke(function(), detail::Argument<std::tuple_element_t<I, std::tuple<Args...>>>::get(std::get<I>(args_))...);
+    return std::invoke(function(), detail::held(std::get<I>(args_))...);
+  }
+  /// The blocks of f.jacobian, one after the other.
+  template <std::size_t... P, std::size_t... V>
+  void writeJacobian(int rows, double* J, std::index_sequence<P...>, std::index_sequence<V...>) const {
+    detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
+    std::apply([&](auto&... block) {
+      (block.setConstant(rows, detail::runtimeDof(std::get<V>(args_)), std::numeric_limits<double>::quiet_NaN()), ...);
+      function().jacobian(detail::held(std::get<P>(args_))..., block...);
+      ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
+    }, blocks);
   }
   /// Writes the residual to where target(its length) says, unless that is null. Returns its length.
   template <class Target>
   int evaluateTo(const Target& target) const {
-    constexpr auto passed = detail::indicesWhere<!detail::is_datum<Args>...>();
     if constexpr (has_datum) {
       using Z = std::remove_cvref_t<decltype(*datum())>;
-      const auto difference = mtk::difference<Z>(predict(passed), *datum());
+      const auto difference = mtk::difference<Z>(predict(PassedIndices{}), *datum());
       const int size = static_cast<int>(difference.size());
       double* const r = target(size);
       for (int i = 0; r != nullptr && i < size; ++i) r[i] = difference.data()[i];
       return size;
     } else {
       using Returned = detail::Returned<Value>;
-      const Value value = predict(passed);
+      const Value value = predict(PassedIndices{});
       const int size = Returned::size(value);
       if (double* const r = target(size)) Returned::write(value, r);
       return size;
@@ -543,10 +503,7 @@ class CallableMeasurement {
       return std::array<int, sizeof...(Args)>{std::exchange(next, next + detail::runtimeDof(stored))...};
     }, args_);
   }
-  /// Residual and the columns [first, first + width) of the derivatives.
-  int linearizeWindow(int rows, double* r, double* J, int first, int width) const {
-    return linearizeSeeded(std::index_sequence_for<Args...>{}, offsets(first), rows, r, J, width);
-  }
+  /// Residual and the `width` columns of the derivatives in a window; offset: of each argument's first unknown in it.
   template <std::size_t... I>
   SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
                       double* J, int width) const {
@@ -582,25 +539,6 @@ class CallableMeasurement {
     }
     return rows;
   }
-  template <class Blocks>
-  void prepareBlocks(Blocks& blocks, int rows) const {
-    const auto* variables = &args_;
-    std::apply([&](auto&... block) {
-      const auto dofs = std::apply([](const auto&... stored) {
-        return std::array<int, sizeof...(Args)>{detail::runtimeDof(stored)...};
-      }, *variables);
-      std::size_t next = 0;
-      const auto dof_of_next_variable = [&] {
-        while (!is_variable[next]) ++next;
-        return dofs[next++];
-      };
-      const auto prepare = [&](auto& one) {
-        one.setConstant(rows, dof_of_next_variable(), std::numeric_limits<double>::quiet_NaN());
-      };
-      (prepare(block), ...);
-    }, blocks);
-  }
-  static constexpr bool is_variable[] = {detail::is_var_id<Args>...};
 
   F f_;
   std::tuple<Stored<Args>...> args_;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "slom/model/indices.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
 
@@ -76,23 +77,7 @@ std::string_view labelAmong(const std::tuple<const T&...>& all) {
 
 /// Numbers of the arguments that are no options.
 template <class... Args>
-constexpr auto dataIndices() {
-  constexpr std::array<bool, sizeof...(Args)> option{is_option<Args>...};
-  constexpr std::size_t count = ((is_option<Args> ? 0 : 1) + ... + 0);
-  constexpr auto index = [&] {
-    std::array<std::size_t, count> result{};
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < option.size(); ++i) {
-      if (!option[i]) result[next++] = i;
-    }
-    return result;
-  }();
-  return [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::index_sequence<index[I]...>{};
-  }(std::make_index_sequence<count>{});
-}
-template <class... Args>
-using DataIndices = decltype(dataIndices<Args...>());
+using DataIndices = decltype(indicesWhere<!is_option<Args>...>());
 
 }  // namespace detail
 }  // namespace slom

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "mtk/bottleneck.hpp"
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
 #include "slom/model/prediction.hpp"
@@ -24,6 +25,30 @@ struct Measured {
 };
 
 namespace detail {
+
+template <class A>
+inline constexpr bool is_measured = false;
+template <class Z>
+inline constexpr bool is_measured<Measured<Z>> = true;
+
+/// What a measurement stores for an argument, as the function gets it or the library subtracts it.
+template <class A>
+const A& held(const A& datum) {
+  return datum;
+}
+template <class T>
+const T& held(const VarArg<T>& variable) {
+  return *variable;
+}
+template <class Z>
+const Z& held(const Measured<Z>& datum) {
+  return datum.value;
+}
+template <class Stored>
+using Held = std::remove_cvref_t<decltype(held(std::declval<const Stored&>()))>;
+
+/// As many unknowns as columns of packs can tell apart, besides those that mtk::bottleneck takes.
+inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
 inline constexpr int kLanesAtOnce = mtk::kPackWidth;
 using Lanes = mtk::Pack<kLanesAtOnce>;
@@ -58,59 +83,45 @@ void scatter(const Lanes* x, double* const* out) {
   }
 }
 
-/// What an argument is in packs: its value, and what the function gets of it when Derive is set or not.
-template <class Stored, int Offset>
+/// An argument in packs: its value, and what the function gets of it.
+template <class Stored>
 struct PackedArgument {
-  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Stored, Lanes>>;
-  using Packed = std::conditional_t<possible, mtk::rebind_t<Stored, Lanes>, std::tuple<>>;
+  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Held<Stored>, Lanes>>;
+  static constexpr bool is_datum = is_measured<Stored>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<Held<Stored>, Lanes>, std::tuple<>>;
+  using Passed = std::conditional_t<is_datum, std::tuple<>, std::tuple<const Packed&>>;
   Packed value{};
-  std::tuple<const Packed&> passed{value};
 
-  explicit PackedArgument(const std::array<const Stored*, kLanesAtOnce>& x) { mtk::detail::gatherParts(value, x); }
-  PackedArgument(const PackedArgument&) = delete;
-};
-template <class T, int Offset>
-struct PackedArgument<VarArg<T>, Offset> {
-  static constexpr bool possible = mtk::is_rebindable_v<T>;
-  using Packed = std::conditional_t<possible, mtk::rebind_t<T, Lanes>, std::tuple<>>;
-  Packed value{};
-  std::tuple<const Packed&> passed{value};
-
-  explicit PackedArgument(const std::array<const VarArg<T>*, kLanesAtOnce>& x) {
-    std::array<const T*, kLanesAtOnce> values;
-    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &**x[lane];
+  explicit PackedArgument(const std::array<const Stored*, kLanesAtOnce>& x) {
+    std::array<const Held<Stored>*, kLanesAtOnce> values;
+    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &held(*x[lane]);
     mtk::detail::gatherParts(value, values);
   }
   PackedArgument(const PackedArgument&) = delete;
-};
-template <class Z, int Offset>
-struct PackedArgument<Measured<Z>, Offset> {
-  static constexpr bool possible = mtk::is_rebindable_v<Z>;
-  using Packed = std::conditional_t<possible, mtk::rebind_t<Z, Lanes>, std::tuple<>>;
-  Packed value{};
-  std::tuple<> passed;
 
-  explicit PackedArgument(const std::array<const Measured<Z>*, kLanesAtOnce>& x) {
-    std::array<const Z*, kLanesAtOnce> values;
-    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &x[lane]->value;
-    mtk::detail::gatherParts(value, values);
+  Passed passed() const {
+    if constexpr (is_datum) {
+      return {};
+    } else {
+      return {value};
+    }
   }
-  PackedArgument(const PackedArgument&) = delete;
 };
 /// The same argument where derivatives are wanted.
 template <class Stored, int Offset>
 struct SeededArgument {
-  decltype(PackedArgument<Stored, Offset>::passed) passed;
-  explicit SeededArgument(const PackedArgument<Stored, Offset>& packed) : passed(packed.passed) {}
+  const PackedArgument<Stored>& packed;
+  explicit SeededArgument(const PackedArgument<Stored>& argument) : packed(argument) {}
+  auto passed() const { return packed.passed(); }
 };
 template <class T, int Offset>
 struct SeededArgument<VarArg<T>, Offset> {
   using Seeded = mtk::detail::sparse_rebind_t<T, Lanes, Offset>;
   Seeded value;
-  std::tuple<const Seeded&> passed{value};
-  explicit SeededArgument(const PackedArgument<VarArg<T>, Offset>& packed)
+  explicit SeededArgument(const PackedArgument<VarArg<T>>& packed)
       : value(mtk::detail::seededAs<Seeded>(packed.value, Offset, 64)) {}
   SeededArgument(const SeededArgument&) = delete;
+  std::tuple<const Seeded&> passed() const { return {value}; }
 };
 
 template <class... M>
@@ -132,18 +143,6 @@ template <class... M>
 constexpr bool arePackable(std::type_identity<std::tuple<M&...>>) {
   return (isPackable<M>() && ...);
 }
-template <class Stored>
-inline constexpr bool is_packable = isPackable<Stored>();
-template <class T>
-inline constexpr bool is_packable<VarArg<T>> = isPackable<T>();
-template <class Z>
-inline constexpr bool is_packable<Measured<Z>> = isPackable<Z>();
-
-template <class A>
-inline constexpr bool is_measured = false;
-template <class Z, int Offset>
-inline constexpr bool is_measured<PackedArgument<Measured<Z>, Offset>> = true;
-
 /// Evaluates f for kLanesAtOnce sets of arguments. Rows and Columns: length of the residual, number of unknowns.
 template <class F, int Rows, int Columns, class Offsets, class... Stored>
 class PackEvaluation;
@@ -151,7 +150,7 @@ class PackEvaluation;
 template <class F, int Rows, int Columns, int... Offset, class... Stored>
 class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, Stored...> {
   using Tuple = std::tuple<Stored...>;
-  using Arguments = std::tuple<PackedArgument<Stored, Offset>...>;
+  using Arguments = std::tuple<PackedArgument<Stored>...>;
 
  public:
   using Source = std::array<const Tuple*, kLanesAtOnce>;
@@ -162,7 +161,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     Lanes rows[Rows];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
     std::apply([&](const auto&... argument) {
-      write(std::apply(f, std::tuple_cat(argument.passed...)), sink, argument...);
+      write(std::apply(f, std::tuple_cat(argument.passed()...)), sink, argument...);
     }, arguments);
     scatter<Rows>(rows, r.data());
   }
@@ -185,7 +184,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     std::apply([&](const auto&... argument) {
       const std::tuple<SeededArgument<Stored, Offset>...> seeds(argument...);
       std::apply([&](const auto&... seed) {
-        write(std::apply(f, std::tuple_cat(seed.passed...)), sink, argument...);
+        write(std::apply(f, std::tuple_cat(seed.passed()...)), sink, argument...);
       }, seeds);
     }, arguments);
     scatter<Rows>(rows, r.data());
@@ -213,9 +212,9 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
   }
   template <class Result, class Sink, class... A>
   static void write(const Result& result, const Sink& sink, const A&... argument) {
-    if constexpr ((is_measured<A> || ...)) {
+    if constexpr ((A::is_datum || ...)) {
       const auto one = [&](const auto& a) {
-        if constexpr (is_measured<std::remove_cvref_t<decltype(a)>>) eachDifference(result, a.value, 0, sink);
+        if constexpr (std::remove_cvref_t<decltype(a)>::is_datum) eachDifference(result, a.value, 0, sink);
       };
       (one(argument), ...);
     } else {

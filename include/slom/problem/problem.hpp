@@ -73,6 +73,15 @@ class Problem {
   [[noreturn]] void raiseThrew(const MeasurementPool& pool, const MeasurementThrew& event) const {
     raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(), event.exception);
   }
+  /// f(), which runs functions of measurements of the pool; what they throw is raised with the measurement's name.
+  template <class F>
+  decltype(auto) naming(const MeasurementPool& pool, const F& f) const {
+    try {
+      return f();
+    } catch (const MeasurementThrew& event) {
+      raiseThrew(pool, event);
+    }
+  }
   /// The pools of measurements of type M: one for each label, none when none was ever inserted.
   template <class M>
   std::vector<const MeasurementPool*> poolsOf() const {
