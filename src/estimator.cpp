@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/info.h>
+#include <tbb/task_arena.h>
+
 #include "slom/analyze/covariance.hpp"
 #include "slom/analyze/diagnosis.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
-#include "slom/solve/sparse_cholesky.hpp"
+#include "slom/solve/block_cholesky.hpp"
 
 namespace slom {
 
@@ -15,14 +18,29 @@ struct Estimator::State {
   Problem problem;
   Linearizer linearizer;
   System system{problem, linearizer};
-  std::unique_ptr<LinearSolver> solver = std::make_unique<SparseCholesky>();
+  std::unique_ptr<LinearSolver> solver = std::make_unique<BlockCholesky>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
+  tbb::task_arena arena;
+
+  /// f(), on as many threads as setThreads said.
+  template <class F>
+  auto run(const F& f) {
+    return arena.execute(f);
+  }
 
   State() { system.setSolver(*solver); }
 
   std::string messageFor(const Summary& summary, const SolveStatus& status);
   void fillGroups(Summary& summary, bool before);
 };
+
+namespace {
+double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
+  Eigen::VectorXd r(pool.rows(i));
+  problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
+  return r.squaredNorm();
+}
+}  // namespace
 
 Estimator::Estimator() : state_(std::make_unique<State>()) {}
 Estimator::~Estimator() = default;
@@ -32,7 +50,7 @@ Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 Problem& Estimator::problem() const { return state_->problem; }
 
 double Estimator::optimizeStep() {
-  StepOutcome outcome = state_->algorithm->step(state_->system, Options{});
+  const StepOutcome outcome = state_->run([&] { return state_->algorithm->step(state_->system, Options{}); });
   switch (outcome.kind) {
     case StepOutcome::Kind::singular:
       throw singularError(problem(), state_->system.structure(), outcome.status);
@@ -51,7 +69,8 @@ Summary Estimator::optimize(const Options& options) {
   Summary before;
   state_->fillGroups(before, true);
   SolveStatus singular_at;
-  Summary summary = runAlgorithm(state_->system, *state_->algorithm, options, singular_at);
+  Summary summary =
+      state_->run([&] { return runAlgorithm(state_->system, *state_->algorithm, options, singular_at); });
   const ProblemStructure& structure = state_->system.structure();
   summary.groups = std::move(before.groups);
   state_->fillGroups(summary, false);
@@ -83,7 +102,7 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
 }
 
 void Estimator::State::fillGroups(Summary& summary, bool before) {
-  const std::vector<double> rss = linearizer.rssPerPool(problem);
+  const std::vector<double> rss = run([&] { return linearizer.rssPerPool(problem); });
   summary.groups.resize(problem.pools().size());
   for (std::size_t g = 0; g < summary.groups.size(); ++g) {
     MeasurementPool& pool = *problem.pools()[g];
@@ -110,7 +129,7 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
 }
 
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
-  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a SparseCholesky or DenseQR");
+  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockCholesky or DenseQR");
   state_->system.setSolver(*solver);
   state_->solver = std::move(solver);
 }
@@ -120,13 +139,17 @@ void Estimator::setThreads(int threads) {
     throw Error("slom.bad-option", "the number of threads is " + std::to_string(threads) +
                                        "; pass a positive number, or 0 for as many as the machine has");
   }
-  state_->linearizer.setThreads(threads);
+  const int most = tbb::info::default_concurrency();
+  state_->arena.terminate();
+  state_->arena.initialize(threads > 0 ? std::min(threads, most) : most);
 }
 
-double Estimator::getRSS() const { return state_->linearizer.rss(problem()); }
+double Estimator::getRSS() const {
+  return state_->run([&] { return state_->linearizer.rss(problem()); });
+}
 
 double Estimator::rssOfPools(const std::vector<const MeasurementPool*>& pools) const {
-  const std::vector<double> rss = state_->linearizer.rssPerPool(problem());
+  const std::vector<double> rss = state_->run([&] { return state_->linearizer.rssPerPool(problem()); });
   double sum = 0;
   for (std::size_t g = 0; g < rss.size(); ++g) {
     if (std::find(pools.begin(), pools.end(), problem().pools()[g].get()) != pools.end()) sum += rss[g];
@@ -148,14 +171,14 @@ double Estimator::rssOfVariable(int variable) const {
 }
 
 double Estimator::rssOfMeasurement(MeasurementPool& pool, int i) const {
-  const double s = residualOf(pool, i, true).squaredNorm();
+  const double s = squaredResidual(problem(), pool, i);
   const Loss* loss = pool.lossOf(i);
   return loss == nullptr || !std::isfinite(s) ? s : loss->evaluate(s).rho;
 }
 
 double Estimator::weightOf(MeasurementPool& pool, int i) const {
   const Loss* loss = pool.lossOf(i);
-  return loss == nullptr ? 1 : loss->evaluate(residualOf(pool, i, true).squaredNorm()).first;
+  return loss == nullptr ? 1 : loss->evaluate(squaredResidual(problem(), pool, i)).first;
 }
 
 double Estimator::getRMS() const {
@@ -166,26 +189,21 @@ double Estimator::getRMS() const {
 int Estimator::getM() const { return state_->system.structure().residuals; }
 int Estimator::getN() const { return state_->system.structure().system.unknowns(); }
 
-Eigen::VectorXd Estimator::residualOf(MeasurementPool& pool, int i, bool whitened) const {
-  Eigen::VectorXd r(pool.rows(i));
+void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const {
   problem().naming(pool, [&] {
     if (whitened) {
-      pool.evaluate(i, i + 1, r.data());
+      pool.evaluate(i, i + 1, r);
     } else {
-      pool.evaluateRaw(i, r.data());
+      pool.evaluateRaw(i, r);
     }
   });
-  return r;
 }
 
-Eigen::VectorXd Estimator::residuals() const { return state_->linearizer.residuals(problem()); }
+void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(problem(), r); }
 
-Eigen::MatrixXd Estimator::covarianceOf(int variable_a, int variable_b) const {
-  return covarianceBlock(state_->system, variable_a, variable_b);
-}
-
-Eigen::VectorXd Estimator::standardDeviationOf(int variable) const {
-  return covarianceOf(variable, variable).diagonal().cwiseSqrt();
+void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
+  const Eigen::MatrixXd result = state_->run([&] { return covarianceBlock(state_->system, variable_a, variable_b); });
+  std::copy(result.data(), result.data() + result.size(), block);
 }
 
 DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }

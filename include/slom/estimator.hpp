@@ -157,7 +157,7 @@ class Estimator {
   void changeAlgorithm(const A& algorithm) {
     changeAlgorithm(new A(algorithm));
   }
-  /// How linear systems are solved; the default is SparseCholesky.
+  /// How linear systems are solved; the default is BlockCholesky.
   void changeSolver(std::unique_ptr<LinearSolver> solver);
   /// Number of threads for residuals and derivatives; 0 (default): as many as the machine has. Results do not depend
   /// on it.
@@ -199,17 +199,19 @@ class Estimator {
   /// The residual of a measurement in its own units, f(Y) [-] z.
   template <class M>
   Eigen::VectorXd residual(const MeasID<M>& id) const {
-    const auto [pool, i] = problem().locate(id);
-    return residualOf(*pool, i, false);
+    return residualOf(id, false);
   }
   /// The residual in units of its standard deviation.
   template <class M>
   Eigen::VectorXd whitenedResidual(const MeasID<M>& id) const {
-    const auto [pool, i] = problem().locate(id);
-    return residualOf(*pool, i, true);
+    return residualOf(id, true);
   }
   /// All whitened residuals: type by type in order of their first insertion.
-  Eigen::VectorXd residuals() const;
+  Eigen::VectorXd residuals() const {
+    Eigen::VectorXd r(getM());
+    writeResiduals(r.data());
+    return r;
+  }
 
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
   /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
@@ -218,16 +220,19 @@ class Estimator {
   /// or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
-    return covarianceOf(problem().indexOf(id), problem().indexOf(id));
+    return covariance(id, id);
   }
   template <class A, class B>
   Eigen::MatrixXd covariance(const VarID<A>& a, const VarID<B>& b) const {
-    return covarianceOf(problem().indexOf(a), problem().indexOf(b));
+    const int i = problem().indexOf(a), j = problem().indexOf(b);
+    Eigen::MatrixXd block(mtk::dof(*a), mtk::dof(*b));
+    writeCovariance(i, j, block.data());
+    return block;
   }
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    return standardDeviationOf(problem().indexOf(id));
+    return covariance(id).diagonal().cwiseSqrt();
   }
   /// Names of the components, as messages give them.
   template <class T>
@@ -261,9 +266,18 @@ class Estimator {
   double rssOfVariable(int variable) const;
   double rssOfMeasurement(MeasurementPool& pool, int i) const;
   double weightOf(MeasurementPool& pool, int i) const;
-  Eigen::VectorXd residualOf(MeasurementPool& pool, int i, bool whitened) const;
-  Eigen::MatrixXd covarianceOf(int variable_a, int variable_b) const;
-  Eigen::VectorXd standardDeviationOf(int variable) const;
+  template <class M>
+  Eigen::VectorXd residualOf(const MeasID<M>& id, bool whitened) const {
+    const auto [pool, i] = problem().locate(id);
+    Eigen::VectorXd r(pool->rows(i));
+    writeResidual(*pool, i, whitened, r.data());
+    return r;
+  }
+  // Results pass the boundary of the compiled library as plain numbers: what Eigen's dynamic types allocate depends on the
+  // compiler's options, which may be others there.
+  void writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const;
+  void writeResiduals(double* r) const;
+  void writeCovariance(int variable_a, int variable_b, double* block) const;
 
   struct State;
   std::unique_ptr<State> state_;

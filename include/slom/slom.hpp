@@ -7,4 +7,4 @@
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/solve/dense_qr.hpp"
-#include "slom/solve/sparse_cholesky.hpp"
+#include "slom/solve/block_cholesky.hpp"

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -16,12 +15,22 @@ namespace slom {
 namespace {
 
 constexpr int kMeasurementsPerChunk = 64;
-constexpr int kChunksPerWave = 64;
+constexpr int kChunksPerThread = 8;  // in flight: few, so that they stay in the cache until they are added up
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double squaredNorm(const std::vector<double>& r) {
   return Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())).squaredNorm();
+}
+
+/// Runs f(0) ... f(count - 1), each once.
+template <class F>
+void forEachChunk(int count, const F& f) {
+  if (count <= 1) {
+    for (int i = 0; i < count; ++i) f(i);
+  } else {
+    tbb::parallel_for(0, count, f);
+  }
 }
 
 }  // namespace
@@ -33,18 +42,6 @@ std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, int pe
     for (int first = 0; first < size; first += per_chunk) result.push_back({g, first, std::min(first + per_chunk, size)});
   }
   return result;
-}
-
-/// Runs f(0) ... f(count - 1), each once.
-template <class F>
-void Linearizer::forEachChunk(int count, const F& f) {
-  if (count <= 1 || threads_ == 1) {
-    for (int i = 0; i < count; ++i) f(i);
-    return;
-  }
-  const int most = tbb::info::default_concurrency();
-  tbb::task_arena arena(threads_ > 0 ? std::min(threads_, most) : most);
-  arena.execute([&] { tbb::parallel_for(0, count, f); });
 }
 
 void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
@@ -127,26 +124,22 @@ double Linearizer::largestLossArgument(Problem& problem) {
   return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
 }
 
-Eigen::VectorXd Linearizer::residuals(Problem& problem) {
-  std::vector<double> all;
+void Linearizer::residuals(Problem& problem, double* r) {
   for (auto& pool : problem.pools()) {
-    std::vector<double> r;
-    std::size_t length = 0;
-    for (int i = 0; i < pool->size(); ++i) length += at(pool->rows(i));
-    r.resize(length);
-    problem.naming(*pool, [&] { pool->evaluate(0, pool->size(), r.data()); });
-    all.insert(all.end(), r.begin(), r.end());
+    problem.naming(*pool, [&] { pool->evaluate(0, pool->size(), r); });
+    for (int i = 0; i < pool->size(); ++i) r += pool->rows(i);
   }
-  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
   std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
-  chunks_.resize(std::min<std::size_t>(all.size(), kChunksPerWave));
+  const std::size_t per_wave = at(kChunksPerThread * tbb::this_task_arena::max_concurrency());
+  chunks_.resize(std::min(all.size(), per_wave));
+  std::vector<JacobianBatch> batches;
   sink.beginLinearization();
-  for (std::size_t wave = 0; wave < all.size(); wave += kChunksPerWave) {
-    const int count = static_cast<int>(std::min<std::size_t>(kChunksPerWave, all.size() - wave));
+  for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
+    const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
     forEachChunk(count, [&](int c) {
       Chunk& chunk = chunks_[at(c)];
       prepare(problem, all[wave + at(c)], true, chunk);
@@ -163,9 +156,11 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
       rss_of_pool[at(chunk.group)] += chunk.rss;
       squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
-      sink.add({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(), chunk.r.data(),
-                chunk.J.data()});
+      batches.push_back({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(),
+                         chunk.r.data(), chunk.J.data()});
     }
+    sink.addAll(batches);
+    batches.clear();
   }
   sink.endLinearization();
   squared_norm_sent_ = std::accumulate(squared_norm_of_pool.begin(), squared_norm_of_pool.end(), 0.0);

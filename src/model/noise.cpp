@@ -142,7 +142,8 @@ bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
   return false;
 }
 
-bool fromMatrix(const NoiseView& noise, int dim, std::vector<double>& store, NoiseComplaint& complaint) {
+bool fromMatrix(const NoiseView& noise, int dim, std::vector<double>& store, WhiteningKind& kind,
+                NoiseComplaint& complaint) {
   const MatrixXd m = Eigen::Map<const MatrixXd>(noise.entries, dim, dim);
   if (!checkFinite(m, complaint)) return false;
   MatrixXd W;
@@ -159,7 +160,13 @@ bool fromMatrix(const NoiseView& noise, int dim, std::vector<double>& store, Noi
     W = W.transpose().eval();
   }
   if (!checkFinite(W, complaint)) return false;
-  store.insert(store.end(), W.data(), W.data() + W.size());
+  if (W.isDiagonal(0)) {
+    const VectorXd diagonal = W.diagonal();
+    kind = WhiteningKind::diagonal;
+    store.insert(store.end(), diagonal.data(), diagonal.data() + diagonal.size());
+  } else {
+    store.insert(store.end(), W.data(), W.data() + W.size());
+  }
   return true;
 }
 
@@ -182,7 +189,7 @@ bool detail::appendWhitening(const NoiseView& noise, int dim, std::vector<double
       break;
     case NoiseView::Shape::matrix:
       kind = WhiteningKind::full;
-      good = checkSize(noise, dim, complaint) && fromMatrix(noise, dim, store, complaint);
+      good = checkSize(noise, dim, complaint) && fromMatrix(noise, dim, store, kind, complaint);
       break;
   }
   if (!good) complaint.name = nameOf(noise.form);
@@ -192,6 +199,18 @@ bool detail::appendWhitening(const NoiseView& noise, int dim, std::vector<double
 void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject) {
   throw mtk::Error(complaint.id, complaint.name + " of " + subject + " " + complaint.value + "; " + complaint.remedy);
 }
+
+namespace {
+/// m := W m
+template <int N>
+void multiply(const double* W, double* m, int dim, int cols) {
+  const Eigen::Map<const Eigen::Matrix<double, N, N>> left(W, dim, dim);
+  for (int j = 0; j < cols; ++j, m += dim) {
+    Eigen::Map<Eigen::Vector<double, N>> column(m, dim);
+    column = left.lazyProduct(column).eval();
+  }
+}
+}  // namespace
 
 void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
   using Eigen::Map;
@@ -206,8 +225,11 @@ void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
       matrix = Map<const VectorXd>(W, dim).asDiagonal() * matrix;
       break;
     case WhiteningKind::full:
-      for (int j = 0; j < cols; ++j) {
-        matrix.col(j) = Map<const MatrixXd>(W, dim, dim).lazyProduct(matrix.col(j)).eval();
+      switch (dim) {
+        case 2: multiply<2>(W, m, dim, cols); break;
+        case 3: multiply<3>(W, m, dim, cols); break;
+        case 6: multiply<6>(W, m, dim, cols); break;
+        default: multiply<Eigen::Dynamic>(W, m, dim, cols); break;
       }
       break;
   }

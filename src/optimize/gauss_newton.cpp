@@ -16,8 +16,8 @@ StepOutcome GaussNewton::step(System& system, const Options&) {
     outcome.kind = StepOutcome::Kind::singular;
     return outcome;
   }
-  outcome.predicted_decrease = system.predictedDecrease(outcome.step);
-  const double rss = system.tryStep(outcome.step);
+  outcome.predicted_decrease = system.predictedDecrease(outcome.step, {});
+  const double rss = system.tryLikelyStep(outcome.step);
   if (!std::isfinite(rss)) {
     system.undo();
     outcome.kind = StepOutcome::Kind::not_finite;

@@ -45,9 +45,10 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;
-    outcome.status = system.solver().solve(mu_ * D, outcome.step);
+    const Eigen::VectorXd damping = mu_ * D;
+    outcome.status = system.solver().solve(damping, outcome.step);
     if (outcome.status.ok) {
-      outcome.predicted_decrease = system.predictedDecrease(outcome.step);
+      outcome.predicted_decrease = system.predictedDecrease(outcome.step, damping);
       const double rss = system.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);

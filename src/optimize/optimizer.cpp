@@ -73,6 +73,9 @@ class Run {
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
     summary_.seconds = secondsSinceStart();
+    const PhaseSeconds now = system_.seconds();
+    summary_.phases = {now.setup - before_.setup, now.linearize - before_.linearize, now.factorize - before_.factorize,
+                       now.solve - before_.solve};
     singular_at = singular_at_;
     return std::move(summary_);
   }
@@ -212,6 +215,7 @@ class Run {
   Options limits_;  // of the stage
   Summary summary_;
   SolveStatus singular_at_;
+  PhaseSeconds before_ = system_.seconds();
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

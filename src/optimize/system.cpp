@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "linearize/stopwatch.hpp"
+
 namespace slom {
 
 void System::setSolver(LinearSolver& solver) {
@@ -11,6 +13,7 @@ void System::setSolver(LinearSolver& solver) {
 
 const ProblemStructure& System::structure() {
   if (structured_at_ != problem_.structureRevision()) {
+    const detail::Stopwatch watch(setup_seconds_);
     structure_ = makeStructure(problem_);
     structured_at_ = problem_.structureRevision();
     linearized_at_ = ~std::uint64_t{0};
@@ -22,9 +25,11 @@ double System::linearize() {
   structure();
   if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
   if (analyzed_at_ != structured_at_) {
+    const detail::Stopwatch watch(setup_seconds_);
     solver_->analyze(structure_.system);
     analyzed_at_ = structured_at_;
   }
+  const detail::Stopwatch watch(linearize_seconds_);
   linearized_at_ = ~std::uint64_t{0};
   rss_ = linearizer_.linearize(problem_, *solver_);
   squared_norm_ = linearizer_.squaredNormSent();
@@ -33,6 +38,8 @@ double System::linearize() {
 }
 
 double System::tryStep(const Eigen::VectorXd& d) {
+  const detail::Stopwatch watch(linearize_seconds_);
+  has_moved_linearization_ = false;
   problem_.save();
   problem_.applyStep(structure_.offset_of_variable, d.data());
   try {
@@ -43,9 +50,24 @@ double System::tryStep(const Eigen::VectorXd& d) {
   }
 }
 
+double System::tryLikelyStep(const Eigen::VectorXd& d) {
+  problem_.save();
+  problem_.applyStep(structure_.offset_of_variable, d.data());
+  has_moved_linearization_ = true;
+  try {
+    return linearize();
+  } catch (const Error&) {  // something is not finite there, or threw: found out in the usual way
+    undo();
+    return tryStep(d);
+  } catch (...) {
+    undo();
+    throw;
+  }
+}
+
 void System::undo() {
   problem_.restore();
-  linearized_at_ = problem_.valueRevision();
+  linearized_at_ = has_moved_linearization_ ? ~std::uint64_t{0} : problem_.valueRevision();
 }
 
 void System::setLossWidening(double widening) {
@@ -84,6 +106,15 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
 
 double System::predictedDecrease(const Eigen::VectorXd& d) const {
   return -(2 * solver_->gradient().dot(d) + solver_->squaredImage(d));
+}
+
+double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
+  const double damped = damping.size() > 0 ? damping.dot(d.cwiseAbs2()) : 0;
+  return damped - solver_->gradient().dot(d);
+}
+
+PhaseSeconds System::seconds() const {
+  return {setup_seconds_, linearize_seconds_, solver_->seconds().factorize, solver_->seconds().solve};
 }
 
 }  // namespace slom

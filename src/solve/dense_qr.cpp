@@ -2,6 +2,8 @@
 
 #include <Eigen/QR>
 
+#include "linearize/stopwatch.hpp"
+
 namespace slom {
 
 namespace {
@@ -35,6 +37,9 @@ SolveStatus factorize(MatrixXd A, Scaled& result) {
 }
 
 }  // namespace
+
+DenseQR::DenseQR() = default;
+DenseQR::~DenseQR() = default;
 
 void DenseQR::analyze(const BlockStructure& structure) { structure_ = structure; }
 
@@ -75,6 +80,7 @@ void DenseQR::endLinearization() {
 }
 
 SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
+  const detail::Stopwatch watch(seconds_.factorize);
   const Eigen::Index m = J_.rows(), n = J_.cols();
   const bool damped = damping.size() > 0;
   MatrixXd A = J_;

@@ -428,8 +428,7 @@ TEST(Report, SaysItAll) {
   slom::Summary summary = est.optimize();
   EXPECT_EQ(slom::report(summary),
             "Converged: " + summary.message + "\n"
-            "  " + std::to_string(summary.iterations) + " iterations of Gauss-Newton; sparse block normal equations, simplicial "
-            "LDL^T, 2 unknowns in 1 blocks\n"
+            "  " + std::to_string(summary.iterations) + " iterations of Gauss-Newton; block Cholesky, 2 unknowns in 1 blocks\n"
             "  4 residuals - 2 unknowns (1 variables) = redundancy 2\n"
             "  measurement    count  residuals     RSS before      RSS after  derivatives\n"
             "  Samples            1          4            396            1.2  numeric\n"

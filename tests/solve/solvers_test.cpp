@@ -1,6 +1,6 @@
 // The sparse solver against dense QR on random block structures.
 #include <slom/solve/dense_qr.hpp>
-#include <slom/solve/sparse_cholesky.hpp>
+#include <slom/solve/block_cholesky.hpp>
 
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ struct RandomProblem {
 };
 
 void expectSameAsOracle(const RandomProblem& problem) {
-  slom::SparseCholesky sparse;
+  slom::BlockCholesky sparse;
   slom::DenseQR dense;
   problem.linearizeInto(sparse);
   problem.linearizeInto(dense);
@@ -131,10 +131,54 @@ TEST(Solvers, AgreeOnChainsStarsGridsCliquesAndIslands) {
   }
 }
 
+/// Cameras of 9 unknowns, lenses of 2 and `points` points that only ever meet these.
+RandomProblem manySmallBlocks(int points, int sight, unsigned seed) {
+  std::vector<int> sizes;
+  std::mt19937 rng(seed);
+  std::vector<int> camera, lens, point;
+  for (int i = 0; i < 9; ++i) sizes.push_back(i % 3 == 2 ? 2 : 9);
+  for (int i = 0; i < points; ++i) sizes.push_back(3);
+  std::shuffle(sizes.begin(), sizes.end(), rng);
+  for (int b = 0; b < static_cast<int>(sizes.size()); ++b) {
+    (sizes[static_cast<std::size_t>(b)] == 9 ? camera : sizes[static_cast<std::size_t>(b)] == 2 ? lens : point).push_back(b);
+  }
+  RandomProblem problem(sizes, seed);
+  std::vector<std::vector<int>> seen, between;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    for (int k = 0; k < sight; ++k) {
+      const std::size_t c = (i % 4 + static_cast<std::size_t>(k)) % camera.size();
+      seen.push_back({k == 2 ? -1 : camera[c], point[i], lens[c / 2]});  // one camera is fixed
+    }
+  }
+  for (std::size_t c = 0; c + 1 < camera.size(); ++c) between.push_back({camera[c + 1], camera[c]});
+  problem.addGroup(seen, 2);
+  problem.addGroup(between, 9);
+  addPriors(problem);
+  return problem;
+}
+
+TEST(Solvers, EliminateManySmallBlocksFirst) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const RandomProblem problem = manySmallBlocks(90, 3, seed);
+    expectSameAsOracle(problem);
+    slom::BlockCholesky sparse;
+    problem.linearizeInto(sparse);
+    EXPECT_EQ(sparse.description(), "block Cholesky, 330 unknowns in 99 blocks, reduced to 60 in 9");
+  }
+}
+
 TEST(Solvers, HandleOneGiantBlockAndEmptyGroups) {
   RandomProblem problem({120, 1, 1}, 3);
   problem.addGroup({{0, 1}, {0, 2}, {1, 0}}, 60);
   problem.addGroup({}, 2);
+  expectSameAsOracle(problem);
+}
+
+TEST(Solvers, HandleBlocksThatNeverMeet) {
+  RandomProblem problem({11, 4, 2, 6, 13, 12}, 9);
+  std::vector<std::vector<int>> priors;
+  for (int b = 0; b < 6; ++b) priors.push_back({b});
+  problem.addGroup(priors, 15);
   expectSameAsOracle(problem);
 }
 
@@ -147,7 +191,7 @@ TEST(Solvers, NameAnUnknownOfTheSingularPart) {
       for (int i = 0; i < 8; ++i) problem.batches[0].J[8 * m + static_cast<std::size_t>(i)] = i < 4 ? (i % 3 == 0) : -(i % 3 == 1);
     }
     problem.addGroup({{3}}, 3);
-    slom::SparseCholesky sparse;
+    slom::BlockCholesky sparse;
     slom::DenseQR dense;
     for (slom::LinearSolver* solver : {static_cast<slom::LinearSolver*>(&sparse), static_cast<slom::LinearSolver*>(&dense)}) {
       problem.linearizeInto(*solver);
@@ -176,7 +220,7 @@ TEST(Solvers, FindTheRankWhateverTheUnits) {
         J[4 + i] = J[i] / unit + 2 * J[2 + i];  // the third column is a combination of the others
       }
     }
-    slom::SparseCholesky sparse;
+    slom::BlockCholesky sparse;
     slom::DenseQR dense;
     VectorXd step;
     problem.linearizeInto(sparse);

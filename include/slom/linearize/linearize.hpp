@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,14 +31,16 @@ class JacobianSink {
   virtual ~JacobianSink() = default;
   virtual void beginLinearization() = 0;
   virtual void add(const JacobianBatch& batch) = 0;
+  /// Several batches at once, which may be added by several threads.
+  virtual void addAll(std::span<const JacobianBatch> batches) {
+    for (const JacobianBatch& batch : batches) add(batch);
+  }
   virtual void endLinearization() = 0;
 };
 
-/// Runs the user's functions; keeps buffers between calls. `threads` 0: as many as the machine has.
+/// Runs the user's functions, on the threads of the arena that it is called in; keeps buffers between calls.
 class Linearizer {
  public:
-  void setThreads(int threads) { threads_ = threads; }
-
   /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
   void setLossWidening(double widening) { widening_ = widening; }
   double lossWidening() const { return widening_; }
@@ -49,7 +52,7 @@ class Linearizer {
   /// max |W r|^2 / c^2 over the measurements with a loss of scale c (not widened); -1 when there are none.
   double largestLossArgument(Problem& problem);
   /// Writes all whitened residuals, pool after pool, without losses.
-  Eigen::VectorXd residuals(Problem& problem);
+  void residuals(Problem& problem, double* r);
 
   /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
   /// naming the measurement, its variables and their values.
@@ -72,13 +75,10 @@ class Linearizer {
   };
 
   std::vector<Range> ranges(const Problem& problem, int per_chunk) const;
-  template <class F>
-  void forEachChunk(int count, const F& f);
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
   [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
 
-  int threads_ = 0;
   double widening_ = 1;
   double squared_norm_sent_ = 0;
   std::vector<Chunk> chunks_;

@@ -187,9 +187,11 @@ VariableStoreBase* makeVariableStore() {
   return new VariableStore<T>;
 }
 extern template VariableStoreBase* makeVariableStore<double>();
+#if EIGEN_MAX_ALIGN_BYTES <= 16  // with more, which -march=native brings, Eigen aligns in other ways than the library
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::VectorXd>();
+#endif
 extern template VariableStoreBase* makeVariableStore<mtk::vect<2>>();
 extern template VariableStoreBase* makeVariableStore<mtk::vect<3>>();
 extern template VariableStoreBase* makeVariableStore<mtk::Scalar<>>();

@@ -85,6 +85,14 @@ struct GroupSummary {
   std::vector<LossSummary> losses;  ///< empty when no measurement of the group has one
 };
 
+/// Where the time of a fit went [s].
+struct PhaseSeconds {
+  double setup = 0;      ///< the graph of variables, the order of elimination, the layout of the factor
+  double linearize = 0;  ///< residuals and derivatives, and summing up the normal equations
+  double factorize = 0;
+  double solve = 0;      ///< with the factor
+};
+
 struct Summary {
   bool converged = false;
   StopReason stop_reason = StopReason::nothing_to_do;
@@ -101,6 +109,7 @@ struct Summary {
   double initial_rss = 0;
   double final_rss = 0;
   double seconds = 0;
+  PhaseSeconds phases;                ///< parts of `seconds`
   std::vector<GroupSummary> groups;
   std::vector<IterationRecord> trace;
 

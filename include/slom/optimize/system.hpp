@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "slom/linearize/linearize.hpp"
+#include "slom/optimize/summary.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -24,6 +25,8 @@ class System {
   /// Moves all values by `d` and returns the RSS there, NaN when a residual is not finite. A user's function that
   /// throws leaves the values where they were.
   double tryStep(const Eigen::VectorXd& d);
+  /// The same for a step that is likely to stay: linearises there at once where that is possible.
+  double tryLikelyStep(const Eigen::VectorXd& d);
   /// Takes the last tried step back; the linearisation is valid again.
   void undo();
 
@@ -44,6 +47,11 @@ class System {
   bool isNegligible(const Eigen::VectorXd& d, double tolerance);
   /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
+  /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
+  double predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const;
+
+  /// Where time went since construction.
+  PhaseSeconds seconds() const;
 
   Problem& problem() { return problem_; }
 
@@ -57,6 +65,8 @@ class System {
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
+  bool has_moved_linearization_ = false;  // it belongs to the step that was tried last
+  double setup_seconds_ = 0, linearize_seconds_ = 0;
 };
 
 }  // namespace slom

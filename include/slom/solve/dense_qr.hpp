@@ -8,6 +8,8 @@ namespace slom {
 
 class DenseQR final : public LinearSolver {
  public:
+  DenseQR();
+  ~DenseQR() override;
   void analyze(const BlockStructure& structure) override;
   void beginLinearization() override;
   void add(const JacobianBatch& batch) override;

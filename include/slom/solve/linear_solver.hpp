@@ -18,6 +18,12 @@ struct [[nodiscard]] SolveStatus {
 };
 
 /// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
+/// Time spent since construction [s].
+struct SolverSeconds {
+  double factorize = 0;
+  double solve = 0;
+};
+
 class LinearSolver : public JacobianSink {
  public:
   /// Symbolic work; once per structure.
@@ -38,6 +44,10 @@ class LinearSolver : public JacobianSink {
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;
+  const SolverSeconds& seconds() const { return seconds_; }
+
+ protected:
+  SolverSeconds seconds_;
 };
 
 }  // namespace slom

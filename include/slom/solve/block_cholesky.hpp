@@ -1,9 +1,4 @@
-/// Normal equations in blocks, factorised by a sparse LDL^T.
-///   ordering   approximate minimum degree on the graph of variables
-///   storage    lower triangle of the permuted H, column block after column block, each a dense panel
-///   factor     Eigen's simplicial LDL^T
-///   rank       an unknown is undetermined when its pivot D_jj is below 1e-12 of H_jj, i.e. when the other unknowns
-///              reproduce its column of J but for a relative 1e-6
+/// The default solver: block-sparse normal equations, factorised by a multifrontal block Cholesky decomposition.
 #pragma once
 
 #include <memory>
@@ -12,14 +7,16 @@
 
 namespace slom {
 
-class SparseCholesky final : public LinearSolver {
+/// Solves (J^T J + damping) d = -J^T r. The order of elimination and the layout of the factor are found on the graph of
+/// variables, once for each structure. Dense arithmetic is chosen for the processor at run time.
+class BlockCholesky final : public LinearSolver {
  public:
-  SparseCholesky();
-  ~SparseCholesky() override;
-
+  BlockCholesky();
+  ~BlockCholesky() override;
   void analyze(const BlockStructure& structure) override;
   void beginLinearization() override;
   void add(const JacobianBatch& batch) override;
+  void addAll(std::span<const JacobianBatch> batches) override;
   void endLinearization() override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override;
@@ -27,6 +24,9 @@ class SparseCholesky final : public LinearSolver {
   double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   std::string description() const override;
+
+  /// Additions and multiplications of one factorisation.
+  double flops() const;
 
  private:
   struct Implementation;

@@ -1,0 +1,36 @@
+# What the solver is built with: SuiteSparse's AMD (BSD licence) and METIS (Apache licence) where they are found, and one
+# set of dense kernels for each instruction set, chosen at run time.
+# Takes the sources that are not to be compiled out of slom_sources, and sets slom_solve_includes and slom_solve_libraries.
+find_path(SLOM_AMD_INCLUDE_DIR amd.h PATH_SUFFIXES suitesparse DOC "Folder of AMD's amd.h")
+find_library(SLOM_AMD_LIBRARY amd DOC "SuiteSparse's AMD, orders of elimination")
+find_path(SLOM_METIS_INCLUDE_DIR metis.h DOC "Folder of METIS' metis.h")
+find_library(SLOM_METIS_LIBRARY metis DOC "METIS, nested dissection")
+mark_as_advanced(SLOM_AMD_INCLUDE_DIR SLOM_AMD_LIBRARY SLOM_METIS_INCLUDE_DIR SLOM_METIS_LIBRARY)
+
+set(slom_solve_includes "")
+set(slom_solve_libraries "")
+# Libraries are linked by their short names, which hold on the machine that an installed package is used on, too.
+macro(slom_use_ordering name with without debian)
+  string(TOUPPER ${name} upper)
+  if(SLOM_${upper}_INCLUDE_DIR AND SLOM_${upper}_LIBRARY)
+    list(FILTER slom_sources EXCLUDE REGEX "/${without}$")
+    list(APPEND slom_solve_includes "${SLOM_${upper}_INCLUDE_DIR}")
+    list(APPEND slom_solve_libraries ${name})
+  else()
+    list(FILTER slom_sources EXCLUDE REGEX "/${with}$")
+    message(STATUS "slom: without ${upper}, so large problems are solved more slowly (Debian: ${debian})")
+  endif()
+endmacro()
+slom_use_ordering(amd "minimum_degree_amd\\.cpp" "minimum_degree_eigen\\.cpp" libsuitesparse-dev)
+slom_use_ordering(metis "nested_dissection_metis\\.cpp" "nested_dissection_absent\\.cpp" libmetis-dev)
+
+if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp"
+                      "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp"
+               APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
+  else()
+    list(FILTER slom_sources EXCLUDE REGEX "/kernels_avx2\\.cpp$")
+  endif()
+endif()

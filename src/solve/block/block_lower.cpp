@@ -1,0 +1,62 @@
+#include "block_lower.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Core>
+
+namespace slom {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& position) {
+  const int n = graph.size();
+  std::vector<int> node(at(n));
+  dof_.resize(at(n));
+  for (int b = 0; b < n; ++b) {
+    node[at(position[at(b)])] = b;
+    dof_[at(position[at(b)])] = graph.dof[at(b)];
+  }
+  column_.assign(1, 0);
+  row_.clear();
+  start_.assign(1, 0);
+  for (int j = 0; j < n; ++j) {
+    const int b = node[at(j)];
+    row_.push_back(j);
+    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) {
+      const int i = position[at(graph.neighbour[at(e)])];
+      if (i > j) row_.push_back(i);
+    }
+    std::sort(row_.begin() + column_.back(), row_.end());
+    for (std::size_t k = at(column_.back()); k < row_.size(); ++k) {
+      start_.push_back(start_.back() + at(dof(j)) * at(dof(row_[k])));
+    }
+    column_.push_back(static_cast<int>(row_.size()));
+  }
+  values_.assign(start_.back(), 0.0);
+}
+
+void BlockLower::setZero() { std::fill(values_.begin(), values_.end(), 0.0); }
+
+int BlockLower::find(int i, int j) const {
+  const auto first = row_.begin() + begin(j), last = row_.begin() + begin(j + 1);
+  return static_cast<int>(std::lower_bound(first, last, i) - row_.begin());
+}
+
+double BlockLower::squaredForm(const std::vector<int>& offset, const double* x) const {
+  using Eigen::Map;
+  double sum = 0;
+  for (int j = 0; j < columns(); ++j) {
+    const Map<const Eigen::VectorXd> xj(x + offset[at(j)], dof(j));
+    for (int k = begin(j); k < begin(j + 1); ++k) {
+      const int i = row(k);
+      const Map<const Eigen::VectorXd> xi(x + offset[at(i)], dof(i));
+      const double part = xi.dot(Map<const Eigen::MatrixXd>(values(k), dof(i), dof(j)).lazyProduct(xj));
+      sum += i == j ? part : 2 * part;
+    }
+  }
+  return sum;
+}
+
+}  // namespace slom

@@ -1,0 +1,39 @@
+/// A symmetric matrix in blocks: its lower triangle, in an order of elimination.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "solve/symbolic/graph.hpp"
+
+namespace slom {
+
+/// Column after column; in each the diagonal block (stored whole) first and then the blocks below it by position. Each
+/// block is column-major and contiguous. Rows and columns are positions in the order of elimination.
+class BlockLower {
+ public:
+  /// A block for each edge of the graph and one for each node. `position`: of each node in the order of elimination.
+  void layOut(const BlockGraph& graph, const std::vector<int>& position);
+  void setZero();
+
+  int columns() const { return static_cast<int>(dof_.size()); }
+  int dof(int position) const { return dof_[static_cast<std::size_t>(position)]; }
+  /// The blocks of column j are [begin(j), begin(j + 1)).
+  int begin(int j) const { return column_[static_cast<std::size_t>(j)]; }
+  int row(int block) const { return row_[static_cast<std::size_t>(block)]; }
+  const double* values(int block) const { return values_.data() + start_[static_cast<std::size_t>(block)]; }
+  double* values(int block) { return values_.data() + start_[static_cast<std::size_t>(block)]; }
+  /// The block of row i in column j <= i, which must be there.
+  int find(int i, int j) const;
+
+  /// x^T A x; offset[j]: where the unknowns of position j begin in x.
+  double squaredForm(const std::vector<int>& offset, const double* x) const;
+
+ private:
+  std::vector<int> dof_;
+  std::vector<int> column_, row_;
+  std::vector<std::size_t> start_;  // of each block's values; one more for the end
+  std::vector<double> values_;
+};
+
+}  // namespace slom

@@ -1,0 +1,397 @@
+#include "multifrontal.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include <tbb/parallel_for.h>
+
+namespace slom {
+
+namespace {
+
+using dense::kernels;
+using dense::kStripe;
+using dense::stripesOf;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Subtrees are cut until none has more than this share of the whole work.
+constexpr double kLargestSubtree = 1.0 / 16;
+/// Less work than this [flops] is not worth being handed to another thread.
+constexpr double kSmallestTask = 1e6;
+
+double work(const Front& front) {
+  const double p = front.p, u = front.u;
+  return p * p * p / 3 + p * p * u + p * u * u;
+}
+
+/// Places in an array for pieces that come and go; first fit.
+class Planner {
+ public:
+  std::size_t take(std::size_t size) {
+    for (auto gap = gaps_.begin(); gap != gaps_.end(); ++gap) {
+      if (gap->second < size) continue;
+      const auto [begin, length] = *gap;
+      gaps_.erase(gap);
+      if (length > size) gaps_.emplace(begin + size, length - size);
+      return begin;
+    }
+    end_ += size;
+    return end_ - size;
+  }
+  void giveBack(std::size_t begin, std::size_t size) {
+    if (size == 0) return;
+    auto gap = gaps_.emplace(begin, size).first;
+    const auto next = std::next(gap);
+    if (next != gaps_.end() && gap->first + gap->second == next->first) {
+      gap->second += next->second;
+      gaps_.erase(next);
+    }
+    if (gap == gaps_.begin()) return;
+    const auto before = std::prev(gap);
+    if (before->first + before->second != gap->first) return;
+    before->second += gap->second;
+    gaps_.erase(gap);
+  }
+  std::size_t end() const { return end_; }
+
+ private:
+  std::map<std::size_t, std::size_t> gaps_;  // begin -> length
+  std::size_t end_ = 0;
+};
+
+}  // namespace
+
+void MultifrontalCholesky::analyze(const std::vector<int>& offset, Fronts fronts, const BlockLower& H) {
+  fronts_ = std::move(fronts);
+  const std::size_t n = at(fronts_.offset.back());
+  unknown_.clear();
+  for (std::size_t j = 0; j < fronts_.order.size(); ++j) {
+    for (int i = 0; i < fronts_.offset[j + 1] - fronts_.offset[j]; ++i) {
+      unknown_.push_back(offset[at(fronts_.order[j])] + i);
+    }
+  }
+  layOut();
+  relate();
+  findEntries(H);
+  cutIntoSubtrees();
+  planUpdates();
+  inverse_.assign(n, 0.0);
+  least_.assign(n, 0.0);
+  shift_.assign(n, 0.0);
+  x_.assign(n, 0.0);
+}
+
+void MultifrontalCholesky::layOut() {
+  const int n = static_cast<int>(fronts_.front.size());
+  layout_.assign(at(n), {});
+  std::vector<int> count(at(n) + 1, 0);
+  std::size_t size = 0, vector = 0;
+  for (int f = 0; f < n; ++f) {
+    const Front& front = fronts_.front[at(f)];
+    Layout& layout = layout_[at(f)];
+    layout.D = size;
+    layout.B = size += dense::panelSize(front.p, front.p);
+    size += dense::panelSize(front.u, front.p);
+    layout.vector = vector;
+    vector += at(kStripe * stripesOf(front.u));
+    if (front.parent >= 0) ++count[at(front.parent) + 1];
+  }
+  L_.resize(size);
+  vectors_.assign(vector, 0.0);
+  for (int f = 0; f < n; ++f) {
+    count[at(f) + 1] += count[at(f)];
+    layout_[at(f)].first_child = layout_[at(f)].last_child = count[at(f)];
+  }
+  children_.resize(at(count.back()));
+  for (int f = 0; f < n; ++f) {
+    const int parent = fronts_.front[at(f)].parent;
+    if (parent >= 0) children_[at(layout_[at(parent)].last_child++)] = f;
+  }
+}
+
+/// Where the rows of each front lie in its parent.
+void MultifrontalCholesky::relate() {
+  runs_.clear();
+  relative_.clear();
+  std::vector<int> local(fronts_.order.size(), 0);  // of each position in the front at hand: its first row there
+  const auto dof = [&](int position) { return fronts_.offset[at(position) + 1] - fronts_.offset[at(position)]; };
+  for (std::size_t f = 0; f < fronts_.front.size(); ++f) {
+    const Front& front = fronts_.front[f];
+    int next = 0;
+    for (int j = front.first_column; j < front.last_column; ++j) {
+      local[at(j)] = next;
+      next += dof(j);
+    }
+    for (int r = front.first_row; r < front.last_row; ++r) {
+      local[at(fronts_.row[at(r)])] = next;
+      next += dof(fronts_.row[at(r)]);
+    }
+    for (int c = layout_[f].first_child; c < layout_[f].last_child; ++c) {
+      const Front& child = fronts_.front[at(children_[at(c)])];
+      Layout& layout = layout_[at(children_[at(c)])];
+      layout.relative = relative_.size();
+      layout.first_run = static_cast<int>(runs_.size());
+      for (int r = child.first_row; r < child.last_row; ++r) {
+        for (int i = 0; i < dof(fronts_.row[at(r)]); ++i) {
+          const int row = static_cast<int>(relative_.size() - layout.relative);
+          const int target = local[at(fronts_.row[at(r)])] + i;
+          const int in_stripe = target < front.p ? target % kStripe : (target - front.p) % kStripe;
+          const bool goes_on = row % kStripe != 0 && in_stripe != 0 && target != front.p &&
+                               runs_.back().target + runs_.back().length == target;
+          if (goes_on) {
+            ++runs_.back().length;
+          } else {
+            runs_.push_back({row, 1, target});
+          }
+          relative_.push_back(kStripe * target);
+        }
+      }
+      layout.last_run = static_cast<int>(runs_.size());
+    }
+  }
+}
+
+void MultifrontalCholesky::findEntries(const BlockLower& H) {
+  entries_.clear();
+  std::vector<int> local(fronts_.order.size(), 0);
+  for (std::size_t f = 0; f < fronts_.front.size(); ++f) {
+    const Front& front = fronts_.front[f];
+    const int origin = fronts_.offset[at(front.first_column)];
+    int next = front.p;
+    for (int r = front.first_row; r < front.last_row; ++r) {
+      const int position = fronts_.row[at(r)];
+      local[at(position)] = next;
+      next += fronts_.offset[at(position) + 1] - fronts_.offset[at(position)];
+    }
+    layout_[f].first_entry = static_cast<int>(entries_.size());
+    for (int j = front.first_column; j < front.last_column; ++j) {
+      for (int k = H.begin(j); k < H.begin(j + 1); ++k) {
+        const int i = H.row(k);
+        const int row = i < front.last_column ? fronts_.offset[at(i)] - origin : local[at(i)];
+        entries_.push_back({k, row, fronts_.offset[at(j)] - origin, fronts_.offset[at(i) + 1] - fronts_.offset[at(i)],
+                            fronts_.offset[at(j) + 1] - fronts_.offset[at(j)]});
+      }
+    }
+    layout_[f].last_entry = static_cast<int>(entries_.size());
+  }
+}
+
+void MultifrontalCholesky::cutIntoSubtrees() {
+  const int n = static_cast<int>(fronts_.front.size());
+  std::vector<double> below(at(n), 0.0);
+  double all = 0;
+  for (int f = 0; f < n; ++f) {
+    below[at(f)] += work(fronts_.front[at(f)]);
+    all += work(fronts_.front[at(f)]);
+    if (fronts_.front[at(f)].parent >= 0) below[at(fronts_.front[at(f)].parent)] += below[at(f)];
+  }
+  const double most = std::max(all * kLargestSubtree, kSmallestTask);
+  subtree_of_.assign(at(n), -1);
+  subtree_.clear();
+  // From the roots down: a subtree's number is given at its root.
+  double filled = most;
+  for (int f = n - 1; f >= 0; --f) {
+    const int parent = fronts_.front[at(f)].parent;
+    if (parent >= 0 && subtree_of_[at(parent)] >= 0) {
+      subtree_of_[at(f)] = subtree_of_[at(parent)];
+    } else if (below[at(f)] <= most) {
+      // Small subtrees side by side share a task.
+      if (filled + below[at(f)] > most) {
+        subtree_.emplace_back();
+        filled = 0;
+      }
+      filled += below[at(f)];
+      subtree_of_[at(f)] = static_cast<int>(subtree_.size()) - 1;
+    }
+  }
+  const int top = static_cast<int>(subtree_.size());
+  subtree_.emplace_back();
+  for (int f = 0; f < n; ++f) {
+    if (subtree_of_[at(f)] < 0) subtree_of_[at(f)] = top;
+    subtree_[at(subtree_of_[at(f)])].push_back(f);
+  }
+}
+
+void MultifrontalCholesky::planUpdates() {
+  std::size_t origin = 0;
+  for (std::size_t t = 0; t < subtree_.size(); ++t) {
+    Planner planner;
+    for (const int f : subtree_[t]) {
+      Layout& layout = layout_[at(f)];
+      layout.U = origin + planner.take(dense::updateSize(fronts_.front[at(f)].u));
+      for (int c = layout.first_child; c < layout.last_child; ++c) {
+        const int child = children_[at(c)];
+        if (!isMember(child, static_cast<int>(t))) continue;
+        planner.giveBack(layout_[at(child)].U - origin, dense::updateSize(fronts_.front[at(child)].u));
+      }
+    }
+    origin += planner.end();
+  }
+  updates_.resize(origin);
+}
+
+/// The front's columns of H + damping.
+void MultifrontalCholesky::assemble(const BlockLower& H, const Front& front, const Layout& layout) {
+  double* const D = L_.data() + layout.D;
+  double* const B = L_.data() + layout.B;
+  std::fill(D, B + dense::panelSize(front.u, front.p), 0.0);
+  const auto address = [&](int row) {
+    const auto in_panel = [&](double* panel, int i) {
+      return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + i % kStripe;
+    };
+    return row < front.p ? in_panel(D, row) : in_panel(B, row - front.p);
+  };
+  for (int e = layout.first_entry; e < layout.last_entry; ++e) {
+    const Entry& entry = entries_[at(e)];
+    const double* const from = H.values(entry.block);
+    for (int i = 0; i < entry.height;) {
+      const int row = entry.row + i;
+      const int in_stripe = (row < front.p ? row : row - front.p) % kStripe;
+      const int length = std::min(kStripe - in_stripe, entry.height - i);
+      double* const to = address(row) + kStripe * entry.column;
+      for (int c = 0; c < entry.width; ++c) {
+        for (int k = 0; k < length; ++k) to[kStripe * c + k] = from[c * entry.height + i + k];
+      }
+      i += length;
+    }
+  }
+  const int first = fronts_.offset[at(front.first_column)];
+  for (int i = 0; i < front.p; ++i) address(i)[kStripe * i] += shift_[at(first + i)];
+}
+
+MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLower& H, int f, bool in_parallel) {
+  const auto& kernel = kernels();
+  const Front& front = fronts_.front[at(f)];
+  const Layout& layout = layout_[at(f)];
+  double* const D = L_.data() + layout.D;
+  double* const B = L_.data() + layout.B;
+  double* const U = updates_.data() + layout.U;
+  assemble(H, front, layout);
+  const auto add_children = [&](auto add) {
+    for (int c = layout.first_child; c < layout.last_child; ++c) {
+      const Layout& child = layout_[at(children_[at(c)])];
+      const dense::Child update{runs_.data() + child.first_run, child.last_run - child.first_run,
+                                relative_.data() + child.relative, fronts_.front[at(children_[at(c)])].u,
+                                updates_.data() + child.U};
+      add(update);
+    }
+  };
+  add_children([&](const dense::Child& child) { kernel.addToPanel(child, D, B, front.p); });
+
+  const int first = fronts_.offset[at(front.first_column)];
+  Failure failure;
+  double* const inverse = inverse_.data() + first;
+  const int done = kernel.factorize(D, front.p, least_.data() + first, inverse, &failure.value);
+  if (done < front.p) {
+    failure.pivot = first + done;
+    return failure;
+  }
+  const int stripes = stripesOf(front.u);
+  const auto each_stripe = [&](int s) { kernel.solveStripes(D, inverse, front.p, B, front.u, s, s + 1); };
+  const auto each_update = [&](int s) { kernel.updateStripes(B, front.p, front.u, U, s, s + 1); };
+  if (in_parallel && work(front) > kSmallestTask) {
+    tbb::parallel_for(0, stripes, each_stripe);
+    tbb::parallel_for(0, stripes, [&](int s) { each_update(stripes - 1 - s); });
+  } else {
+    for (int s = 0; s < stripes; ++s) each_stripe(s);
+    for (int s = 0; s < stripes; ++s) each_update(s);
+  }
+  add_children([&](const dense::Child& child) { kernel.addToUpdate(child, U, front.p); });
+  return failure;
+}
+
+MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtree(const BlockLower& H, int subtree) {
+  const bool is_top = subtree + 1 == static_cast<int>(subtree_.size());
+  for (const int f : subtree_[at(subtree)]) {
+    const Failure failure = factorizeFront(H, f, is_top);
+    if (failure.pivot >= 0) return failure;
+  }
+  return {};
+}
+
+/// f for each subtree but the one above the others.
+template <class F>
+void MultifrontalCholesky::forEachSubtree(const F& f) const {
+  const int count = static_cast<int>(subtree_.size()) - 1;
+  if (count <= 1) {
+    if (count == 1) f(0);
+  } else {
+    tbb::parallel_for(0, count, f);
+  }
+}
+
+SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::VectorXd& diagonal,
+                                            const Eigen::VectorXd& damping, double tolerance) {
+  for (std::size_t i = 0; i < least_.size(); ++i) {
+    const int unknown = unknown_[i];
+    shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
+    least_[i] = tolerance * (diagonal[unknown] + shift_[i]);
+  }
+  std::vector<Failure> failures(subtree_.size());
+  forEachSubtree([&](int t) { failures[at(t)] = factorizeSubtree(H, t); });
+  const auto earlier = [](const Failure& a, const Failure& b) {
+    return a.pivot >= 0 && (b.pivot < 0 || a.pivot < b.pivot);
+  };
+  Failure first = *std::min_element(failures.begin(), failures.end(), earlier);
+  if (first.pivot < 0) first = factorizeSubtree(H, static_cast<int>(subtree_.size()) - 1);
+  if (first.pivot < 0) return {};
+  const double reference = least_[at(first.pivot)] / tolerance;
+  return {false, unknown_[at(first.pivot)], reference > 0 ? std::max(0.0, first.value / reference) : 0.0};
+}
+
+/// x := L^-1 x for the front's pivots; what that takes from later rows goes, through `vectors_`, to the parent.
+void MultifrontalCholesky::forward(int f) {
+  const auto& kernel = kernels();
+  const Front& front = fronts_.front[at(f)];
+  const Layout& layout = layout_[at(f)];
+  double* const x = x_.data() + fronts_.offset[at(front.first_column)];
+  double* const rows = vectors_.data() + layout.vector;
+  const auto add_children = [&](auto target_of) {
+    for (int c = layout.first_child; c < layout.last_child; ++c) {
+      const Layout& child = layout_[at(children_[at(c)])];
+      const double* const from = vectors_.data() + child.vector;
+      for (int r = child.first_run; r < child.last_run; ++r) {
+        const dense::Run& run = runs_[at(r)];
+        double* const to = target_of(run.target);
+        if (to == nullptr) continue;
+        for (int i = 0; i < run.length; ++i) to[i] += from[run.row + i];
+      }
+    }
+  };
+  add_children([&](int target) { return target < front.p ? x + target : nullptr; });
+  kernel.forwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
+  kernel.forwardRows(L_.data() + layout.B, front.p, front.u, x, rows);
+  add_children([&](int target) { return target < front.p ? nullptr : rows + (target - front.p); });
+}
+
+void MultifrontalCholesky::backward(int f) {
+  const auto& kernel = kernels();
+  const Front& front = fronts_.front[at(f)];
+  const Layout& layout = layout_[at(f)];
+  double* const x = x_.data() + fronts_.offset[at(front.first_column)];
+  double* to = vectors_.data() + layout.vector;
+  for (int r = front.first_row; r < front.last_row; ++r) {
+    const int position = fronts_.row[at(r)];
+    for (int i = fronts_.offset[at(position)]; i < fronts_.offset[at(position) + 1]; ++i) *to++ = x_[at(i)];
+  }
+  std::fill(to, vectors_.data() + layout.vector + kStripe * stripesOf(front.u), 0.0);
+  kernel.backwardRows(L_.data() + layout.B, front.p, front.u, vectors_.data() + layout.vector, x);
+  kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
+}
+
+Eigen::VectorXd MultifrontalCholesky::solve(const Eigen::VectorXd& b) {
+  for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = b[unknown_[i]];
+  forEachSubtree([&](int t) { for (const int f : subtree_[at(t)]) forward(f); });
+  for (const int f : subtree_.back()) forward(f);
+  for (auto f = subtree_.back().rbegin(); f != subtree_.back().rend(); ++f) backward(*f);
+  forEachSubtree([&](int t) {
+    for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) backward(*f);
+  });
+  Eigen::VectorXd result(b.size());
+  for (std::size_t i = 0; i < x_.size(); ++i) result[unknown_[i]] = x_[i];
+  return result;
+}
+
+}  // namespace slom

@@ -1,0 +1,290 @@
+#include "schur_complement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "solve/dense/kernels.hpp"
+
+namespace slom {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Fewer are left to the ordering.
+constexpr int kFewestEliminated = 64;
+constexpr int kLargestEliminated = 3;  // degrees of freedom
+/// In graphs without such a structure, paths for one, fewer of all blocks are independent.
+constexpr double kLeastShare = 2.0 / 3;
+/// With more blocks left, the block of S at a place is searched for instead of looked up.
+constexpr int kMostInTable = 2048;
+/// Eliminated blocks that are worked on together, so that what they share stays in the cache.
+constexpr int kBlocksPerWave = 2048;
+
+template <class F>
+void forEach(int count, const F& f) {
+  if (tbb::this_task_arena::max_concurrency() > 1) {
+    tbb::parallel_for(0, count, f);
+  } else {
+    for (int i = 0; i < count; ++i) f(i);
+  }
+}
+
+/// b := L^-1 b
+void forwardSolve(const double* L, int d, double* b) {
+  for (int i = 0; i < d; ++i) {
+    for (int j = 0; j < i; ++j) b[i] -= L[j * d + i] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
+/// b := L^-T b
+void backwardSolve(const double* L, int d, double* b) {
+  for (int i = d - 1; i >= 0; --i) {
+    for (int j = i + 1; j < d; ++j) b[i] -= L[i * d + j] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
+
+}  // namespace
+
+std::vector<char> independentBlocks(const BlockGraph& graph) {
+  const auto degree = [&](int b) { return graph.start[at(b) + 1] - graph.start[at(b)]; };
+  std::vector<int> candidates;
+  for (int b = 0; b < graph.size(); ++b) {
+    if (graph.dof[at(b)] <= kLargestEliminated) candidates.push_back(b);
+  }
+  if (static_cast<int>(candidates.size()) < kFewestEliminated) return {};
+  std::stable_sort(candidates.begin(), candidates.end(), [&](int a, int b) { return degree(a) < degree(b); });
+  std::vector<char> eliminated(at(graph.size()), 0);
+  int count = 0;
+  for (const int b : candidates) {
+    const auto first = graph.neighbour.begin() + graph.start[at(b)];
+    if (std::any_of(first, first + degree(b), [&](int c) { return eliminated[at(c)] != 0; })) continue;
+    eliminated[at(b)] = 1;
+    ++count;
+  }
+  if (count < kFewestEliminated || count < kLeastShare * graph.size()) return {};
+  return eliminated;
+}
+
+ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& eliminated) {
+  ReducedGraph result;
+  std::vector<int> node(at(graph.size()), -1), mark;
+  for (int b = 0; b < graph.size(); ++b) {
+    if (eliminated[at(b)]) continue;
+    node[at(b)] = static_cast<int>(result.block.size());
+    result.block.push_back(b);
+    result.graph.dof.push_back(graph.dof[at(b)]);
+  }
+  mark.assign(result.block.size(), -1);
+  result.graph.start.push_back(0);
+  std::vector<int>& neighbour = result.graph.neighbour;
+  for (int i = 0; i < static_cast<int>(result.block.size()); ++i) {
+    const int b = result.block[at(i)];
+    const std::size_t first = neighbour.size();
+    mark[at(i)] = i;
+    const auto add = [&](int j) {
+      if (mark[at(j)] == i) return;
+      mark[at(j)] = i;
+      neighbour.push_back(j);
+    };
+    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) {
+      const int c = graph.neighbour[at(e)];
+      if (!eliminated[at(c)]) {
+        add(node[at(c)]);
+      } else {
+        for (int f = graph.start[at(c)]; f < graph.start[at(c) + 1]; ++f) add(node[at(graph.neighbour[at(f)])]);
+      }
+    }
+    std::sort(neighbour.begin() + static_cast<std::ptrdiff_t>(first), neighbour.end());
+    result.graph.start.push_back(static_cast<int>(neighbour.size()));
+  }
+  return result;
+}
+
+void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position) {
+  eliminated_ = eliminated;
+  S_.layOut(reduced, position);
+  const int n = S_.columns();
+  table_.clear();
+  if (n <= kMostInTable) {
+    table_.assign(at(n) * at(n), -1);
+    for (int j = 0; j < n; ++j) {
+      for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) table_[at(S_.row(k)) * at(n) + at(j)] = k;
+    }
+  }
+  copied_.assign(at(S_.begin(n)), -1);
+  for (int j = 0; j < n; ++j) {
+    for (int k = H.begin(eliminated + j); k < H.begin(eliminated + j + 1); ++k) copied_[at(target(H.row(k) - eliminated, j))] = k;
+  }
+  factor_.assign(1, 0);
+  reduced_.assign(1, 0);
+  work_.assign(at(n) + 1, 0.0);
+  for (int e = 0; e < eliminated; ++e) {
+    const std::size_t d = at(H.dof(e));
+    factor_.push_back(factor_.back() + d * d);
+    std::size_t entries = 0;
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      entries += d * at(H.dof(H.row(k)));
+      work_[at(H.row(k) - eliminated) + 1] += k - H.begin(e);
+    }
+    reduced_.push_back(reduced_.back() + entries);
+  }
+  for (std::size_t i = 1; i < work_.size(); ++i) work_[i] += work_[i - 1];
+  factors_.assign(factor_.back(), 0.0);
+}
+
+int SchurComplement::target(int row, int column) const {
+  return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
+}
+
+/// Factor of V_e + damping.
+bool SchurComplement::factorize(const BlockLower& H, int e, const double* damping, double tolerance, int& bad, double& ratio) {
+  const int d = H.dof(e);
+  const double* const V = H.values(H.begin(e));
+  double* const L = factors_.data() + factor_[at(e)];
+  for (int j = 0; j < d; ++j) {
+    const double diagonal = V[j * d + j] + (damping != nullptr ? damping[j] : 0);
+    double pivot = diagonal;
+    for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
+    if (!(pivot > tolerance * diagonal)) {
+      bad = j;
+      ratio = diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0;
+      return false;
+    }
+    const double inverse = 1 / std::sqrt(pivot);
+    L[j * d + j] = inverse;
+    for (int i = j + 1; i < d; ++i) {
+      double sum = V[j * d + i];
+      for (int k = 0; k < j; ++k) sum -= L[k * d + i] * L[k * d + j];
+      L[j * d + i] = sum * inverse;
+    }
+  }
+  return true;
+}
+
+/// Y := L^-1 W^T, d x (degrees of freedom of all its neighbours).
+void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
+  const int d = H.dof(e);
+  const double* const L = factor(e);
+  for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+    const int height = H.dof(H.row(k));
+    const double* const W = H.values(k);
+    for (int i = 0; i < height; ++i, Y += d) {
+      for (int c = 0; c < d; ++c) Y[c] = W[c * height + i];
+      forwardSolve(L, d, Y);
+    }
+  }
+}
+
+/// S_ij -= Y_i^T Y_j for the neighbours i >= j of e with row first <= i < last.
+void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y, int first, int last) {
+  const auto subtract_product = dense::kernels().subtractProduct;
+  const int d = H.dof(e);
+  const double* Yi = Y;
+  for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+    const int i = H.row(k) - eliminated_, height = S_.dof(i);
+    if (i >= last) break;
+    if (i >= first) {
+      const double* Yj = Y;
+      for (int l = H.begin(e) + 1; l <= k; ++l) {
+        const int j = H.row(l) - eliminated_;
+        subtract_product(d, height, S_.dof(j), Yi, Yj, S_.values(target(i, j)));
+        Yj += static_cast<std::ptrdiff_t>(d) * S_.dof(j);
+      }
+    }
+    Yi += static_cast<std::ptrdiff_t>(d) * height;
+  }
+}
+
+SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                                    double tolerance) {
+  forEach(S_.columns(), [&](int j) {
+    for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
+      const std::size_t size = at(S_.dof(j)) * at(S_.dof(S_.row(k)));
+      if (copied_[at(k)] < 0) {
+        std::fill_n(S_.values(k), size, 0.0);
+      } else {
+        std::copy_n(H.values(copied_[at(k)]), size, S_.values(k));
+      }
+    }
+  });
+  const int parts = tbb::this_task_arena::max_concurrency();
+  const auto row_at = [&](int part) {
+    const auto found = std::lower_bound(work_.begin(), work_.end(), work_.back() * part / parts);
+    return part == parts ? S_.columns() : static_cast<int>(found - work_.begin());
+  };
+  constexpr int kPerTask = 64;
+  struct Failure {
+    int e = -1, component = 0;
+    double ratio = 0;
+  };
+  for (int wave = 0; wave < eliminated_; wave += kBlocksPerWave) {
+    const int end = std::min(wave + kBlocksPerWave, eliminated_);
+    Y_.resize(std::max(Y_.size(), reduced_[at(end)] - reduced_[at(wave)]));
+    const auto Y = [&](int e) { return Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]); };
+    std::vector<Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
+    forEach(static_cast<int>(failures.size()), [&](int task) {
+      Failure& failure = failures[at(task)];
+      for (int e = wave + task * kPerTask; e < std::min(end, wave + (task + 1) * kPerTask); ++e) {
+        const double* const shift = damping.size() > 0 ? damping.data() + offset[at(e)] : nullptr;
+        if (!factorize(H, e, shift, tolerance, failure.component, failure.ratio)) {
+          failure.e = e;
+          return;
+        }
+        halfReduce(H, e, Y(e));
+      }
+    });
+    for (const Failure& failure : failures) {
+      if (failure.e >= 0) return {false, offset[at(failure.e)] + failure.component, failure.ratio};
+    }
+    forEach(parts, [&](int part) {
+      const int first = row_at(part), last = row_at(part + 1);
+      for (int e = wave; e < end; ++e) subtractOuter(H, e, Y(e), first, last);
+    });
+  }
+  return {};
+}
+
+void SchurComplement::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {
+  std::vector<double> solved;
+  for (int e = 0; e < eliminated_; ++e) {
+    const int d = H.dof(e);
+    solved.assign(b.data() + offset[at(e)], b.data() + offset[at(e)] + d);
+    forwardSolve(factor(e), d, solved.data());
+    backwardSolve(factor(e), d, solved.data());
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      const int height = H.dof(H.row(k));
+      const double* const W = H.values(k);
+      double* const target = b.data() + offset[at(H.row(k))];
+      for (int c = 0; c < d; ++c) {
+        for (int i = 0; i < height; ++i) target[i] -= W[c * height + i] * solved[at(c)];
+      }
+    }
+  }
+}
+
+void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  constexpr int kPerTask = 256;
+  forEach((eliminated_ + kPerTask - 1) / kPerTask, [&](int task) {
+    for (int e = task * kPerTask; e < std::min(eliminated_, (task + 1) * kPerTask); ++e) {
+      const int d = H.dof(e);
+      double* const own = x.data() + offset[at(e)];
+      for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+        const int height = H.dof(H.row(k));
+        const double* const W = H.values(k);
+        const double* const other = x.data() + offset[at(H.row(k))];
+        for (int c = 0; c < d; ++c) {
+          for (int i = 0; i < height; ++i) own[c] -= W[c * height + i] * other[i];
+        }
+      }
+      forwardSolve(factor(e), d, own);
+      backwardSolve(factor(e), d, own);
+    }
+  });
+}
+
+}  // namespace slom

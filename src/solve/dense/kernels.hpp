@@ -1,0 +1,75 @@
+/// The dense arithmetic of the block factorisation, compiled once for each instruction set and chosen at run time.
+///
+/// Layout. Dense matrices are cut into stripes of kStripe rows; a stripe is stored column after column, so that both
+/// operands of a product are read contiguously and nothing is ever packed. Of a front with p pivots and u further rows:
+///   D   p x p    lower triangle; stripe s at D + kStripe p s, its column j at + kStripe j
+///   B   u x p    the rows below, in the same way; rows that fill up the last stripe are 0
+///   U   u x u    lower triangle; stripe s at U + updateOffset(s) has the columns up to its own last row
+#pragma once
+
+#include <cstddef>
+
+namespace slom::dense {
+
+inline constexpr int kStripe = 12;
+
+constexpr int stripesOf(int rows) { return (rows + kStripe - 1) / kStripe; }
+/// Where stripe s of U begins.
+constexpr std::size_t updateOffset(int s) {
+  return static_cast<std::size_t>(kStripe) * kStripe / 2 * static_cast<std::size_t>(s) * static_cast<std::size_t>(s + 1);
+}
+constexpr std::size_t panelSize(int rows, int p) {
+  return static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(stripesOf(rows)) * static_cast<std::size_t>(p);
+}
+constexpr std::size_t updateSize(int u) {
+  return u == 0 ? 0
+               : updateOffset(stripesOf(u) - 1) + static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(u);
+}
+
+/// Rows of a child's update that lie next to each other in the parent's stripes too.
+struct Run {
+  int row;          ///< first row in the child's U
+  int length;       ///< <= kStripe, within one stripe of either
+  int target;       ///< first row in the parent's front
+};
+
+/// The update of a front's child, and where it belongs.
+struct Child {
+  const Run* runs;
+  int run_count;
+  const int* column;  ///< kStripe times the parent's row of each of its rows
+  int u;
+  const double* update;
+};
+
+struct Kernels {
+  const char* name;  ///< of the instruction set
+  /// D := its Cholesky factor, inverse[i] := 1 / its diagonal. Returns the first pivot that is not above least[i] and
+  /// writes it to *pivot; p when there is none.
+  int (*factorize)(double* D, int p, const double* least, double* inverse, double* pivot);
+  /// Stripes [first, last) of B := B D^-T
+  void (*solveStripes)(const double* D, const double* inverse, int p, double* B, int u, int first, int last);
+  /// Stripes [first, last) of the lower triangle of U := -B B^T
+  void (*updateStripes)(const double* B, int p, int u, double* U, int first, int last);
+  /// Adds to a front's panel what a child's update has in the columns of its pivots.
+  void (*addToPanel)(const Child& child, double* D, double* B, int p);
+  /// Adds the other columns to the front's own update.
+  void (*addToUpdate)(const Child& child, double* U, int p);
+  /// x := D^-1 x
+  void (*forwardPivots)(const double* D, const double* inverse, int p, double* x);
+  /// y := -B x; y has full stripes
+  void (*forwardRows)(const double* B, int p, int u, const double* x, double* y);
+  /// x -= B^T y; y has full stripes, 0 in rows that fill up the last one
+  void (*backwardRows)(const double* B, int p, int u, const double* y, double* x);
+  /// x := D^-T x
+  void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
+  /// H += A^T B for A rows x k, B rows x l, H k x l, all column-major and without gaps
+  void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
+  /// H -= A^T B
+  void (*subtractProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
+};
+
+/// For this processor.
+const Kernels& kernels();
+
+}  // namespace slom::dense

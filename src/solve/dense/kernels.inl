@@ -1,0 +1,387 @@
+// The kernels for one instruction set: included by one source for each, which is compiled for it. Everything is local to
+// that source, down to `smaller` instead of std::min: the linker keeps one copy of a library's inline function, and it
+// must not be one that was compiled for a newer processor.
+#include <cstddef>
+#include <utility>
+
+#include "kernels.hpp"
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // how vectors are passed does not matter: nothing of it leaves this source
+#endif
+
+namespace slom::dense {
+namespace {
+
+constexpr int smaller(int a, int b) { return a < b ? a : b; }
+
+constexpr int kLanes = 4;
+typedef double Vector __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
+
+inline __attribute__((always_inline)) Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p); }
+inline __attribute__((always_inline)) void store(double* p, Vector x) { *reinterpret_cast<Vector*>(p) = x; }
+inline __attribute__((always_inline)) Vector all(double x) { return Vector{x, x, x, x}; }
+
+/// acc (4 H x W) -= A B^T over K columns of two stripes, A's rows at A, B's at B.
+template <int H, int W>
+inline __attribute__((always_inline)) void subtractProduct(int K, const double* A, const double* B, Vector (&acc)[W][H]) {
+  for (int k = 0; k < K; ++k, A += kStripe, B += kStripe) {
+    Vector a[H];
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) a[h] = load(A + kLanes * h);
+#pragma GCC unroll 4
+    for (int w = 0; w < W; ++w) {
+      const Vector b = all(B[w]);
+#pragma GCC unroll 3
+      for (int h = 0; h < H; ++h) acc[w][h] -= a[h] * b;
+    }
+  }
+}
+
+/// Columns [k, k + W) of X := (X - X[:, 0:k] L[k:k+W, 0:k]^T) L[k:k+W, k:k+W]^-T for 4 H rows of a stripe; row k + w of
+/// L at L + w.
+template <int H, int W>
+void solveColumns(int k, const double* L, const double* inverse, double* X) {
+  Vector acc[W][H];
+  double* const at = X + kStripe * k;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
+  }
+  subtractProduct<H, W>(k, X, L, acc);
+  const double* const triangle = L + kStripe * k;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 4
+    for (int v = 0; v < w; ++v) {
+      const Vector l = all(triangle[kStripe * v + w]);
+#pragma GCC unroll 3
+      for (int h = 0; h < H; ++h) acc[w][h] -= acc[v][h] * l;
+    }
+    const Vector scale = all(inverse[k + w]);
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) {
+      acc[w][h] *= scale;
+      store(at + kStripe * w + kLanes * h, acc[w][h]);
+    }
+  }
+}
+
+template <int H>
+void solveStripe(const double* D, const double* inverse, int p, double* X, int columns) {
+  int k = 0;
+  for (; k + 4 <= columns; k += 4) solveColumns<H, 4>(k, D + kStripe * p * (k / kStripe) + k % kStripe, inverse, X);
+  const double* const L = D + kStripe * p * (k / kStripe) + k % kStripe;
+  switch (columns - k) {
+    case 1: solveColumns<H, 1>(k, L, inverse, X); break;
+    case 2: solveColumns<H, 2>(k, L, inverse, X); break;
+    case 3: solveColumns<H, 3>(k, L, inverse, X); break;
+    default: break;
+  }
+}
+
+/// The W columns from k on of the stripe that holds their diagonal block: pivots and what is below them in the stripe.
+template <int W>
+int factorizeColumns(int k, double* stripe, const double* least, double* inverse, double* pivot) {
+  Vector acc[W][3];
+  double* const at = stripe + kStripe * k;
+  const int row = k % kStripe;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < 3; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
+  }
+  subtractProduct<3, W>(k, stripe, stripe + row, acc);
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+    double* const column = at + kStripe * w;
+#pragma GCC unroll 3
+    for (int h = 0; h < 3; ++h) store(column + kLanes * h, acc[w][h]);
+    const double d = column[row + w];
+    if (!(d > least[k + w])) {
+      *pivot = d;
+      return k + w;
+    }
+    const double root = __builtin_sqrt(d);
+    inverse[k + w] = 1 / root;
+    const Vector scale = all(1 / root);
+#pragma GCC unroll 3
+    for (int h = 0; h < 3; ++h) {
+      acc[w][h] *= scale;
+      store(column + kLanes * h, acc[w][h]);
+    }
+    column[row + w] = root;
+#pragma GCC unroll 4
+    for (int v = w + 1; v < W; ++v) {
+      const Vector l = all(column[row + v]);
+#pragma GCC unroll 3
+      for (int h = 0; h < 3; ++h) acc[v][h] -= acc[w][h] * l;
+    }
+  }
+  return -1;
+}
+
+int factorize(double* D, int p, const double* least, double* inverse, double* pivot) {
+  for (int s = 0; s < stripesOf(p); ++s) {
+    double* const stripe = D + kStripe * p * s;
+    solveStripe<3>(D, inverse, p, stripe, kStripe * s);
+    const int end = smaller(p, kStripe * (s + 1));
+    for (int k = kStripe * s; k < end; k += 4) {
+      int bad;
+      switch (end - k) {
+        case 1: bad = factorizeColumns<1>(k, stripe, least, inverse, pivot); break;
+        case 2: bad = factorizeColumns<2>(k, stripe, least, inverse, pivot); break;
+        case 3: bad = factorizeColumns<3>(k, stripe, least, inverse, pivot); break;
+        default: bad = factorizeColumns<4>(k, stripe, least, inverse, pivot); break;
+      }
+      if (bad >= 0) return bad;
+    }
+  }
+  return p;
+}
+
+/// Vectors that the rows of stripe s take.
+inline int vectorsIn(int rows, int s) { return smaller(kStripe, rows - kStripe * s + kLanes - 1) / kLanes; }
+
+void solveStripes(const double* D, const double* inverse, int p, double* B, int u, int first, int last) {
+  for (int s = first; s < last; ++s) {
+    double* const X = B + static_cast<std::ptrdiff_t>(kStripe) * p * s;
+    switch (vectorsIn(u, s)) {
+      case 1: solveStripe<1>(D, inverse, p, X, p); break;
+      case 2: solveStripe<2>(D, inverse, p, X, p); break;
+      default: solveStripe<3>(D, inverse, p, X, p); break;
+    }
+  }
+}
+
+/// The W columns of C := -A B^T for 4 H rows.
+template <int H, int W>
+inline void updateTile(int p, const double* A, const double* B, double* C) {
+  Vector acc[W][H];
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] = all(0);
+  }
+  subtractProduct<H, W>(p, A, B, acc);
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) store(C + kStripe * w + kLanes * h, acc[w][h]);
+  }
+}
+template <int H>
+void updateColumns(int p, const double* A, const double* B, double* C, int columns) {
+  switch (columns) {
+    case 1: updateTile<H, 1>(p, A, B, C); break;
+    case 2: updateTile<H, 2>(p, A, B, C); break;
+    case 3: updateTile<H, 3>(p, A, B, C); break;
+    default: updateTile<H, 4>(p, A, B, C); break;
+  }
+}
+/// All columns left of the diagonal block, then that: of its three groups of columns each begins 4 rows lower.
+template <int H>
+void updateStripe(const double* B, int p, int u, double* C, int s) {
+  const double* const A = B + static_cast<std::ptrdiff_t>(kStripe) * p * s;
+  for (int t = 0; t < s; ++t) {
+    const double* const other = B + static_cast<std::ptrdiff_t>(kStripe) * p * t;
+    for (int k = 0; k < kStripe; k += 4) updateTile<H, 4>(p, A, other + k, C + kStripe * (kStripe * t + k));
+  }
+  const int own = kStripe * s, width = smaller(kStripe, u - own);
+  double* const diagonal = C + kStripe * own;
+  updateColumns<H>(p, A, A, diagonal, width);
+  if constexpr (H > 1) {
+    if (width > 4) updateColumns<H - 1>(p, A + 4, A + 4, diagonal + kStripe * 4 + 4, width - 4);
+  }
+  if constexpr (H > 2) {
+    if (width > 8) updateColumns<H - 2>(p, A + 8, A + 8, diagonal + kStripe * 8 + 8, width - 8);
+  }
+}
+
+void updateStripes(const double* B, int p, int u, double* U, int first, int last) {
+  for (int s = first; s < last; ++s) {
+    double* const C = U + updateOffset(s);
+    switch (vectorsIn(u, s)) {
+      case 1: updateStripe<1>(B, p, u, C, s); break;
+      case 2: updateStripe<2>(B, p, u, C, s); break;
+      default: updateStripe<3>(B, p, u, C, s); break;
+    }
+  }
+}
+
+/// to[column[j] + i] += from[kStripe j + i] for i < N, first <= j < last
+template <int N>
+void addColumns(const double* from, double* to, const int* column, int first, int last) {
+  for (int j = first; j < last; ++j) {
+    const double* const source = from + kStripe * j;
+    double* const target = to + column[j];
+    int i = 0;
+    for (; i + kLanes <= N; i += kLanes) store(target + i, load(target + i) + load(source + i));
+    for (; i < N; ++i) target[i] += source[i];
+  }
+}
+template <int... N>
+constexpr auto addColumnsTable(std::integer_sequence<int, N...>) {
+  struct Table {
+    void (*of[sizeof...(N)])(const double*, double*, const int*, int, int);
+  };
+  return Table{{&addColumns<N + 1>...}};
+}
+constexpr auto kAddColumns = addColumnsTable(std::make_integer_sequence<int, kStripe>{});
+
+/// How many of the child's columns are pivots of the front.
+int pivotsOf(const Child& child, int p) {
+  int low = 0, high = child.u;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (child.column[middle] < kStripe * p) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+/// The triangle of a run with itself.
+void addTriangle(const Child& child, const Run& run, const double* from, double* to) {
+  for (int j = run.row; j < run.row + run.length; ++j) {
+    for (int i = j - run.row; i < run.length; ++i) to[child.column[j] + i] += from[kStripe * j + i];
+  }
+}
+
+void addToPanel(const Child& child, double* D, double* B, int p) {
+  const int pivots = pivotsOf(child, p);
+  if (pivots == 0) return;
+  for (const Run* run = child.runs; run < child.runs + child.run_count; ++run) {
+    const int s = run->row / kStripe, below = run->target - p;
+    const double* const from = child.update + updateOffset(s) + run->row % kStripe;
+    double* const to = below < 0 ? D + static_cast<std::ptrdiff_t>(kStripe) * p * (run->target / kStripe) + run->target % kStripe
+                                 : B + static_cast<std::ptrdiff_t>(kStripe) * p * (below / kStripe) + below % kStripe;
+    kAddColumns.of[run->length - 1](from, to, child.column, 0, smaller(pivots, run->row));
+    if (below < 0) addTriangle(child, *run, from, to);
+  }
+}
+
+void addToUpdate(const Child& child, double* U, int p) {
+  const int pivots = pivotsOf(child, p);
+  for (const Run* run = child.runs; run < child.runs + child.run_count; ++run) {
+    const int s = run->row / kStripe, row = run->target - p;
+    if (row < 0) continue;
+    const double* const from = child.update + updateOffset(s) + run->row % kStripe;
+    double* const to = U + (static_cast<std::ptrdiff_t>(updateOffset(row / kStripe)) + row % kStripe - kStripe * p);
+    kAddColumns.of[run->length - 1](from, to, child.column, pivots, run->row);
+    addTriangle(child, *run, from, to);
+  }
+}
+
+void forwardPivots(const double* D, const double* inverse, int p, double* x) {
+  for (int k = 0; k < p; ++k) {
+    const double* const row = D + kStripe * p * (k / kStripe) + k % kStripe;
+    double sum = x[k];
+    for (int j = 0; j < k; ++j) sum -= row[kStripe * j] * x[j];
+    x[k] = sum * inverse[k];
+  }
+}
+
+void backwardPivots(const double* D, const double* inverse, int p, double* x) {
+  for (int k = p - 1; k >= 0; --k) {
+    const double* const row = D + kStripe * p * (k / kStripe) + k % kStripe;
+    x[k] *= inverse[k];
+    for (int j = 0; j < k; ++j) x[j] -= row[kStripe * j] * x[k];
+  }
+}
+
+void forwardRows(const double* B, int p, int u, const double* x, double* y) {
+  for (int s = 0; s < stripesOf(u); ++s, B += static_cast<std::ptrdiff_t>(kStripe) * p, y += kStripe) {
+    Vector sum[3] = {all(0), all(0), all(0)}, odd[3] = {all(0), all(0), all(0)};
+    const double* column = B;
+    int j = 0;
+    for (; j + 2 <= p; j += 2, column += 2 * kStripe) {
+#pragma GCC unroll 3
+      for (int h = 0; h < 3; ++h) {
+        sum[h] -= load(column + kLanes * h) * all(x[j]);
+        odd[h] -= load(column + kStripe + kLanes * h) * all(x[j + 1]);
+      }
+    }
+#pragma GCC unroll 3
+    for (int h = 0; h < 3; ++h) {
+      if (j < p) sum[h] -= load(column + kLanes * h) * all(x[j]);
+      store(y + kLanes * h, sum[h] + odd[h]);
+    }
+  }
+}
+
+void backwardRows(const double* B, int p, int u, const double* y, double* x) {
+  for (int s = 0; s < stripesOf(u); ++s, B += static_cast<std::ptrdiff_t>(kStripe) * p, y += kStripe) {
+    const Vector y0 = load(y), y1 = load(y + kLanes), y2 = load(y + 2 * kLanes);
+    const double* column = B;
+    for (int j = 0; j < p; ++j, column += kStripe) {
+      const Vector product = load(column) * y0 + load(column + kLanes) * y1 + load(column + 2 * kLanes) * y2;
+      x[j] -= (product[0] + product[2]) + (product[1] + product[3]);
+    }
+  }
+}
+
+constexpr int kMostRows = 16;
+
+/// H +- A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
+template <int K, bool Add>
+void productOf(int rows, int l, const double* A, const double* B, double* H) {
+  constexpr int kVectors = (K + kLanes - 1) / kLanes;
+  constexpr int kPadded = kVectors * kLanes;
+  double transposed[kMostRows * kPadded];
+  for (int first = 0; first < rows; first += kMostRows) {
+    const int count = smaller(kMostRows, rows - first);
+    for (int r = 0; r < count; ++r) {
+      for (int i = 0; i < K; ++i) transposed[r * kPadded + i] = A[i * rows + first + r];
+      for (int i = K; i < kPadded; ++i) transposed[r * kPadded + i] = 0;
+    }
+    for (int j = 0; j < l; ++j) {
+      const double* const b = B + j * rows + first;
+      Vector sum[kVectors];
+      for (int v = 0; v < kVectors; ++v) sum[v] = load(transposed + kLanes * v) * all(b[0]);
+      for (int r = 1; r < count; ++r) {
+        for (int v = 0; v < kVectors; ++v) sum[v] += load(transposed + r * kPadded + kLanes * v) * all(b[r]);
+      }
+      double* const column = H + j * K;
+      for (int v = 0; v < K / kLanes; ++v) {
+        const Vector old = load(column + kLanes * v);
+        store(column + kLanes * v, Add ? old + sum[v] : old - sum[v]);
+      }
+      for (int i = K / kLanes * kLanes; i < K; ++i) {
+        const double x = sum[i / kLanes][i % kLanes];
+        column[i] = Add ? column[i] + x : column[i] - x;
+      }
+    }
+  }
+}
+
+template <bool Add>
+void product(int rows, int k, int l, const double* A, const double* B, double* H) {
+  if (rows == 0) return;
+  switch (k) {
+    case 1: productOf<1, Add>(rows, l, A, B, H); return;
+    case 2: productOf<2, Add>(rows, l, A, B, H); return;
+    case 3: productOf<3, Add>(rows, l, A, B, H); return;
+    case 4: productOf<4, Add>(rows, l, A, B, H); return;
+    case 6: productOf<6, Add>(rows, l, A, B, H); return;
+    case 9: productOf<9, Add>(rows, l, A, B, H); return;
+    default: break;
+  }
+  for (int j = 0; j < l; ++j) {
+    for (int i = 0; i < k; ++i) {
+      double sum = 0;
+      for (int r = 0; r < rows; ++r) sum += A[i * rows + r] * B[j * rows + r];
+      H[j * k + i] += Add ? sum : -sum;
+    }
+  }
+}
+
+constexpr Kernels makeKernels(const char* name) {
+  return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
+          &forwardRows, &backwardRows, &backwardPivots, &product<true>, &product<false>};
+}
+
+}  // namespace
+}  // namespace slom::dense

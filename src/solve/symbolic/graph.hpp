@@ -1,0 +1,20 @@
+/// The graph of blocks: an edge between any two that meet in a measurement.
+#pragma once
+
+#include <vector>
+
+#include "slom/linearize/structure.hpp"
+
+namespace slom {
+
+struct BlockGraph {
+  std::vector<int> start;      ///< of each block's neighbours; one more entry for the end
+  std::vector<int> neighbour;  ///< ascending, each once, without the block itself
+  std::vector<int> dof;        ///< of each block
+
+  int size() const { return static_cast<int>(dof.size()); }
+};
+
+BlockGraph makeGraph(const BlockStructure& structure);
+
+}  // namespace slom
