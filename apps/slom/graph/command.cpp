@@ -13,7 +13,11 @@
 #include "graph/graph.hpp"
 #include "graph/input/information.hpp"
 #include "graph/input/read.hpp"
+#include "graph/output/g2o.hpp"
+#include "graph/output/html.hpp"
 #include "graph/output/report.hpp"
+#include "graph/output/sketch.hpp"
+#include "graph/output/svg.hpp"
 #include "graph/settings.hpp"
 #include "graph/start/gauge.hpp"
 #include "graph/start/start.hpp"
@@ -76,21 +80,36 @@ Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& con
   return summary;
 }
 
-void writeFiles(const RunReport& report, const Settings& settings, const Console& console) {
+/// A result that failed goes to JSON, which says so, but not to the graph and the plot, whose readers would take it for good.
+template <class Pose>
+void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
+                const Console& console) {
   OutputFiles files;
-  if (settings.jsonToStdout()) {
-    fmt::print("{}", toJson(report));
-  } else if (!settings.json_file.empty()) {
-    files.add(settings.json_file, toJson(report));
-  }
+  std::string said;
+  const auto add = [&](const std::string& file, bool is_wanted, const auto& content) {
+    if (file.empty()) return;
+    if (is_wanted) files.add(file, content());
+    said += fmt::format("{}: {}\n", is_wanted ? "written" : "not written, because the fit failed", file);
+  };
+  const bool good = report.summary.converged;
+  add(settings.output_file, good, [&] { return toG2o(graph); });
+  add(settings.plot_file, good, [&] {
+    const Sketch sketch = sketchOf(graph);
+    return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
+  });
+  add(settings.jsonToStdout() ? "" : settings.json_file, true, [&] { return toJson(report); });
   files.commit();
-  if (!settings.json_file.empty() && !settings.jsonToStdout())
-    console.print(fmt::format("\nwritten: {}\n", settings.json_file));
+  if (!said.empty()) console.print("\n" + said);
+  if (settings.jsonToStdout()) fmt::print("{}", toJson(report));
 }
 
 template <class Pose>
 void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total) {
   const Console console(settings);
+  if (dim<Pose> == 3 && settings.plot_file.ends_with(".svg")) {
+    throw UserError(fmt::format("--plot {}: this graph is in space; give FILE.html, a page to turn it on",
+                                settings.plot_file));
+  }
   const Preparation preparation = prepare(graph, settings);
   RunReport report;
   report.threads = threadsOf(settings.fit);
@@ -100,7 +119,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   report.total_seconds = total.seconds();
   console.print(outcomeText(outcomeOf(report.summary)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
-  writeFiles(report, settings, console);
+  writeFiles(graph, report, settings, console);
   if (report.summary.converged) return;
   fmt::print(stderr, "slom: the fit failed: {}\n", report.summary.message);
   throw CLI::RuntimeError(exit_not_converged);
@@ -138,6 +157,12 @@ void addGraphCommand(CLI::App& app) {
                    "take the nearest matrix for information that is not positive definite");
   command.add_flag("--hold-parts", settings.hold_parts,
                    "hold the first vertex of each part of the graph without a fixed pose");
+  command.add_option("--output", settings.output_file, "fitted graph, in g2o's format")->type_name("FILE");
+  command
+      .add_option("--plot", settings.plot_file,
+                  "the fitted graph as a picture, FILE.svg, in the plane only, or as a page to turn it on,\n"
+                  "FILE.html")
+      ->type_name("FILE");
   command.add_option("--json", settings.json_file, "result and times as JSON; - for standard output")
       ->type_name("FILE");
   command.add_flag("--quiet", settings.quiet, "print errors only");

@@ -1,11 +1,10 @@
 #include "graph/input/lines.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -49,34 +48,51 @@ bool parse(std::string_view word, T& value) {
 
 }  // namespace
 
-std::string readWhole(const std::string& file) {
-  const auto close = [](std::FILE* stream) { std::fclose(stream); };
-  const std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(file.c_str(), "rb"), close);
-  const auto check = [&](bool good) {
-    if (good) return;
-    throw UserError(fmt::format("{}: cannot be read ({}); check the path", file, std::strerror(errno)));
-  };
-  check(stream != nullptr);
-  constexpr std::size_t chunk = std::size_t{1} << 22;
-  std::string text;
-  for (std::size_t size = 0;;) {
-    text.resize(size + std::max(chunk, size));
-    const std::size_t got = std::fread(text.data() + size, 1, text.size() - size, stream.get());
-    check(std::ferror(stream.get()) == 0);
-    size += got;
-    if (size < text.size()) return text.resize(size), text;
+Lines::Lines(const std::string& file)
+    : file_(file), stream_(std::fopen(file.c_str(), "rb")), buffer_(std::size_t{1} << 20) {
+  require(stream_ != nullptr);
+  readMore();
+  constexpr std::string_view mark = "\xEF\xBB\xBF";  // byte order
+  if (std::string_view(buffer_.data(), end_).starts_with(mark)) begin_ = mark.size();
+}
+
+void Lines::require(bool good) const {
+  if (good) return;
+  throw UserError(fmt::format("{}: cannot be read ({}); check the path", file_, std::strerror(errno)));
+}
+
+/// Fills the buffer behind what has not been handed out yet; false at the end of the file.
+bool Lines::readMore() {
+  std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_), buffer_.begin());
+  end_ -= begin_;
+  begin_ = 0;
+  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+  const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, stream_.get());
+  require(std::ferror(stream_.get()) == 0);
+  end_ += got;
+  return got > 0;
+}
+
+bool Lines::nextLine() {
+  for (std::size_t seen = 0;;) {
+    const char* const first = buffer_.data() + begin_;
+    const std::size_t size = end_ - begin_;
+    const void* const found = std::memchr(first + seen, '\n', size - seen);
+    if (found != nullptr) {
+      line_ = {first, std::size_t(static_cast<const char*>(found) - first)};
+      begin_ += line_.size() + 1;
+      return true;
+    }
+    seen = size;
+    if (readMore()) continue;
+    line_ = {buffer_.data(), size};
+    begin_ = end_;
+    return size > 0;
   }
 }
 
-Lines::Lines(const std::string& file, std::string_view text) : file_(file), rest_(text) {
-  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
-}
-
 bool Lines::next() {
-  while (!rest_.empty()) {
-    const std::size_t end = rest_.find('\n');
-    line_ = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+  while (nextLine()) {
     ++number_;
     word_ = 0;
     tag_ = takeWord(line_);

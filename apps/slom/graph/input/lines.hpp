@@ -1,19 +1,20 @@
 // A text file as lines of words and numbers, fast enough for a million of them.
 #pragma once
 
+#include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace slom::app::graph {
 
-/// All of a file; UserError when it cannot be read.
-std::string readWhole(const std::string& file);
-
-/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped.
+/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped. Reads a large part of
+/// the file at a time, so that it need not fit into memory, and takes pipes too.
 class Lines {
  public:
-  /// `text` must outlive this; `file` is for messages.
-  Lines(const std::string& file, std::string_view text);
+  /// UserError when the file cannot be read. `file` must outlive this.
+  explicit Lines(const std::string& file);
 
   /// Goes to the next line that says something; false at the end.
   bool next();
@@ -34,13 +35,21 @@ class Lines {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
+  struct Close {
+    void operator()(std::FILE* stream) const { std::fclose(stream); }
+  };
+  bool nextLine();
+  bool readMore();
+  void require(bool good) const;
   std::string_view word();
   [[noreturn]] void failCount() const;
 
   const std::string& file_;
-  std::string_view rest_;    // of the file, behind this line
-  std::string_view line_;    // what of this line has not been read
-  std::string_view behind_;  // the line behind its tag
+  std::unique_ptr<std::FILE, Close> stream_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
+  std::string_view line_;            // what of this line has not been read
+  std::string_view behind_;          // the line behind its tag
   std::string_view tag_;
   const char* form_ = "";
   int number_ = 0;

@@ -86,8 +86,7 @@ class Reader {
 
   AnyPoseGraph read() {
     const std::string& file = plane_.graph.file;
-    const std::string text = readWhole(file);
-    Lines line(file, text);
+    Lines line(file);
     bool is_empty = true;
     for (; line.next(); is_empty = false) readLine(line);
     if (is_empty) throw UserError(file + ": the file is empty; a pose graph has a line for each edge");
