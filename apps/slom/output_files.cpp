@@ -26,7 +26,8 @@ void requireFile(const NamedFile& result) {
   std::error_code ignored;
   const auto status = std::filesystem::status(result.file, ignored);
   const bool is_file = !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
-  if (is_file && !result.file.starts_with("/dev/")) return;  // /dev/stdout may lead to a file, and is a link to keep
+  if (is_file && !result.file.starts_with("/dev/"))
+    return;  // /dev/stdout may lead to a file, and is a link to keep
   throw UserError(fmt::format("{} {}: this is {}; give the name of a file", result.option, result.file,
                               std::filesystem::is_directory(status) ? "a folder" : "a device or a pipe"));
 }
@@ -42,15 +43,16 @@ void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<Na
   std::map<std::filesystem::path, std::string> uses;
   std::error_code ignored;
   for (const NamedFile& input : inputs) {
-    if (!input.file.empty()) uses.emplace(std::filesystem::weakly_canonical(input.file, ignored), input.option);
+    if (!input.file.empty())
+      uses.emplace(std::filesystem::weakly_canonical(input.file, ignored), input.option);
   }
   for (const NamedFile& result : results) {
     if (result.file.empty()) continue;
     const auto [known, is_new] =
         uses.emplace(std::filesystem::weakly_canonical(result.file, ignored), result.option);
     if (!is_new) {
-      throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", result.option, result.file,
-                                  known->second));
+      throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", result.option,
+                                  result.file, known->second));
     }
   }
   for (const NamedFile& result : results) {

@@ -1,8 +1,7 @@
 // The run that docs/calibrate.md shows is real: the `$ slom ...` line of its console block prints what
 // follows it there, but for the iterations, whose number and last digits depend on rounding errors. The
 // Python that reads the YAML is run too.
-#include <regex>
-#include <sstream>
+#include "support/documentation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,30 +10,10 @@
 namespace slom::app::calib {
 namespace {
 
+using slom::testing::blocks;
 using slom::testing::sourcePath;
-
-std::vector<std::string> blocks(const std::string& page, const std::string& language) {
-  std::vector<std::string> result;
-  const std::string fence = "```" + language + "\n";
-  for (auto at = page.find(fence); at != std::string::npos; at = page.find(fence, at)) {
-    at += fence.size();
-    result.push_back(page.substr(at, page.find("```", at) - at));
-  }
-  return result;
-}
-
-std::vector<std::string> words(const std::string& line) {
-  std::istringstream stream(line);
-  std::vector<std::string> result;
-  for (std::string word; stream >> word;) result.push_back(word);
-  return result;
-}
-
-std::string withoutIterations(const std::string& output) {
-  const std::regex line(R"(\n +\d+ +[\d.e+]+( +-?[\d.]+e[-+]\d+){3} +[-\w ]+)"),
-      count(R"(after \d+ iterations?)");
-  return std::regex_replace(std::regex_replace(output, line, ""), count, "after some iterations");
-}
+using slom::testing::withoutIterations;
+using slom::testing::words;
 
 TEST(CalibrateDocumentation, ShowsRealRuns) {
   const slom::testing::TemporaryFolder

@@ -69,9 +69,11 @@ TEST(GraphData, Sphere) {
 TEST(GraphData, FileWithoutInformation) {
   SLOM_POSE_GRAPH("w20000.txt");
   const std::string file = slom::testing::sharedDataPath("posegraph/w20000.txt").string();
-  EXPECT_EQ(testing::runGraph({file}).errors,
-            "slom: " + file + ": the information of 26831 edges is not positive definite (lines 1, 2, 3, 4, 5, ...); correct "
-                              "it, or give --repair-information, which takes the nearest matrix that is\n");
+  EXPECT_EQ(
+      testing::runGraph({file}).errors,
+      "slom: " + file +
+          ": the information of 26831 edges is not positive definite (lines 1, 2, 3, 4, 5, ...); correct "
+          "it, or give --repair-information, which takes the nearest matrix that is\n");
 }
 
 }  // namespace

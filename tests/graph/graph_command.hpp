@@ -31,8 +31,10 @@ inline std::string replaced(std::string text, const std::string& what, const std
   return text;
 }
 
-/// Runs on DIR/map.g2o with `content`; `options` may name other files of the folder by DIR/. Messages are shown without it.
-inline CommandResult runIn(const TemporaryFolder& folder, const std::string& content, std::vector<std::string> options) {
+/// Runs on DIR/map.g2o with `content`; `options` may name other files of the folder by DIR/. Messages are
+/// shown without it.
+inline CommandResult runIn(const TemporaryFolder& folder, const std::string& content,
+                           std::vector<std::string> options) {
   slom::testing::writeFile(folder / "map.g2o", content);
   for (std::string& option : options) option = replaced(option, "DIR", folder.path().string());
   options.insert(options.begin(), (folder / "map.g2o").string());
@@ -72,7 +74,8 @@ PoseGraph<Pose> parsed(const std::string& content) {
 }
 
 /// What is refused leaves no file behind and says one sentence.
-inline void expectRefused(const std::string& content, const std::string& sentence, std::vector<std::string> options = {}) {
+inline void expectRefused(const std::string& content, const std::string& sentence,
+                          std::vector<std::string> options = {}) {
   const TemporaryFolder folder;
   options.insert(options.end(), {"--output", "DIR/fitted.g2o", "--json", "DIR/result.json"});
   const CommandResult result = runIn(folder, content, options);

@@ -28,7 +28,8 @@ inline Eigen::Matrix<double, 6, 1> errorOf(const Eigen::Isometry3d& T, bool quat
   if (q.w() < 0) q.coeffs() *= -1;
   const Eigen::AngleAxisd turn(q);
   Eigen::Matrix<double, 6, 1> error;
-  error << T.translation(), (quaternion ? Eigen::Vector3d(q.vec()) : Eigen::Vector3d(turn.angle() * turn.axis()));
+  error << T.translation(),
+      (quaternion ? Eigen::Vector3d(q.vec()) : Eigen::Vector3d(turn.angle() * turn.axis()));
   return error;
 }
 
@@ -43,7 +44,8 @@ double rssOf(const PoseGraph<Pose>& graph, bool quaternion = false) {
   }
   for (const auto& sighting : graph.sightings) {
     const Eigen::Matrix<double, dim<Pose>, 1> point = graph.landmarks[std::size_t(sighting.to)].value;
-    const Eigen::Matrix<double, dim<Pose>, 1> error = pose(sighting.from).inverse() * point - sighting.measured;
+    const Eigen::Matrix<double, dim<Pose>, 1> error =
+        pose(sighting.from).inverse() * point - sighting.measured;
     rss += error.dot(sighting.information * error);
   }
   return rss;

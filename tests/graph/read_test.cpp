@@ -13,7 +13,8 @@ using testing::unit3;
 using testing::unit6;
 
 TEST(GraphRead, Plane) {
-  const auto graph = parsed<Pose2>("VERTEX_SE2 7 1 2 0.5\nVERTEX_SE2 3 -1 +2e1 -0.5\nEDGE_SE2 7 3 4 5 0.25 1 2 3 4 5 6\n");
+  const auto graph =
+      parsed<Pose2>("VERTEX_SE2 7 1 2 0.5\nVERTEX_SE2 3 -1 +2e1 -0.5\nEDGE_SE2 7 3 4 5 0.25 1 2 3 4 5 6\n");
   ASSERT_EQ(graph.poses.size(), 2u);
   EXPECT_TRUE(graph.has_vertices);
   EXPECT_EQ(graph.poses[0].id, 7);
@@ -35,8 +36,10 @@ TEST(GraphRead, Plane) {
 TEST(GraphRead, Space) {
   std::string numbers;
   for (int i = 1; i <= 21; ++i) numbers += " " + std::to_string(i);
-  const auto graph = parsed<Pose3>("VERTEX_SE3:QUAT 0 1 2 3 0 0 0.6 0.8\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 2\n"
-                                   "EDGE_SE3:QUAT 0 1 4 5 6 1 0 0 0" + numbers + " \r\n");
+  const auto graph = parsed<Pose3>(
+      "VERTEX_SE3:QUAT 0 1 2 3 0 0 0.6 0.8\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 2\n"
+      "EDGE_SE3:QUAT 0 1 4 5 6 1 0 0 0" +
+      numbers + " \r\n");
   ASSERT_EQ(graph.poses.size(), 2u);
   EXPECT_NEAR(graph.poses[0].value.orient.z(), 0.6, 1e-15);
   EXPECT_NEAR(graph.poses[0].value.orient.w(), 0.8, 1e-15);
@@ -54,7 +57,8 @@ TEST(GraphRead, Space) {
 }
 
 TEST(GraphRead, ToroInThePlane) {
-  const auto graph = parsed<Pose2>("VERTEX2 0 1 2 0.5\nVERTEX2 1 0 0 0\nEDGE2 0 1 4 5 0.25 11 12 22 33 13 23\n");
+  const auto graph =
+      parsed<Pose2>("VERTEX2 0 1 2 0.5\nVERTEX2 1 0 0 0\nEDGE2 0 1 4 5 0.25 11 12 22 33 13 23\n");
   EXPECT_EQ(graph.poses.at(0).value.pos, (mtk::vect<2>(1, 2)));
   Eigen::Matrix3d information;
   information << 11, 12, 13, 12, 22, 23, 13, 23, 33;
@@ -64,8 +68,10 @@ TEST(GraphRead, ToroInThePlane) {
 
 TEST(GraphRead, ToroInSpace) {
   // roll a quarter turn about x, then pitch one about y: x -> -z, y -> x, z -> -y
-  const auto graph = parsed<Pose3>("VERTEX3 0 1 2 3 1.5707963267948966 1.5707963267948966 0\nVERTEX3 1 0 0 0 0 0 0.3\n"
-                                   "EDGE3 0 1 4 5 6 0.1 0 0" + unit6);
+  const auto graph = parsed<Pose3>(
+      "VERTEX3 0 1 2 3 1.5707963267948966 1.5707963267948966 0\nVERTEX3 1 0 0 0 0 0 0.3\n"
+      "EDGE3 0 1 4 5 6 0.1 0 0" +
+      unit6);
   Eigen::Matrix3d R;
   R << 0, 1, 0, 0, 0, -1, -1, 0, 0;
   EXPECT_TRUE(graph.poses.at(0).value.orient.toRotationMatrix().isApprox(R, 1e-12));
@@ -85,15 +91,18 @@ TEST(GraphRead, LandmarksInThePlane) {
 }
 
 TEST(GraphRead, LandmarksInSpace) {
-  const auto graph = parsed<Pose3>("PARAMS_SE3OFFSET 0 0 0 0 0 0 0 -1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_TRACKXYZ 5 1 2 3\n"
-                                   "EDGE_SE3_TRACKXYZ 0 5 0 3 4 5 11 12 13 22 23 33\n");
+  const auto graph = parsed<Pose3>(
+      "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 -1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_TRACKXYZ 5 1 2 3\n"
+      "EDGE_SE3_TRACKXYZ 0 5 0 3 4 5 11 12 13 22 23 33\n");
   EXPECT_EQ(graph.landmarks.at(0).value, (mtk::vect<3>(1, 2, 3)));
   EXPECT_EQ(graph.sightings.at(0).measured, (mtk::vect<3>(3, 4, 5)));
-  EXPECT_EQ(graph.sightings.at(0).information, (Eigen::Matrix3d() << 11, 12, 13, 12, 22, 23, 13, 23, 33).finished());
+  EXPECT_EQ(graph.sightings.at(0).information,
+            (Eigen::Matrix3d() << 11, 12, 13, 12, 22, 23, 13, 23, 33).finished());
 }
 
 TEST(GraphRead, NoVertices) {
-  const auto graph = parsed<Pose2>("EDGE_SE2 9 2 1 0 0" + unit3 + "EDGE_SE2 2 4 1 0 0" + unit3 + "EDGE_SE2_XY 4 3 1 0 1 0 1\nFIX 4\n");
+  const auto graph = parsed<Pose2>("EDGE_SE2 9 2 1 0 0" + unit3 + "EDGE_SE2 2 4 1 0 0" + unit3 +
+                                   "EDGE_SE2_XY 4 3 1 0 1 0 1\nFIX 4\n");
   EXPECT_FALSE(graph.has_vertices);
   EXPECT_TRUE(graph.has_fix_lines);
   ASSERT_EQ(graph.poses.size(), 3u);
@@ -106,7 +115,8 @@ TEST(GraphRead, NoVertices) {
 }
 
 TEST(GraphRead, EdgesMayStandBeforeVertices) {
-  const auto graph = parsed<Pose2>("EDGE_SE2 0 1 1 0 0" + unit3 + "FIX 1\nVERTEX_SE2 1 5 0 0\nVERTEX_SE2 0 4 0 0");
+  const auto graph =
+      parsed<Pose2>("EDGE_SE2 0 1 1 0 0" + unit3 + "FIX 1\nVERTEX_SE2 1 5 0 0\nVERTEX_SE2 0 4 0 0");
   EXPECT_EQ(graph.edges.at(0).from, 1);
   EXPECT_EQ(graph.edges.at(0).to, 0);
   EXPECT_TRUE(graph.poses.at(0).held);
@@ -128,7 +138,8 @@ TEST(GraphRead, UnknownTagsAreCountedAndCommentsSkipped) {
 
 TEST(GraphRead, LinesLongerThanTheBuffer) {
   const std::string blanks(3 << 20, ' ');
-  const auto graph = parsed<Pose2>("EDGE_SE2 0 1 1 0 0" + blanks + unit3 + "#" + blanks + "\nEDGE_SE2 1 2 1 0 0" + unit3);
+  const auto graph =
+      parsed<Pose2>("EDGE_SE2 0 1 1 0 0" + blanks + unit3 + "#" + blanks + "\nEDGE_SE2 1 2 1 0 0" + unit3);
   EXPECT_EQ(graph.edges.size(), 2u);
   EXPECT_EQ(graph.edges.at(1).line, 3);
 }

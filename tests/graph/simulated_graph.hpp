@@ -33,7 +33,8 @@ Symmetric<N> randomInformation(std::mt19937_64& random, double largest) {
   return (product + product.transpose()) / 2 + Eigen::Matrix<double, N, N>::Identity();
 }
 
-/// `count` poses all around, edges from each to the next two, and landmarks that three poses see. `noise` is in standard deviations.
+/// `count` poses all around, edges from each to the next two, and landmarks that three poses see. `noise` is
+/// in standard deviations.
 template <class Pose>
 PoseGraph<Pose> simulateGraph(int count, double noise, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -52,8 +53,8 @@ PoseGraph<Pose> simulateGraph(int count, double noise, std::uint64_t seed) {
     for (int step = 1; step <= 2; ++step) {
       const int j = (i + step) % count;
       const Pose error = randomPose<Pose>(random, noise, 0.3 * noise);
-      graph.edges.push_back({i, j, 0, value(i).inverse() * value(j) * error,
-                             randomInformation<dof<Pose>>(random, 100)});
+      graph.edges.push_back(
+          {i, j, 0, value(i).inverse() * value(j) * error, randomInformation<dof<Pose>>(random, 100)});
     }
   }
   for (int i = 0; i + 2 < count; i += 4) {

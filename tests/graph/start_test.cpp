@@ -30,7 +30,8 @@ void expectEveryStartFindsTheTruth() {
   const std::string content = toG2o(scrambled(simulateGraph<Pose>(12, 0, 1)));
   for (const std::string init : {"odometry", "spanning-tree", "chordal"}) {
     EXPECT_LT(fitted(content, {"--init", init})["initial_rss"].template get<double>(), 1e-15) << init;
-    EXPECT_LT(fitted(withoutVertices(content), {"--init", init})["initial_rss"].template get<double>(), 1e-15) << init;
+    EXPECT_LT(fitted(withoutVertices(content), {"--init", init})["initial_rss"].template get<double>(), 1e-15)
+        << init;
   }
   EXPECT_LT(fitted(withoutVertices(content))["initial_rss"].template get<double>(), 1e-15);
 }
@@ -39,7 +40,8 @@ TEST(GraphStart, FindsTheTruthInSpace) { expectEveryStartFindsTheTruth<Pose3>();
 
 TEST(GraphStart, ChordalRelaxationIsNearTheMinimum) {
   const std::string content = toG2o(scrambled(simulateGraph<Pose3>(40, 0.05, 2)));
-  const auto chordal = fitted(content, {"--init", "chordal"}), tree = fitted(content, {"--init", "spanning-tree"});
+  const auto chordal = fitted(content, {"--init", "chordal"}),
+             tree = fitted(content, {"--init", "spanning-tree"});
   const double minimum = chordal["final_rss"];
   EXPECT_LT(chordal["initial_rss"].get<double>(), 10 * minimum);
   EXPECT_GT(tree["initial_rss"].get<double>(), 10 * minimum);
@@ -54,7 +56,8 @@ TEST(GraphStart, FileIsTheDefaultWithVertices) {
 }
 
 TEST(GraphStart, OdometryIsTheChainEvenWhereThereIsAShortCut) {
-  const std::string content = "EDGE_SE2 0 1 1 0 0" + unit3 + "EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2 0 2 5 0 0" + unit3;
+  const std::string content =
+      "EDGE_SE2 0 1 1 0 0" + unit3 + "EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2 0 2 5 0 0" + unit3;
   EXPECT_NEAR(fitted(content, {"--init", "odometry"})["initial_rss"].get<double>(), 9, 1e-12);
   EXPECT_NEAR(fitted(content, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 9, 1e-12);
   const std::string weighted = testing::replaced(content, "0 2 5 0 0 1", "0 2 5 0 0 4");
@@ -74,7 +77,8 @@ TEST(GraphStart, SaysWhatIsHeld) {
   const std::string edges = "EDGE_SE2 4 3 1 0 0" + unit3 + "EDGE_SE2 4 5 1 0 0" + unit3;
   EXPECT_EQ(heldLine(edges), "  held: pose 3, as there are no lines FIX\n  start: spanning-tree");
   EXPECT_EQ(heldLine(edges + "FIX 4\n"), "  held: 1 pose, by lines FIX\n  start: spanning-tree");
-  const std::string vertices = "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
+  const std::string vertices =
+      "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
   EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\n"),
             "  held: pose 5, as there are no lines FIX\n  start: file");
   EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\nFIX 3 4\nFIX 9\n"),
@@ -92,12 +96,15 @@ TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
   }
   EXPECT_NEAR(fitted(content, {"--hold-parts"})["final_rss"].get<double>(), 3 * 2, 1e-12);
   EXPECT_EQ(heldLine(content, {"--hold-parts"}),
-            "  held: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: spanning-tree");
+            "  held: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: "
+            "spanning-tree");
 }
 
 TEST(GraphStart, FixedPosesStayWhereTheyAre) {
-  const std::string content = "VERTEX_SE2 0 1 2 0\nVERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 5 2 0\nFIX 0 2\n"
-                              "EDGE_SE2 0 1 1 0 0" + unit3 + "EDGE_SE2 1 2 1 0 0" + unit3;
+  const std::string content =
+      "VERTEX_SE2 0 1 2 0\nVERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 5 2 0\nFIX 0 2\n"
+      "EDGE_SE2 0 1 1 0 0" +
+      unit3 + "EDGE_SE2 1 2 1 0 0" + unit3;
   for (const std::string init : {"file", "spanning-tree", "chordal"}) {
     const auto graph = testing::parsed<Pose2>(fittedGraph(content, {"--init", init}));
     EXPECT_EQ(graph.poses[0].value.pos, (mtk::vect<2>(1, 2)));

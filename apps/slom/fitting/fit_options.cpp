@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+
 #include <slom/estimator.hpp>
 
 #include "error.hpp"
@@ -52,11 +53,11 @@ constexpr LossName loss_names[] = {
 /// `NAME:SCALE`, or `barron:ALPHA:SCALE`
 Loss parseLoss(const std::string& text) {
   const std::vector<std::string> words = splitAtColons(text);
-  const auto* const known =
-      std::find_if(std::begin(loss_names), std::end(loss_names), [&](const LossName& l) { return l.name == words[0]; });
+  const auto* const known = std::find_if(std::begin(loss_names), std::end(loss_names),
+                                         [&](const LossName& l) { return l.name == words[0]; });
   if (known == std::end(loss_names)) {
-    throw UserError(fmt::format("--robust {}: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron",
-                                text));
+    throw UserError(fmt::format(
+        "--robust {}: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron", text));
   }
   std::vector<double> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -72,8 +73,9 @@ Loss parseLoss(const std::string& text) {
   }
   throw UserError(fmt::format(
       "--robust {}: {}", text,
-      known->numbers == 2 ? "write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard deviations"
-                          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations", known->name)));
+      known->numbers == 2
+          ? "write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard deviations"
+          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations", known->name)));
 }
 
 }  // namespace

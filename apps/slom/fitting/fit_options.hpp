@@ -4,6 +4,7 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+
 #include <slom/model/loss.hpp>
 
 namespace slom {

@@ -19,18 +19,19 @@ std::string iterationText(const IterationRecord& r) {
 }
 
 Outcome outcomeOf(const Summary& s) {
-  return {s.converged,    s.iterations, toString(s.stop_reason), s.message,
-          s.measurements, s.unknowns,   s.final_rss,             s.hasLosses()};
+  return {s.converged, s.iterations, toString(s.stop_reason), s.message, s.measurements, s.unknowns,
+          s.final_rss, s.hasLosses()};
 }
 
 std::string outcomeText(const Outcome& o) {
-  const double per_dof = o.redundancy() > 0 ? o.rss / o.redundancy() : std::numeric_limits<double>::quiet_NaN();
+  const double per_dof =
+      o.redundancy() > 0 ? o.rss / o.redundancy() : std::numeric_limits<double>::quiet_NaN();
   const char* const kind = o.is_robust ? "robust RSS" : "RSS";
-  std::string text =
-      fmt::format("\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  {} {:.6g}, {}/dof {:.4g}\n",
-                  o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
-                  o.stop_reason, o.measurements, o.unknowns, o.redundancy(), kind, o.rss,
-                  o.is_robust ? kind : "chi2", per_dof);
+  std::string text = fmt::format(
+      "\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  {} {:.6g}, {}/dof {:.4g}\n",
+      o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
+      o.stop_reason, o.measurements, o.unknowns, o.redundancy(), kind, o.rss, o.is_robust ? kind : "chi2",
+      per_dof);
   if (!o.converged) text += fmt::format("  {}\n", o.message);
   return text;
 }

@@ -44,7 +44,9 @@ constexpr const char* footer_text =
 class Console {
  public:
   explicit Console(const Settings& settings)
-      : stream_(settings.quiet ? nullptr : settings.jsonToStdout() ? stderr : stdout) {}
+      : stream_(settings.quiet            ? nullptr
+                : settings.jsonToStdout() ? stderr
+                                          : stdout) {}
   void print(const std::string& text) const {
     if (stream_ == nullptr) return;
     std::fputs(text.c_str(), stream_);
@@ -80,7 +82,8 @@ Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& con
   return summary;
 }
 
-/// A result that failed goes to JSON, which says so, but not to the graph and the plot, whose readers would take it for good.
+/// A result that failed goes to JSON, which says so, but not to the graph and the plot, whose readers would
+/// take it for good.
 template <class Pose>
 void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
                 const Console& console) {
@@ -121,7 +124,10 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(graph, report, settings, console);
   if (report.summary.converged) return;
-  fmt::print(stderr, "slom: the fit failed: {}\n", report.summary.message);
+  const bool start_may_be_at_fault =
+      report.summary.stop_reason != StopReason::rank_deficient && preparation.init != Init::chordal;
+  fmt::print(stderr, "slom: the fit failed: {}{}\n", report.summary.message,
+             start_may_be_at_fault ? "; --init chordal may find a better start" : "");
   throw CLI::RuntimeError(exit_not_converged);
 }
 
@@ -129,7 +135,8 @@ void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
   AnyPoseGraph graph = readPoseGraph(settings.file);
-  requireWritable({settings.output_file, settings.jsonToStdout() ? "" : settings.json_file, settings.plot_file});
+  requireWritable(
+      {settings.output_file, settings.jsonToStdout() ? "" : settings.json_file, settings.plot_file});
   std::visit([&](auto& any) { run(std::move(any), settings, total); }, graph);
 }
 
@@ -149,8 +156,9 @@ void addGraphCommand(CLI::App& app) {
                   "without it at the vertices where the file has them, at the tree otherwise")
       ->type_name("file|odometry|spanning-tree|chordal");
   command
-      .add_option("--rotation-error", raw->rotation_error,
-                  "of edges in space: the rotation vector, or the vector part of the quaternion, as g2o has it")
+      .add_option(
+          "--rotation-error", raw->rotation_error,
+          "of edges in space: the rotation vector, or the vector part of the quaternion, as g2o has it")
       ->type_name("vector|quaternion")
       ->capture_default_str();
   command.add_flag("--repair-information", settings.repair_information,

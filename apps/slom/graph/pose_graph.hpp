@@ -34,11 +34,11 @@ struct PoseGraph {
   using Pose = PoseType;
 
   std::string file;
-  bool has_vertices = false;           ///< otherwise no value of a node means anything
+  bool has_vertices = false;  ///< otherwise no value of a node means anything
   bool has_fix_lines = false;
-  std::vector<Node<Pose>> poses;       ///< in the order of the file; by id where it has no vertices
+  std::vector<Node<Pose>> poses;  ///< in the order of the file; by id where it has no vertices
   std::vector<Node<Point<Pose>>> landmarks;
-  std::vector<Edge<Pose>> edges;       ///< from a pose to a pose
+  std::vector<Edge<Pose>> edges;             ///< from a pose to a pose
   std::vector<Edge<Point<Pose>>> sightings;  ///< of a landmark by a pose
   std::map<std::string, int> unknown_tags;   ///< how many lines begin with each
 };

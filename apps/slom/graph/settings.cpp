@@ -40,10 +40,9 @@ Settings parseSettings(const RawOptions& raw) {
   settings.init = parseInit(raw.init);
   settings.rotation_error = parseRotationError(raw.rotation_error);
   checkPlot(settings.plot_file);
-  checkResultPaths({{"FILE", settings.file}},
-                   {{"--output", settings.output_file},
-                    {"--json", settings.jsonToStdout() ? "" : settings.json_file},
-                    {"--plot", settings.plot_file}});
+  checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file},
+                                               {"--json", settings.jsonToStdout() ? "" : settings.json_file},
+                                               {"--plot", settings.plot_file}});
   return settings;
 }
 

@@ -9,8 +9,9 @@ namespace slom::app::graph {
 
 namespace {
 
-/// slom::RelativePose has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1 (a^-1 b), seen from where z
-/// puts b. So its information must be that of the file, turned to a's frame: B^T I B with B = diag(R_z^T, 1).
+/// slom::RelativePose has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1 (a^-1 b),
+/// seen from where z puts b. So its information must be that of the file, turned to a's frame: B^T I B with B
+/// = diag(R_z^T, 1).
 template <class Pose>
 Symmetric<dof<Pose>> informationFromA(const Edge<Pose>& edge) {
   constexpr int n = dim<Pose>, m = dof<Pose> - n;
@@ -38,7 +39,8 @@ void withInformation(const Symmetric<N>& information, F f) {
 }
 
 template <class Value>
-std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Value>>& nodes, const char* kind) {
+std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Value>>& nodes,
+                                      const char* kind) {
   std::vector<VarID<Value>> ids;
   ids.reserve(nodes.size());
   for (const Node<Value>& node : nodes)
@@ -50,7 +52,8 @@ std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Val
 
 template <class Pose>
 GraphFit<Pose>::GraphFit(const PoseGraph<Pose>& graph, const Settings& settings)
-    : poses_(insertNodes(est_, graph.poses, "pose ")), landmarks_(insertNodes(est_, graph.landmarks, "landmark ")) {
+    : poses_(insertNodes(est_, graph.poses, "pose ")),
+      landmarks_(insertNodes(est_, graph.landmarks, "landmark ")) {
   apply(settings.fit, est_);
   for (const auto& edge : graph.edges) insertEdge(edge, settings);
   for (const auto& sighting : graph.sightings) insertSighting(sighting, settings.fit.loss);
@@ -62,19 +65,22 @@ void GraphFit<Pose>::insertEdge(const Edge<Pose>& edge, const Settings& settings
   withInformation(informationFromA(edge), [&](const auto& noise) {
     if constexpr (dim<Pose> == 3) {
       if (settings.rotation_error == RotationError::quaternion) {
-        est_.insertMeasurement(QuaternionError(), a, b, edge.measured, noise, settings.fit.loss, named("edge"));
+        est_.insertMeasurement(QuaternionError(), a, b, edge.measured, noise, settings.fit.loss,
+                               named("edge"));
         return;
       }
     }
-    est_.insertMeasurement(RelativePose(), a, b, measured(edge.measured), noise, settings.fit.loss, named("edge"));
+    est_.insertMeasurement(RelativePose(), a, b, measured(edge.measured), noise, settings.fit.loss,
+                           named("edge"));
   });
 }
 
 template <class Pose>
 void GraphFit<Pose>::insertSighting(const Edge<Point<Pose>>& sighting, const Loss& loss) {
   withInformation(sighting.information, [&](const auto& noise) {
-    est_.insertMeasurement(Landmark(), poses_[std::size_t(sighting.from)], landmarks_[std::size_t(sighting.to)],
-                           measured(sighting.measured), noise, loss, named("sighting"));
+    est_.insertMeasurement(Landmark(), poses_[std::size_t(sighting.from)],
+                           landmarks_[std::size_t(sighting.to)], measured(sighting.measured), noise, loss,
+                           named("sighting"));
   });
 }
 

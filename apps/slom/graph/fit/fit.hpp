@@ -9,9 +9,9 @@
 namespace slom::app::graph {
 
 /// Poses and landmarks as variables, named by their ids (`pose 17`), edges and sightings as measurements.
-///   residual of an edge       z^-1 (a^-1 b): its translation, then its rotation as Settings::rotation_error says
-///   residual of a sighting    a^-1 p - z
-///   whitened by W with W^T W = information, so that the RSS is the sum of e^T information e
+///   residual of an edge       z^-1 (a^-1 b): its translation, then its rotation as Settings::rotation_error
+///   says residual of a sighting    a^-1 p - z whitened by W with W^T W = information, so that the RSS is the
+///   sum of e^T information e
 template <class Pose>
 class GraphFit {
  public:

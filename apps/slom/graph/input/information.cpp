@@ -27,7 +27,8 @@ void repair(Symmetric<N>& m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen(m);
   const double floor = repaired_eigenvalue * eigen.eigenvalues().cwiseAbs().maxCoeff();
   const auto V = eigen.eigenvectors();
-  const Eigen::Matrix<double, N, N> product = V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose();
+  const Eigen::Matrix<double, N, N> product =
+      V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose();
   m = (product + product.transpose()) / 2;
 }
 
@@ -40,8 +41,8 @@ class Check {
     for (Edge<Datum>& edge : edges) {
       if (isPositiveDefinite(edge.information)) continue;
       if (edge.information.isZero(0)) {
-        throw UserError(fmt::format("{}:{}: the information is 0, so that nothing is measured; remove the line", file_,
-                                    edge.line));
+        throw UserError(fmt::format(
+            "{}:{}: the information is 0, so that nothing is measured; remove the line", file_, edge.line));
       }
       ++count_;
       if (lines_.size() < most_lines) lines_.push_back(edge.line);
@@ -52,7 +53,8 @@ class Check {
   int finish() const {
     if (count_ == 0 || repair_) return count_;
     throw UserError(fmt::format(
-        "{}: the information of {} is not positive definite ({} {}{}); correct it, or give --repair-information, which "
+        "{}: the information of {} is not positive definite ({} {}{}); correct it, or give "
+        "--repair-information, which "
         "takes the nearest matrix that is",
         file_, count_ == 1 ? "1 edge" : fmt::format("{} edges", count_), count_ == 1 ? "line" : "lines",
         fmt::join(lines_, ", "), count_ > int(lines_.size()) ? ", ..." : ""));

@@ -63,7 +63,8 @@ void Lines::require(bool good) const {
 
 /// Fills the buffer behind what has not been handed out yet; false at the end of the file.
 bool Lines::readMore() {
-  std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_), buffer_.begin());
+  std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_),
+            buffer_.begin());
   end_ -= begin_;
   begin_ = 0;
   if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
@@ -133,7 +134,8 @@ long Lines::id() {
   const std::string_view text = word();
   long value = 0;
   if (!parse(text, value) || value < 0) {
-    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it", shortened(text), tag_));
+    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it", shortened(text),
+                     tag_));
   }
   return value;
 }

@@ -9,8 +9,8 @@
 
 namespace slom::app::graph {
 
-/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped. Reads a large part of
-/// the file at a time, so that it need not fit into memory, and takes pipes too.
+/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped.
+/// Reads a large part of the file at a time, so that it need not fit into memory, and takes pipes too.
 class Lines {
  public:
   /// UserError when the file cannot be read. `file` must outlive this.

@@ -40,7 +40,8 @@ void readPoseEdge(RawGraph<Pose>& raw, Lines& line) {
 }
 template <auto Skip, class Pose>
 void readSighting(RawGraph<Pose>& raw, Lines& line) {
-  raw.readEdge(raw.graph.sightings, raw.sighting_ends, line, readPoint<dim<Pose>>, readInformation<dim<Pose>>, Skip);
+  raw.readEdge(raw.graph.sightings, raw.sighting_ends, line, readPoint<dim<Pose>>, readInformation<dim<Pose>>,
+               Skip);
 }
 
 /// Where the sensor sits on the robot.
@@ -50,16 +51,19 @@ void readSensorOffset(RawGraph<Pose3>&, Lines& line) {
   line.finish();
   const auto& q = offset.orient.coeffs();
   if (offset.pos.isZero(0) && q.head<3>().isZero(0)) return;
-  line.fail("the sensor's offset is not the identity, and others are not supported; transform the measurements "
-            "into the frame of the robot");
+  line.fail(
+      "the sensor's offset is not the identity, and others are not supported; transform the measurements "
+      "into the frame of the robot");
 }
 
 constexpr std::array<Tag<Pose2>, 6> plane_tags{{
-    {"EDGE_SE2", 11, "EDGE_SE2 i j x y theta I11 I12 I13 I22 I23 I33", readPoseEdge<readPose2, readInformation<3>>},
+    {"EDGE_SE2", 11, "EDGE_SE2 i j x y theta I11 I12 I13 I22 I23 I33",
+     readPoseEdge<readPose2, readInformation<3>>},
     {"VERTEX_SE2", 4, "VERTEX_SE2 i x y theta", readPoseVertex<readPose2>},
     {"EDGE_SE2_XY", 7, "EDGE_SE2_XY i j x y I11 I12 I22", readSighting<nothing>},
     {"VERTEX_XY", 3, "VERTEX_XY i x y", readLandmarkVertex<Pose2>},
-    {"EDGE2", 11, "EDGE2 i j x y theta I11 I12 I22 I33 I13 I23", readPoseEdge<readPose2, readToroInformation>},
+    {"EDGE2", 11, "EDGE2 i j x y theta I11 I12 I22 I33 I13 I23",
+     readPoseEdge<readPose2, readToroInformation>},
     {"VERTEX2", 4, "VERTEX2 i x y theta", readPoseVertex<readPose2>},
 }};
 
@@ -67,9 +71,11 @@ constexpr std::array<Tag<Pose3>, 7> space_tags{{
     {"EDGE_SE3:QUAT", 30, "EDGE_SE3:QUAT i j x y z qx qy qz qw I11 I12 ... I66",
      readPoseEdge<readQuaternionPose, readInformation<6>>},
     {"VERTEX_SE3:QUAT", 8, "VERTEX_SE3:QUAT i x y z qx qy qz qw", readPoseVertex<readQuaternionPose>},
-    {"EDGE_SE3_TRACKXYZ", 12, "EDGE_SE3_TRACKXYZ i j sensor x y z I11 I12 I13 I22 I23 I33", readSighting<sensorId>},
+    {"EDGE_SE3_TRACKXYZ", 12, "EDGE_SE3_TRACKXYZ i j sensor x y z I11 I12 I13 I22 I23 I33",
+     readSighting<sensorId>},
     {"VERTEX_TRACKXYZ", 4, "VERTEX_TRACKXYZ i x y z", readLandmarkVertex<Pose3>},
-    {"EDGE3", 29, "EDGE3 i j x y z roll pitch yaw I11 I12 ... I66", readPoseEdge<readEulerPose, readInformation<6>>},
+    {"EDGE3", 29, "EDGE3 i j x y z roll pitch yaw I11 I12 ... I66",
+     readPoseEdge<readEulerPose, readInformation<6>>},
     {"VERTEX3", 7, "VERTEX3 i x y z roll pitch yaw", readPoseVertex<readEulerPose>},
     {"PARAMS_SE3OFFSET", 8, "PARAMS_SE3OFFSET i x y z qx qy qz qw", readSensorOffset},
 }};
@@ -103,15 +109,16 @@ class Reader {
   }
 
   template <class Pose, std::size_t N>
-  static bool readTagged(Lines& line, const std::array<Tag<Pose>, N>& tags, RawGraph<Pose>& raw, FirstLine& own,
-                         const FirstLine& other) {
+  static bool readTagged(Lines& line, const std::array<Tag<Pose>, N>& tags, RawGraph<Pose>& raw,
+                         FirstLine& own, const FirstLine& other) {
     for (const Tag<Pose>& tag : tags) {
       if (tag.name != line.tag()) continue;
       if (own.number == 0) own = {std::string(tag.name), line.number()};
       if (other.number != 0) {
-        line.fail(fmt::format("{} and {} of line {} do not belong together: one is of the plane, one of space; make "
-                              "two files",
-                              tag.name, other.tag, other.number));
+        line.fail(fmt::format(
+            "{} and {} of line {} do not belong together: one is of the plane, one of space; make "
+            "two files",
+            tag.name, other.tag, other.number));
       }
       line.expect(tag.words, tag.form);
       tag.read(raw, line);
@@ -130,8 +137,9 @@ class Reader {
   template <class Pose>
   PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
     if (raw.graph.edges.empty() && raw.graph.sightings.empty()) {
-      throw UserError(raw.graph.file +
-                      ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
+      throw UserError(
+          raw.graph.file +
+          ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
     }
     raw.fixed = std::move(fixed_);
     raw.graph.unknown_tags = std::move(unknown_);

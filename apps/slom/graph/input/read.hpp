@@ -7,8 +7,8 @@
 
 namespace slom::app::graph {
 
-/// Throws UserError, with file and line, for whatever is wrong with the lines of the file or with the vertices that
-/// its edges name. Information matrices are taken as they are.
+/// Throws UserError, with file and line, for whatever is wrong with the lines of the file or with the
+/// vertices that its edges name. Information matrices are taken as they are.
 AnyPoseGraph readPoseGraph(const std::string& file);
 
 }  // namespace slom::app::graph

@@ -83,8 +83,8 @@ class Resolver {
         fail(node.line,
              fmt::format("vertex {} is there already, on line {}; remove one of them", node.id, old.line));
       }
-      fail(node.line, fmt::format("vertex {} is {} here and {} on line {}; give one of them another id", node.id,
-                                  nameOf(kind), nameOf(old.kind), old.line));
+      fail(node.line, fmt::format("vertex {} is {} here and {} on line {}; give one of them another id",
+                                  node.id, nameOf(kind), nameOf(old.kind), old.line));
     }
   }
 
@@ -112,7 +112,8 @@ class Resolver {
     for (const FixedVertex& fixed : raw_.fixed) {
       const auto it = known_.find(fixed.id);
       if (it == known_.end()) {
-        fail(fixed.line, fmt::format("there is no vertex {}; add a line for it, or remove this one", fixed.id));
+        fail(fixed.line,
+             fmt::format("there is no vertex {}; add a line for it, or remove this one", fixed.id));
       }
       const auto node = static_cast<std::size_t>(it->second.node);
       (it->second.kind == Kind::pose ? graph_.poses[node].held : graph_.landmarks[node].held) = true;

@@ -23,7 +23,8 @@ Pose3 readEulerPose(Lines& line) {
   const mtk::vect<3> angle = readPoint<3>(line);
   using SO3 = mtk::SO3<>;
   using vec3 = mtk::vect<3>;
-  return {SO3::exp(vec3(0, 0, angle[2])) * SO3::exp(vec3(0, angle[1], 0)) * SO3::exp(vec3(angle[0], 0, 0)), position};
+  return {SO3::exp(vec3(0, 0, angle[2])) * SO3::exp(vec3(0, angle[1], 0)) * SO3::exp(vec3(angle[0], 0, 0)),
+          position};
 }
 
 Symmetric<3> readToroInformation(Lines& line) {

@@ -20,8 +20,8 @@ struct Tags<Pose2> {
 };
 template <>
 struct Tags<Pose3> {
-  static constexpr const char *pose = "VERTEX_SE3:QUAT", *edge = "EDGE_SE3:QUAT", *landmark = "VERTEX_TRACKXYZ",
-                              *sighting = "EDGE_SE3_TRACKXYZ", *sensor = " 0";
+  static constexpr const char *pose = "VERTEX_SE3:QUAT", *edge = "EDGE_SE3:QUAT",
+                              *landmark = "VERTEX_TRACKXYZ", *sighting = "EDGE_SE3_TRACKXYZ", *sensor = " 0";
 };
 
 template <int N>
@@ -55,11 +55,13 @@ void appendFixes(Text& text, const std::vector<Node<Value>>& nodes) {
 }
 
 template <class Datum>
-void appendEdge(Text& text, const char* tag, long from, long to, const char* sensor, const Edge<Datum>& edge) {
+void appendEdge(Text& text, const char* tag, long from, long to, const char* sensor,
+                const Edge<Datum>& edge) {
   fmt::format_to(std::back_inserter(text), "{} {} {}{}", tag, from, to, sensor);
   append(text, edge.measured);
   for (int i = 0; i < Datum::DOF; ++i) {
-    for (int j = i; j < Datum::DOF; ++j) fmt::format_to(std::back_inserter(text), " {}", edge.information(i, j));
+    for (int j = i; j < Datum::DOF; ++j)
+      fmt::format_to(std::back_inserter(text), " {}", edge.information(i, j));
   }
   text.push_back('\n');
 }
@@ -72,7 +74,8 @@ std::string toG2o(const PoseGraph<Pose>& graph) {
   const auto& poses = graph.poses;
   const auto& landmarks = graph.landmarks;
   Text text;
-  if (dim<Pose> == 3 && !graph.sightings.empty()) text.append(std::string_view("PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\n"));
+  if (dim<Pose> == 3 && !graph.sightings.empty())
+    text.append(std::string_view("PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\n"));
   appendVertices(text, poses, T::pose);
   appendVertices(text, landmarks, T::landmark);
   appendFixes(text, poses);
@@ -81,7 +84,8 @@ std::string toG2o(const PoseGraph<Pose>& graph) {
     appendEdge(text, T::edge, poses[std::size_t(edge.from)].id, poses[std::size_t(edge.to)].id, "", edge);
   }
   for (const auto& edge : graph.sightings) {
-    appendEdge(text, T::sighting, poses[std::size_t(edge.from)].id, landmarks[std::size_t(edge.to)].id, T::sensor, edge);
+    appendEdge(text, T::sighting, poses[std::size_t(edge.from)].id, landmarks[std::size_t(edge.to)].id,
+               T::sensor, edge);
   }
   return fmt::to_string(text);
 }

@@ -7,8 +7,8 @@
 
 namespace slom::app::graph {
 
-/// All vertices, lines FIX for those that are held, all edges; numbers with all digits. A graph that came from TORO's format is
-/// written in g2o's too.
+/// All vertices, lines FIX for those that are held, all edges; numbers with all digits. A graph that came
+/// from TORO's format is written in g2o's too.
 template <class Pose>
 std::string toG2o(const PoseGraph<Pose>& graph);
 

@@ -180,7 +180,6 @@ addEventListener("keydown", e => {
 });
 addEventListener("resize", redraw);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-canvas.focus();
 redraw();
 </script>
 </body>

@@ -20,7 +20,8 @@ std::string heldText(const PoseGraph<Pose>& graph, const std::string& held) {
   std::string text;
   if (graph.has_fix_lines) {
     text = plural(heldAmong(graph.poses), "pose");
-    if (const std::size_t landmarks = heldAmong(graph.landmarks)) text += " and " + plural(landmarks, "landmark");
+    if (const std::size_t landmarks = heldAmong(graph.landmarks))
+      text += " and " + plural(landmarks, "landmark");
     text += ", by lines FIX";
     if (!held.empty()) text += " and --hold-parts (" + held + ")";
   } else {
@@ -33,17 +34,19 @@ std::string heldText(const PoseGraph<Pose>& graph, const std::string& held) {
 
 template <class Pose>
 std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation) {
-  std::string text = fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", graph.file,
-                                 plural(graph.poses.size(), "pose"), plural(graph.edges.size(), "edge"));
+  std::string text =
+      fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", graph.file,
+                  plural(graph.poses.size(), "pose"), plural(graph.edges.size(), "edge"));
   if (!graph.landmarks.empty()) {
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
                         plural(graph.sightings.size(), "sighting"));
   }
-  text += fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held), toString(preparation.init));
+  text +=
+      fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held), toString(preparation.init));
   if (preparation.repaired > 0) {
-    text += fmt::format("  repaired: {}\n", preparation.repaired == 1
-                                                ? "1 information matrix"
-                                                : fmt::format("{} information matrices", preparation.repaired));
+    text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"
+                                                                      : fmt::format("{} information matrices",
+                                                                                    preparation.repaired));
   }
   for (const auto& [tag, count] : graph.unknown_tags) {
     text += fmt::format("  warning: {} with the unknown tag {}\n",

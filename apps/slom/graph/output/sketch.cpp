@@ -38,7 +38,11 @@ std::pair<Sketch::Place, Sketch::Place> Sketch::bounds() const {
       }
     }
   }
-  if (low == high) --low[0], ++high[0];
+  if (low[0] == high[0]) {  // give it a width
+    const double half = low == high ? 1 : std::max(high[1] - low[1], high[2] - low[2]) / 8;
+    low[0] -= half;
+    high[0] += half;
+  }
   return {low, high};
 }
 

@@ -44,11 +44,13 @@ class Picture {
   }
 
   std::string draw() {
-    const int dots = int(sketch_.poses.size());
-    append("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" height=\"{:.0f}\">\n",
-           page_width, page_height_, page_width, page_height_);
-    append("<title>{}: {}, {} that close loops</title>\n", escaped(sketch_.name), plural(std::size_t(dots), "pose"),
-           plural(sketch_.closures.size(), "edge"));
+    const std::size_t closures = sketch_.closures.size();
+    append(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" "
+        "height=\"{:.0f}\">\n",
+        page_width, page_height_, page_width, page_height_);
+    append("<title>{}: {}, {} that {}</title>\n", escaped(sketch_.name), plural(sketch_.poses.size(), "pose"),
+           plural(closures, "edge"), closures == 1 ? "closes a loop" : "close loops");
     append("{}<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n", style);
     lines("edge", "0.7", "0.55", sketch_.closures);
     lines("path", "1.6", "1", sketch_.path);
@@ -99,7 +101,8 @@ class Picture {
   void landmarks() {
     if (sketch_.landmarks.empty()) return;
     append("<path class=\"mark\" stroke-width=\"4\" d=\"");
-    for (const auto& landmark : sketch_.landmarks) append("M{} {}h0", px(dot(landmark).x), px(dot(landmark).y));
+    for (const auto& landmark : sketch_.landmarks)
+      append("M{} {}h0", px(dot(landmark).x), px(dot(landmark).y));
     append("\"/>\n");
   }
 
@@ -108,8 +111,8 @@ class Picture {
     const double fifth = page_width / 5 / scale_, power = std::pow(10, std::floor(std::log10(fifth)));
     const double length = power * (fifth >= 5 * power ? 5 : fifth >= 2 * power ? 2 : 1);
     const double y = page_height_ - margin;
-    append("<path class=\"ink\" stroke-width=\"1.5\" d=\"M{0} {1:.2f}v8M{0} {2:.2f}h{3:.2f}m0 -4v8\"/>\n", margin, y - 4, y,
-           length * scale_);
+    append("<path class=\"ink\" stroke-width=\"1.5\" d=\"M{0} {1:.2f}v8M{0} {2:.2f}h{3:.2f}m0 -4v8\"/>\n",
+           margin, y - 4, y, length * scale_);
     append("<text x=\"{:.2f}\" y=\"{:.2f}\">{:g}</text>\n", margin + length * scale_ + 10, y + 5, length);
   }
 

@@ -7,8 +7,8 @@
 
 namespace slom::app::graph {
 
-/// SVG with the trajectory, the other edges thin behind it, landmarks as dots, held poses as rings, and a bar for the scale. Follows
-/// the reader's choice of light or dark.
+/// SVG with the trajectory, the other edges thin behind it, landmarks as dots, held poses as rings, and a bar
+/// for the scale. Follows the reader's choice of light or dark.
 std::string toSvg(const Sketch& sketch);
 
 }  // namespace slom::app::graph

@@ -63,7 +63,8 @@ mtk::SO2<> nearestRotation(const Eigen::Matrix2d& M) { return mtk::SO2<>(M); }
 mtk::SO3<> nearestRotation(const Eigen::Matrix3d& M) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return mtk::SO3<>(Eigen::Matrix3d(svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose()));
+  return mtk::SO3<>(
+      Eigen::Matrix3d(svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose()));
 }
 
 }  // namespace
@@ -83,8 +84,8 @@ void relaxChordally(PoseGraph<Pose>& graph) {
   NormalEquations<N> rotations(block, blocks, N);  // X_p = R_p^T
   for (const auto& edge : graph.edges) {
     const double w = edge.information.diagonal().template tail<dof<Pose> - N>().mean();
-    rotations.add(w, edge.from, edge.to, Matrix(edge.measured.orient.inverse().toRotationMatrix()), Matrix::Zero(),
-                  [&](int p) { return Matrix(pose(p).orient.inverse().toRotationMatrix()); });
+    rotations.add(w, edge.from, edge.to, Matrix(edge.measured.orient.inverse().toRotationMatrix()),
+                  Matrix::Zero(), [&](int p) { return Matrix(pose(p).orient.inverse().toRotationMatrix()); });
   }
   const Eigen::MatrixXd X = rotations.solve();
   for (std::size_t p = 0; p < block.size(); ++p) {

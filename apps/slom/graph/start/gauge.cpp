@@ -17,7 +17,8 @@ class DisjointSets {
   explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
   /// The smallest member of the set that `i` is in.
   int find(int i) {
-    while (parent_[std::size_t(i)] != i) i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
+    while (parent_[std::size_t(i)] != i)
+      i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
     return i;
   }
   void join(int a, int b) {
@@ -67,7 +68,8 @@ void hold(PoseGraph<Pose>& graph, int vertex) {
 template <class Pose>
 std::string nameOf(const PoseGraph<Pose>& graph, int vertex) {
   const std::size_t v = std::size_t(vertex), poses = graph.poses.size();
-  return v < poses ? fmt::format("pose {}", graph.poses[v].id) : fmt::format("landmark {}", graph.landmarks[v - poses].id);
+  return v < poses ? fmt::format("pose {}", graph.poses[v].id)
+                   : fmt::format("landmark {}", graph.landmarks[v - poses].id);
 }
 
 /// `open` are the parts without a held pose.
@@ -79,11 +81,12 @@ template <class Pose>
     names += fmt::format("{}that of {} ({})", i == 0 ? "" : ", ", nameOf(graph, open[i].first),
                          open[i].vertices == 1 ? "1 vertex" : fmt::format("{} vertices", open[i].vertices));
   }
-  throw UserError(fmt::format(
-      "{}: the graph falls into {} parts that no edge connects, and {} no fixed pose: {}{}; add edges between them, add "
-      "a line FIX for a pose of each, or give --hold-parts, which holds the first vertex of each",
-      graph.file, parts, open.size() == 1 ? "1 holds" : fmt::format("{} hold", open.size()), names,
-      open.size() > most_parts ? ", ..." : ""));
+  throw UserError(
+      fmt::format("{}: the graph falls into {} parts that no edge connects, and {} no fixed pose: {}{}; add "
+                  "edges between them, add "
+                  "a line FIX for a pose of each, or give --hold-parts, which holds the first vertex of each",
+                  graph.file, parts, open.size() == 1 ? "1 holds" : fmt::format("{} hold", open.size()),
+                  names, open.size() > most_parts ? ", ..." : ""));
 }
 
 /// Without vertices nothing says how fixed poses lie to each other.
@@ -92,9 +95,10 @@ void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Part>& p
   if (graph.has_vertices) return;
   for (const Part& part : parts) {
     if (part.held_poses < 2) continue;
-    throw UserError(fmt::format("{}: {} poses are fixed, but the file has no vertices that say where they are; fix one "
-                                "of them, or add vertices",
-                                graph.file, part.held_poses));
+    throw UserError(
+        fmt::format("{}: {} poses are fixed, but the file has no vertices that say where they are; fix one "
+                    "of them, or add vertices",
+                    graph.file, part.held_poses));
   }
 }
 

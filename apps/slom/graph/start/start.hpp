@@ -13,7 +13,8 @@ enum class Init {
 };
 const char* toString(Init init);
 
-/// Gives all poses and landmarks that are not held their start values. Throws UserError where the method cannot.
+/// Gives all poses and landmarks that are not held their start values. Throws UserError where the method
+/// cannot.
 template <class Pose>
 void findStart(PoseGraph<Pose>& graph, Init init);
 

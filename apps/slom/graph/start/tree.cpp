@@ -39,14 +39,14 @@ EdgesAtPoses edgesAtPoses(const PoseGraph<Pose>& graph, Accept accept) {
 
 template <class Pose>
 [[noreturn]] void refuse(const PoseGraph<Pose>& graph, Init init, long id) {
-  throw UserError(
-      init == Init::odometry
-          ? fmt::format("--init odometry: no chain of edges i, i+1 leads from a held pose to pose {} of {}; use --init "
-                        "spanning-tree",
-                        id, graph.file)
-          : fmt::format("--init {}: no edge between poses leads to pose {} of {}, which landmarks alone connect with the "
-                        "rest; add an edge, or vertices for all",
-                        toString(init), id, graph.file));
+  throw UserError(init == Init::odometry ? fmt::format("--init odometry: no chain of edges i, i+1 leads from "
+                                                       "a held pose to pose {} of {}; use --init "
+                                                       "spanning-tree",
+                                                       id, graph.file)
+                                         : fmt::format("--init {}: no edge between poses leads to pose {} of "
+                                                       "{}, which landmarks alone connect with the "
+                                                       "rest; add an edge, or vertices for all",
+                                                       toString(init), id, graph.file));
 }
 
 }  // namespace
@@ -73,7 +73,8 @@ void composeAlongTree(PoseGraph<Pose>& graph, Init init) {
       const bool forward = std::size_t(edge.from) == here;
       const auto there = std::size_t(forward ? edge.to : edge.from);
       if (is_reached[there] != 0) continue;
-      graph.poses[there].value = graph.poses[here].value * (forward ? edge.measured : edge.measured.inverse());
+      graph.poses[there].value =
+          graph.poses[here].value * (forward ? edge.measured : edge.measured.inverse());
       reach(there);
     }
   }

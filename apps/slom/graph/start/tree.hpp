@@ -6,8 +6,9 @@
 
 namespace slom::app::graph {
 
-/// Breadth first from all held poses, so that each pose is reached by as few edges as can be; for Init::odometry by edges
-/// between ids that follow each other alone. Throws UserError, naming `init`, when a pose cannot be reached.
+/// Breadth first from all held poses, so that each pose is reached by as few edges as can be; for
+/// Init::odometry by edges between ids that follow each other alone. Throws UserError, naming `init`, when a
+/// pose cannot be reached.
 template <class Pose>
 void composeAlongTree(PoseGraph<Pose>& graph, Init init);
 
