@@ -10,6 +10,10 @@ std::string plural(std::size_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
+std::string shortened(std::string_view text, std::size_t most) {
+  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+}
+
 std::string bulleted(const std::string& sentence) {
   constexpr std::size_t text_width = 100;
   std::string text = "  *";

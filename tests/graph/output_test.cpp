@@ -82,6 +82,12 @@ TEST(GraphOutput, ReportSaysWhatMatters) {
   EXPECT_EQ(robust.output.find("chi2"), std::string::npos) << robust.output;
 }
 
+TEST(GraphOutput, NoChiSquareWithoutRedundancy) {
+  const TemporaryFolder folder;
+  const std::string output = runIn(folder, "EDGE_SE2 0 1 1 0 0" + unit3, {}).output;
+  EXPECT_TRUE(output.ends_with("\n  3 measurements - 3 unknowns = redundancy 0\n  RSS 0\n")) << output;
+}
+
 TEST(GraphOutput, QuietPrintsNothing) {
   const TemporaryFolder folder;
   const auto result = runIn(folder, loop, {"--quiet"});

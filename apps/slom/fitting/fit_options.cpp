@@ -1,7 +1,6 @@
 #include "fitting/fit_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <thread>
 #include <vector>
@@ -11,6 +10,7 @@
 #include <slom/estimator.hpp>
 
 #include "error.hpp"
+#include "text.hpp"
 
 namespace slom::app {
 
@@ -62,8 +62,7 @@ Loss parseLoss(const std::string& text) {
   std::vector<double> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
     double number = 0;
-    const auto [end, error] = std::from_chars(words[i].data(), words[i].data() + words[i].size(), number);
-    if (error != std::errc() || end != words[i].data() + words[i].size() || std::isnan(number)) break;
+    if (!parseNumber(words[i], number) || std::isnan(number)) break;
     numbers.push_back(number);
   }
   const bool is_complete = numbers.size() == known->numbers && words.size() == known->numbers + 1;

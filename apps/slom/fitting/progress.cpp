@@ -1,7 +1,5 @@
 #include "fitting/progress.hpp"
 
-#include <limits>
-
 #include <fmt/format.h>
 
 #include "text.hpp"
@@ -24,14 +22,15 @@ Outcome outcomeOf(const Summary& s) {
 }
 
 std::string outcomeText(const Outcome& o) {
-  const double per_dof =
-      o.redundancy() > 0 ? o.rss / o.redundancy() : std::numeric_limits<double>::quiet_NaN();
+  std::string text =
+      fmt::format("\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n",
+                  o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
+                  o.stop_reason, o.measurements, o.unknowns, o.redundancy());
   const char* const kind = o.is_robust ? "robust RSS" : "RSS";
-  std::string text = fmt::format(
-      "\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  {} {:.6g}, {}/dof {:.4g}\n",
-      o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
-      o.stop_reason, o.measurements, o.unknowns, o.redundancy(), kind, o.rss, o.is_robust ? kind : "chi2",
-      per_dof);
+  text += fmt::format("  {} {:.6g}", kind, o.rss);
+  if (o.redundancy() > 0)
+    text += fmt::format(", {}/dof {:.4g}", o.is_robust ? kind : "chi2", o.rss / o.redundancy());
+  text += '\n';
   if (!o.converged) text += fmt::format("  {}\n", o.message);
   return text;
 }

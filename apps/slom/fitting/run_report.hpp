@@ -8,7 +8,7 @@
 
 namespace slom::app {
 
-/// Seconds since its construction or the last restart.
+/// Seconds since its construction.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "text.hpp"
 
 namespace slom::app::graph {
 
@@ -33,18 +32,7 @@ std::string_view takeWord(std::string_view& text) {
   return word;
 }
 
-/// Long words, of a file that is no graph, shortened for a message.
-std::string shortened(std::string_view word) {
-  return word.size() <= 40 ? std::string(word) : std::string(word.substr(0, 37)) + "...";
-}
-
-/// All of `word` read as a number.
-template <class T>
-bool parse(std::string_view word, T& value) {
-  if (word.size() > 1 && word.front() == '+' && word[1] != '-') word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
-}
+constexpr std::size_t longest_word = 40;  // in a message: a file that is no graph may have any
 
 }  // namespace
 
@@ -94,7 +82,7 @@ bool Lines::nextLine() {
 
 bool Lines::next() {
   while (nextLine()) {
-    ++number_;
+    ++line_number_;
     word_ = 0;
     tag_ = takeWord(line_);
     behind_ = line_;
@@ -133,22 +121,23 @@ std::string_view Lines::word() {
 long Lines::id() {
   const std::string_view text = word();
   long value = 0;
-  if (!parse(text, value) || value < 0) {
-    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it", shortened(text),
-                     tag_));
+  if (!parseNumber(text, value) || value < 0) {
+    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it",
+                     shortened(text, longest_word), tag_));
   }
   return value;
 }
 
-double Lines::number64() {
+double Lines::number() {
   const std::string_view text = word();
   double value = 0;
-  if (parse(text, value) && std::isfinite(value)) return value;
-  fail(fmt::format("word {} behind {} is \"{}\"; write a finite number there", word_, tag_, shortened(text)));
+  if (parseNumber(text, value) && std::isfinite(value)) return value;
+  fail(fmt::format("word {} behind {} is \"{}\"; write a finite number there", word_, tag_,
+                   shortened(text, longest_word)));
 }
 
 void Lines::fail(const std::string& what) const {
-  throw UserError(fmt::format("{}:{}: {}", file_, number_, what));
+  throw UserError(fmt::format("{}:{}: {}", file_, line_number_, what));
 }
 
 }  // namespace slom::app::graph

@@ -18,7 +18,7 @@ class Lines {
 
   /// Goes to the next line that says something; false at the end.
   bool next();
-  int number() const { return number_; }
+  int lineNumber() const { return line_number_; }
   std::string_view tag() const { return tag_; }
 
   /// Says what this line must be: `form` is an example, with `count` words behind the tag.
@@ -26,7 +26,7 @@ class Lines {
   /// The next word as the id of a vertex.
   long id();
   /// The next word as a finite number.
-  double number64();
+  double number();
   /// Whether there are words left.
   bool atEnd() const;
   /// Fails when there are words left.
@@ -52,7 +52,7 @@ class Lines {
   std::string_view behind_;          // the line behind its tag
   std::string_view tag_;
   const char* form_ = "";
-  int number_ = 0;
+  int line_number_ = 0;
   int count_ = 0;  // of words that are expected
   int word_ = 0;   // number of the last one read, from 1
 };

@@ -31,7 +31,7 @@ struct RawGraph {
   template <class Value, class Read>
   static void readVertex(std::vector<Node<Value>>& nodes, Lines& line, Read read) {
     Node<Value> node;
-    node.line = line.number();
+    node.line = line.lineNumber();
     node.id = line.id();
     node.value = read(line);
     line.finish();
@@ -44,7 +44,7 @@ struct RawGraph {
                        ReadInformation read_information, Skip skip) {
     Edge<Datum>& edge = edges.emplace_back();
     Ends& end = ends.emplace_back();
-    edge.line = line.number();
+    edge.line = line.lineNumber();
     end.from = line.id();
     end.to = line.id();
     skip(line);

@@ -113,7 +113,7 @@ class Reader {
                          FirstLine& own, const FirstLine& other) {
     for (const Tag<Pose>& tag : tags) {
       if (tag.name != line.tag()) continue;
-      if (own.number == 0) own = {std::string(tag.name), line.number()};
+      if (own.number == 0) own = {std::string(tag.name), line.lineNumber()};
       if (other.number != 0) {
         line.fail(fmt::format(
             "{} and {} of line {} do not belong together: one is of the plane, one of space; make "
@@ -130,7 +130,7 @@ class Reader {
   void readFix(Lines& line) {
     line.expect(1, "FIX i");
     do {
-      fixed_.push_back({line.id(), line.number()});
+      fixed_.push_back({line.id(), line.lineNumber()});
     } while (!line.atEnd());
   }
 

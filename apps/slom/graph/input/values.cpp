@@ -6,7 +6,7 @@ namespace slom::app::graph {
 
 Pose2 readPose2(Lines& line) {
   const mtk::vect<2> position = readPoint<2>(line);
-  return {mtk::SO2<>(line.number64()), position};
+  return {mtk::SO2<>(line.number()), position};
 }
 
 Pose3 readQuaternionPose(Lines& line) {
@@ -30,7 +30,7 @@ Pose3 readEulerPose(Lines& line) {
 Symmetric<3> readToroInformation(Lines& line) {
   Symmetric<3> information;
   constexpr int place[6][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 2}, {0, 2}, {1, 2}};
-  for (const auto& [i, j] : place) information(i, j) = information(j, i) = line.number64();
+  for (const auto& [i, j] : place) information(i, j) = information(j, i) = line.number();
   return information;
 }
 

@@ -17,7 +17,7 @@ Pose3 readEulerPose(Lines& line);
 template <int N>
 mtk::vect<N> readPoint(Lines& line) {
   mtk::vect<N> point;
-  for (int i = 0; i < N; ++i) point[i] = line.number64();
+  for (int i = 0; i < N; ++i) point[i] = line.number();
   return point;
 }
 
@@ -26,7 +26,7 @@ template <int N>
 Symmetric<N> readInformation(Lines& line) {
   Symmetric<N> information;
   for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) information(i, j) = information(j, i) = line.number64();
+    for (int j = i; j < N; ++j) information(i, j) = information(j, i) = line.number();
   }
   return information;
 }
