@@ -45,6 +45,7 @@ TEST(GraphData, MitFromAChordalStart) {
 }
 TEST(GraphData, Manhattan) {
   SLOM_POSE_GRAPH("manhattan.g2o");
+  SLOM_SKIP_WHEN_SLOW();
   expectRss<Pose2>("manhattan.g2o", 3549.036796);
 }
 TEST(GraphData, City10000) {
@@ -58,6 +59,7 @@ TEST(GraphData, SmallGrid) {
 }
 TEST(GraphData, ParkingGarage) {
   SLOM_POSE_GRAPH("parking-garage.g2o");
+  SLOM_SKIP_WHEN_SLOW();
   expectRss<Pose3>("parking-garage.g2o", 1.26838440);
 }
 TEST(GraphData, Sphere) {
