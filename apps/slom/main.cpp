@@ -9,6 +9,7 @@
 
 #include "calibrate/calibrate.hpp"
 #include "error.hpp"
+#include "graph/graph.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "slom " SLOM_VERSION);
   app.require_subcommand(1);
   addCalibrateCommand(app);
+  addGraphCommand(app);
   addSimulateCommand(app);
   try {
     app.parse(argc, argv);

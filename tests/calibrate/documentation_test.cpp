@@ -1,31 +1,19 @@
 // The run that docs/calibrate.md shows is real: the `$ slom ...` line of its console block prints what
 // follows it there, but for the iterations, whose number and last digits depend on rounding errors. The
 // Python that reads the YAML is run too.
-#include <regex>
-#include <sstream>
+#include "support/documentation.hpp"
 
 #include <gtest/gtest.h>
 
 #include "calibrate/calibrate_command.hpp"
-#include "support/markdown.hpp"
 
 namespace slom::app::calib {
 namespace {
 
+using slom::testing::blocks;
 using slom::testing::sourcePath;
-
-std::vector<std::string> words(const std::string& line) {
-  std::istringstream stream(line);
-  std::vector<std::string> result;
-  for (std::string word; stream >> word;) result.push_back(word);
-  return result;
-}
-
-std::string withoutIterations(const std::string& output) {
-  const std::regex line(R"(\n +\d+ +[\d.e+]+( +-?[\d.]+e[-+]\d+){3} +[-\w ]+)"),
-      count(R"(after \d+ iterations?)");
-  return std::regex_replace(std::regex_replace(output, line, ""), count, "after some iterations");
-}
+using slom::testing::withoutIterations;
+using slom::testing::words;
 
 TEST(CalibrateDocumentation, ShowsRealRuns) {
   const slom::testing::TemporaryFolder
@@ -33,8 +21,7 @@ TEST(CalibrateDocumentation, ShowsRealRuns) {
   std::filesystem::create_symlink(sourcePath("data"), folder / "data");
   const std::vector<std::string> in_folder{"/usr/bin/env", "-C", folder.path().string()};
   const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
-  const auto runs = slom::testing::fencedBlocks(page, "console"),
-             scripts = slom::testing::fencedBlocks(page, "python");
+  const auto runs = blocks(page, "console"), scripts = blocks(page, "python");
   ASSERT_EQ(runs.size(), 1u);
   ASSERT_EQ(scripts.size(), 1u);
   ASSERT_TRUE(runs[0].starts_with("$ slom ")) << runs[0];

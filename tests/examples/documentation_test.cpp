@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "support/markdown.hpp"
+#include "support/documentation.hpp"
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-using slom::testing::fencedBlocks;
+using slom::testing::blocks;
 using slom::testing::readFile;
 
 /// All sources of examples and tests, one after the other.
@@ -36,11 +36,11 @@ TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
   int count = 0;
   for (const fs::path& page : pages) {
     if (page.extension() != ".md") continue;
-    for (const std::string& block : fencedBlocks(readFile(page), "cpp")) {
+    for (const std::string& block : blocks(readFile(page), "cpp")) {
       EXPECT_NE(cpp.find(block), std::string::npos) << page << " shows code that is in no example or test:\n" << block;
       ++count;
     }
-    for (const std::string& block : fencedBlocks(readFile(page), "cmake")) {
+    for (const std::string& block : blocks(readFile(page), "cmake")) {
       EXPECT_NE(cmake.find(block), std::string::npos) << page << " shows a build that no test makes:\n" << block;
       ++count;
     }
@@ -49,7 +49,7 @@ TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
 }
 
 TEST(Documentation, ShowsWhatTheFirstProgramPrints) {
-  const auto printed = fencedBlocks(readFile(slom::testing::sourcePath("README.md")), "text");
+  const auto printed = blocks(readFile(slom::testing::sourcePath("README.md")), "text");
   ASSERT_FALSE(printed.empty());
   EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
 }

@@ -1,6 +1,5 @@
 // `slom calibrate`: options, then read -> calibrate -> report and files.
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -14,6 +13,7 @@
 #include "calibrate/output/yaml.hpp"
 #include "calibrate/settings.hpp"
 #include "error.hpp"
+#include "fitting/progress.hpp"
 #include "output_files.hpp"
 
 namespace slom::app {
@@ -46,24 +46,11 @@ Dataset readDataset(const Settings& settings) {
   return data;
 }
 
-/// Where a symbolic link leads, so that the file is replaced and not the link.
-std::string target(const std::string& file) {
-  return std::filesystem::is_symlink(file) ? std::filesystem::weakly_canonical(file).string() : file;
-}
-
-/// Finds out before the fit, not after it, that a file cannot be written.
-void requireWritable(const Settings& settings) {
-  OutputFiles probe;  // removes what it wrote when it goes
-  for (const std::string& file : {settings.json_file, settings.yaml_file}) {
-    if (!file.empty()) probe.add(target(file), "");
-  }
-}
-
 Progress printedProgress() {
   const auto header_is_printed = std::make_shared<bool>(false);
   return {[](const AloneReport& alone) { fmt::print("{}", aloneText(alone)); },
           [header_is_printed](const IterationRecord& record) {
-            if (!std::exchange(*header_is_printed, true)) fmt::print("{}", iterationHeader());
+            if (!std::exchange(*header_is_printed, true)) fmt::print("\nall together\n{}", iterationHeader());
             fmt::print("{}", iterationText(record));
             std::fflush(stdout);
           }};
@@ -72,9 +59,9 @@ Progress printedProgress() {
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
 void writeFiles(const Result& result, const Settings& settings) {
   OutputFiles files;
-  if (!settings.json_file.empty()) files.add(target(settings.json_file), toJson(result));
+  if (!settings.json_file.empty()) files.add(settings.json_file, toJson(result));
   const bool yaml = !settings.yaml_file.empty() && result.success();
-  if (yaml) files.add(target(settings.yaml_file), toOpencvYaml(result));
+  if (yaml) files.add(settings.yaml_file, toOpencvYaml(result));
   files.commit();
   if (settings.quiet || (settings.json_file.empty() && settings.yaml_file.empty())) return;
   fmt::print("\n");
@@ -87,7 +74,7 @@ void writeFiles(const Result& result, const Settings& settings) {
 void run(const RawOptions& raw) {
   const Settings settings = parseSettings(raw);
   const Dataset data = readDataset(settings);
-  requireWritable(settings);
+  requireWritable({settings.json_file, settings.yaml_file});
   if (!settings.quiet) fmt::print("{}", dataText(data, settings));
   const Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
   if (!settings.quiet) fmt::print("{}", reportText(result));

@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <set>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "output_files.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -124,37 +124,11 @@ void requirePositive(const char* option, double value) {
   throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
 }
 
-/// Results replace whole files: a device or a pipe cannot be one.
-void requireFile(const std::string& option, const std::string& file) {
-  if (file.empty()) return;
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  const bool is_file = !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
-  if (is_file && !file.starts_with("/dev/")) return;  // /dev/stdout may lead to a file, and is a link to keep
-  throw UserError(fmt::format("{} {}: this is {}; give the name of a file", option, file,
-                              std::filesystem::is_directory(status) ? "a folder" : "a device or a pipe"));
-}
-
-/// No output may replace an input or another output.
 void checkPaths(const Settings& settings) {
-  std::map<std::filesystem::path, std::string> uses;
-  std::error_code ignored;
-  const auto use = [&](const std::string& option, const std::string& file) {
-    if (file.empty()) return;
-    const auto [known, is_new] = uses.emplace(std::filesystem::weakly_canonical(file, ignored), option);
-    if (!is_new) {
-      throw UserError(
-          fmt::format("{} {}: this is the file of {} too; give another one", option, file, known->second));
-    }
-  };
-  for (const CameraFile& camera : settings.cameras) {
-    uses.emplace(std::filesystem::weakly_canonical(camera.file, ignored), "--camera " + camera.name);
-  }
-  use("--imu", settings.imu_file);
-  use("--json", settings.json_file);
-  use("--output", settings.yaml_file);
-  requireFile("--json", settings.json_file);
-  requireFile("--output", settings.yaml_file);
+  std::vector<NamedFile> inputs;
+  for (const CameraFile& camera : settings.cameras) inputs.push_back({"--camera " + camera.name, camera.file});
+  inputs.push_back({"--imu", settings.imu_file});
+  checkResultPaths(inputs, {{"--json", settings.json_file}, {"--output", settings.yaml_file}});
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "calibrate/input/csv.hpp"
 
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -28,14 +28,6 @@ std::vector<std::string> split(const std::string& line) {
   }
   fields.push_back(trimmed(std::string_view(line).substr(begin)));
   return fields;
-}
-
-/// All of `text` read as a number of type T.
-template <class T>
-bool parse(std::string_view text, T& value) {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && !text.empty();
 }
 
 std::ifstream open(const std::string& file) {
@@ -59,10 +51,8 @@ bool nextLine(std::ifstream& stream, std::string& text, int& line) {
   return false;
 }
 
-/// Long lines (of a file that is no table) shortened for a message.
-std::string shortened(const std::string& text) {
-  return text.size() <= 80 ? text : text.substr(0, 77) + "...";
-}
+constexpr std::size_t longest_text =
+    80;  // in a message: a file that is no table may have lines of any length
 
 }  // namespace
 
@@ -74,19 +64,19 @@ std::string CsvRow::place() const { return fmt::format("{}:{}", *file_, line_); 
 
 void CsvRow::fail(std::size_t column, const std::string& expectation) const {
   throw UserError(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column),
-                              shortened(fields_[column]), expectation));
+                              shortened(fields_[column], longest_text), expectation));
 }
 
 double CsvRow::number(std::size_t column) const {
   double value = 0;
-  if (!parse(fields_.at(column), value)) fail(column, "write a number there, or remove the row");
+  if (!parseNumber(fields_.at(column), value)) fail(column, "write a number there, or remove the row");
   if (!std::isfinite(value)) fail(column, "write a finite number there, or remove the row");
   return value;
 }
 
 int CsvRow::index(std::size_t column) const {
   int value = 0;
-  if (!parse(fields_.at(column), value) || value < 0)
+  if (!parseNumber(fields_.at(column), value) || value < 0)
     fail(column, "write a whole number (0, 1, 2, ...) there");
   return value;
 }
@@ -104,8 +94,8 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
                     file_, header));
   }
   if (split(text) != columns_) {
-    throw UserError(
-        fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line, shortened(text), header));
+    throw UserError(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line,
+                                shortened(text, longest_text), header));
   }
   while (nextLine(stream, text, line)) {
     std::vector<std::string> fields = split(text);

@@ -7,16 +7,13 @@
 
 #include "calibrate/output/format.hpp"
 #include "calibrate/output/notes.hpp"
+#include "fitting/progress.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr std::size_t text_width = 100;
-
-std::string plural(std::size_t count, const std::string& noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
 
 /// `  name        value +- std        unit`
 std::string valueLine(const std::string& name, double value, double std, const std::string& unit) {
@@ -81,12 +78,8 @@ std::string imuLines(const ImuResult& imu, const std::string& reference) {
   return is_open ? text + precisionTable(imu) : text;
 }
 
-std::string summaryLines(const Result& result) {
-  return fmt::format(
-      "\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n  RSS {:.6g}, chi2/dof {:.4g}\n",
-      result.converged ? "Converged" : "NOT CONVERGED", plural(result.iterations, "iteration"),
-      result.stop_reason, result.measurements, result.unknowns, result.redundancy, result.rss,
-      result.chi2PerDof());
+Outcome outcomeOf(const Result& r) {
+  return {r.converged, r.iterations, r.stop_reason, r.message, r.measurements, r.unknowns, r.rss};
 }
 
 std::string worstLines(const Result& result) {
@@ -106,21 +99,6 @@ std::string worstLines(const Result& result) {
                         worst.line);
   }
   return text;
-}
-
-/// Broken into lines at spaces, the first with a bullet.
-std::string wrapped(const std::string& sentence) {
-  std::string text = "  *";
-  std::size_t column = 3, begin = 0;
-  while (begin < sentence.size()) {
-    const std::size_t end = std::min(sentence.find(' ', begin), sentence.size());
-    if (column + 1 + end - begin > text_width) text += "\n   ", column = 3;
-    text += ' ';
-    text.append(sentence, begin, end - begin);
-    column += 1 + end - begin;
-    begin = end + 1;
-  }
-  return text + "\n";
 }
 
 }  // namespace
@@ -144,26 +122,15 @@ std::string aloneText(const AloneReport& alone) {
   return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
 }
 
-std::string iterationHeader() {
-  return "\nall together\n  iteration            RSS   rel. decrease   step/sigma   gradient   algorithm\n";
-}
-
-std::string iterationText(const IterationRecord& r) {
-  if (r.iteration == 0) return fmt::format("  {:>9} {:>14.8g}\n", r.iteration, r.rss);
-  return fmt::format("  {:>9} {:>14.8g} {:>15.2e} {:>12.1e} {:>10.1e}   {}\n", r.iteration, r.rss,
-                     r.relative_decrease, r.step, r.gradient, r.algorithm);
-}
-
 std::string reportText(const Result& result) {
   const std::string& reference = result.cameras.front().name;
-  std::string text = summaryLines(result);
-  if (!result.converged) text += fmt::format("  {}\n", result.message);
+  std::string text = outcomeText(outcomeOf(result));
   for (const CameraResult& camera : result.cameras) text += cameraLines(camera, reference);
   if (result.imu) text += imuLines(*result.imu, reference);
   text += worstLines(result);
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";
-  for (const std::string& sentence : sentences) text += wrapped(sentence);
+  for (const std::string& sentence : sentences) text += bulleted(sentence);
   return text;
 }
 

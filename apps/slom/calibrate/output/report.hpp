@@ -13,10 +13,6 @@ std::string dataText(const Dataset& data, const Settings& settings);
 /// One line for a camera's own fit.
 std::string aloneText(const AloneReport& alone);
 
-/// Header and lines of the progress table.
-std::string iterationHeader();
-std::string iterationText(const IterationRecord& record);
-
 /// Everything that came out.
 std::string reportText(const Result& result);
 

@@ -1,0 +1,125 @@
+#include "fitting/fit_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <slom/estimator.hpp>
+
+#include "error.hpp"
+#include "text.hpp"
+
+namespace slom::app {
+
+namespace {
+
+std::vector<std::string> splitAtColons(const std::string& text) {
+  std::vector<std::string> words{""};
+  for (const char c : text) {
+    if (c == ':') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+AlgorithmName parseAlgorithm(const std::string& text) {
+  if (text == "gn") return AlgorithmName::gn;
+  if (text == "lm") return AlgorithmName::lm;
+  if (text == "dogleg") return AlgorithmName::dogleg;
+  throw UserError(fmt::format("--algorithm {}: the algorithms are gn, lm and dogleg", text));
+}
+
+/// A loss of `numbers` numbers behind its name.
+struct LossName {
+  const char* name;
+  std::size_t numbers;
+  Loss (*make)(const double* numbers);
+};
+constexpr LossName loss_names[] = {
+    {"huber", 1, [](const double* x) -> Loss { return Huber(x[0]); }},
+    {"pseudo-huber", 1, [](const double* x) -> Loss { return PseudoHuber(x[0]); }},
+    {"cauchy", 1, [](const double* x) -> Loss { return Cauchy(x[0]); }},
+    {"tukey", 1, [](const double* x) -> Loss { return Tukey(x[0]); }},
+    {"geman-mcclure", 1, [](const double* x) -> Loss { return GemanMcClure(x[0]); }},
+    {"barron", 2, [](const double* x) -> Loss { return Barron(x[0], x[1]); }},
+};
+
+/// `NAME:SCALE`, or `barron:ALPHA:SCALE`
+Loss parseLoss(const std::string& text) {
+  const std::vector<std::string> words = splitAtColons(text);
+  const auto* const known = std::find_if(std::begin(loss_names), std::end(loss_names),
+                                         [&](const LossName& l) { return l.name == words[0]; });
+  if (known == std::end(loss_names)) {
+    throw UserError(fmt::format(
+        "--robust {}: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron", text));
+  }
+  std::vector<double> numbers;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    double number = 0;
+    if (!parseNumber(words[i], number) || std::isnan(number)) break;
+    numbers.push_back(number);
+  }
+  const bool is_complete = numbers.size() == known->numbers && words.size() == known->numbers + 1;
+  if (is_complete) {
+    const Loss loss = known->make(numbers.data());
+    if (detail::faultOf(loss).empty()) return loss;
+  }
+  throw UserError(fmt::format(
+      "--robust {}: {}", text,
+      known->numbers == 2
+          ? "write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard deviations"
+          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations", known->name)));
+}
+
+}  // namespace
+
+void addFitOptions(CLI::App& command, RawFitOptions& raw) {
+  command
+      .add_option("--algorithm", raw.algorithm,
+                  "Gauss-Newton, which goes on as Levenberg-Marquardt where it leads uphill;\n"
+                  "Levenberg-Marquardt; Powell's dog leg")
+      ->type_name("gn|lm|dogleg")
+      ->capture_default_str();
+  command
+      .add_option("--robust", raw.loss,
+                  "loss of all measurements, with its scale in standard deviations: huber,\n"
+                  "pseudo-huber, cauchy, tukey, geman-mcclure, or barron:ALPHA:SCALE")
+      ->type_name("NAME:SCALE");
+  command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command.add_option("--max-iterations", raw.max_iterations, "of the fit")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+}
+
+FitOptions parseFitOptions(const RawFitOptions& raw) {
+  FitOptions options;
+  options.algorithm = parseAlgorithm(raw.algorithm);
+  if (!raw.loss.empty()) options.loss = parseLoss(raw.loss);
+  if (raw.threads < 0) throw UserError(fmt::format("--threads {}: give a number from 0 on", raw.threads));
+  if (raw.max_iterations < 1) {
+    throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", raw.max_iterations));
+  }
+  options.threads = raw.threads;
+  options.max_iterations = raw.max_iterations;
+  return options;
+}
+
+void apply(const FitOptions& options, Estimator& estimator) {
+  estimator.setThreads(options.threads);
+  if (options.algorithm == AlgorithmName::lm) estimator.changeAlgorithm(LevenbergMarquardt());
+  if (options.algorithm == AlgorithmName::dogleg) estimator.changeAlgorithm(DogLeg());
+}
+
+int threadsOf(const FitOptions& options) {
+  return options.threads != 0 ? options.threads : int(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+}  // namespace slom::app

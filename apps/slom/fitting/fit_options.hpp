@@ -1,0 +1,45 @@
+// The options that all commands share which fit a problem from a file.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include <slom/model/loss.hpp>
+
+namespace slom {
+class Estimator;
+}
+
+namespace slom::app {
+
+enum class AlgorithmName { gn, lm, dogleg };
+
+struct FitOptions {
+  AlgorithmName algorithm = AlgorithmName::gn;
+  Loss loss;        ///< of all measurements
+  int threads = 0;  ///< 0: as many as the machine has
+  int max_iterations = 100;
+};
+
+/// The options as text, as CLI11 hands them over.
+struct RawFitOptions {
+  std::string algorithm = "gn";
+  std::string loss;
+  int threads = 0;
+  int max_iterations = 100;
+};
+
+/// Adds --algorithm, --robust, --threads and --max-iterations; `raw` must live as long as `command`.
+void addFitOptions(CLI::App& command, RawFitOptions& raw);
+
+/// Reads the texts and checks all values; UserError names the option.
+FitOptions parseFitOptions(const RawFitOptions& raw);
+
+/// Algorithm and threads.
+void apply(const FitOptions& options, Estimator& estimator);
+
+/// The number of threads that the fit uses.
+int threadsOf(const FitOptions& options);
+
+}  // namespace slom::app

@@ -1,0 +1,32 @@
+// What a fit says while it runs and when it is done.
+#pragma once
+
+#include <string>
+
+#include <slom/optimize/summary.hpp>
+
+namespace slom::app {
+
+/// The heads of the columns of iterationText.
+std::string iterationHeader();
+std::string iterationText(const IterationRecord& record);
+
+/// What matters of a Summary.
+struct Outcome {
+  bool converged = false;
+  int iterations = 0;
+  std::string stop_reason;
+  std::string message;  ///< the reason in a sentence; shown when the fit did not converge
+  int measurements = 0;
+  int unknowns = 0;
+  double rss = 0;
+  bool is_robust = false;  ///< some measurements have a loss, so that there is no chi-square
+
+  int redundancy() const { return measurements - unknowns; }
+};
+Outcome outcomeOf(const Summary& summary);
+
+/// `Converged after ...`, the numbers of measurements and unknowns, the RSS, what went wrong.
+std::string outcomeText(const Outcome& outcome);
+
+}  // namespace slom::app

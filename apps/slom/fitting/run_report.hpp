@@ -1,0 +1,35 @@
+// What a run found and what it cost, as data.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include <slom/optimize/summary.hpp>
+
+namespace slom::app {
+
+/// Seconds since its construction.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+struct RunReport {
+  Summary summary;
+  int threads = 1;
+  double load_seconds = 0;   ///< reading, checking and starting
+  double setup_seconds = 0;  ///< putting variables and measurements into the estimator
+  double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it
+};
+
+/// The keys are those of docs/graph.md.
+std::string toJson(const RunReport& report);
+
+/// The most memory that this process has held so far [MB, 10^6 bytes].
+double peakMemoryMb();
+
+}  // namespace slom::app

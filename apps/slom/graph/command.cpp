@@ -1,0 +1,180 @@
+// `slom graph`: options, then read -> start -> fit -> report and files.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+#include "fitting/progress.hpp"
+#include "fitting/run_report.hpp"
+#include "graph/fit/fit.hpp"
+#include "graph/graph.hpp"
+#include "graph/input/information.hpp"
+#include "graph/input/read.hpp"
+#include "graph/output/g2o.hpp"
+#include "graph/output/html.hpp"
+#include "graph/output/report.hpp"
+#include "graph/output/sketch.hpp"
+#include "graph/output/svg.hpp"
+#include "graph/settings.hpp"
+#include "graph/start/gauge.hpp"
+#include "graph/start/start.hpp"
+#include "output_files.hpp"
+
+namespace slom::app {
+namespace {
+
+using namespace graph;
+
+constexpr const char* help_text =
+    R"(slom graph map.g2o --output fitted.g2o --plot map.svg --json result.json
+
+Fit a pose graph, the map of a robot, from a g2o or TORO file.
+Poses and landmarks in the plane or in space, edges with their information matrices. Says what it holds where
+the file has no lines FIX, and finds start values where it has no vertices.
+)";
+
+constexpr const char* footer_text =
+    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
+2 wrong options or data.)";
+
+/// Where people read: standard output, but standard error when the JSON goes there; nowhere with --quiet.
+class Console {
+ public:
+  explicit Console(const Settings& settings)
+      : stream_(settings.quiet            ? nullptr
+                : settings.jsonToStdout() ? stderr
+                                          : stdout) {}
+  void print(const std::string& text) const {
+    if (stream_ == nullptr) return;
+    std::fputs(text.c_str(), stream_);
+    std::fflush(stream_);
+  }
+
+ private:
+  std::FILE* stream_;
+};
+
+/// Everything between reading and fitting.
+template <class Pose>
+Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
+  Preparation preparation;
+  preparation.repaired = checkInformation(graph, settings.repair_information);
+  preparation.held = holdGauge(graph, settings.hold_parts);
+  preparation.init = settings.init.value_or(graph.has_vertices ? Init::file : Init::spanning_tree);
+  findStart(graph, preparation.init);
+  return preparation;
+}
+
+template <class Pose>
+Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console, double& setup_seconds) {
+  const Stopwatch setup;
+  GraphFit<Pose> fit(graph, settings);
+  setup_seconds = setup.seconds();
+  Options options;
+  options.max_iterations = settings.fit.max_iterations;
+  options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
+  console.print("\n" + iterationHeader());
+  const Summary summary = fit.optimize(options);
+  fit.writeTo(graph);
+  return summary;
+}
+
+/// A result that failed goes to JSON, which says so, but not to the graph and the plot, whose readers would
+/// take it for good.
+template <class Pose>
+void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
+                const Console& console) {
+  OutputFiles files;
+  std::string said;
+  const auto add = [&](const std::string& file, bool is_wanted, const auto& content) {
+    if (file.empty()) return;
+    if (is_wanted) files.add(file, content());
+    said += fmt::format("{}: {}\n", is_wanted ? "written" : "not written, because the fit failed", file);
+  };
+  const bool good = report.summary.converged;
+  add(settings.output_file, good, [&] { return toG2o(graph); });
+  add(settings.plot_file, good, [&] {
+    const Sketch sketch = sketchOf(graph);
+    return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
+  });
+  add(settings.jsonToStdout() ? "" : settings.json_file, true, [&] { return toJson(report); });
+  files.commit();
+  if (!said.empty()) console.print("\n" + said);
+  if (settings.jsonToStdout()) fmt::print("{}", toJson(report));
+}
+
+template <class Pose>
+void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total) {
+  const Console console(settings);
+  if (dim<Pose> == 3 && settings.plot_file.ends_with(".svg")) {
+    throw UserError(fmt::format("--plot {}: this graph is in space; give FILE.html, a page to turn it on",
+                                settings.plot_file));
+  }
+  const Preparation preparation = prepare(graph, settings);
+  RunReport report;
+  report.threads = threadsOf(settings.fit);
+  report.load_seconds = total.seconds();
+  console.print(graphText(graph, preparation));
+  report.summary = fit(graph, settings, console, report.setup_seconds);
+  report.total_seconds = total.seconds();
+  console.print(outcomeText(outcomeOf(report.summary)));
+  for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
+  writeFiles(graph, report, settings, console);
+  if (report.summary.converged) return;
+  const bool start_may_be_at_fault =
+      report.summary.stop_reason != StopReason::rank_deficient && preparation.init != Init::chordal;
+  fmt::print(stderr, "slom: the fit failed: {}{}\n", report.summary.message,
+             start_may_be_at_fault ? "; --init chordal may find a better start" : "");
+  throw CLI::RuntimeError(exit_not_converged);
+}
+
+void run(const RawOptions& raw) {
+  const Stopwatch total;
+  const Settings settings = parseSettings(raw);
+  AnyPoseGraph graph = readPoseGraph(settings.file);
+  requireWritable(
+      {settings.output_file, settings.jsonToStdout() ? "" : settings.json_file, settings.plot_file});
+  std::visit([&](auto& any) { run(std::move(any), settings, total); }, graph);
+}
+
+}  // namespace
+
+void addGraphCommand(CLI::App& app) {
+  const auto raw = std::make_shared<RawOptions>();
+  Settings& settings = raw->rest;
+  CLI::App& command = *app.add_subcommand("graph", help_text);
+  command.footer(footer_text);
+  command.add_option("FILE", settings.file, "the graph, with lines of g2o or TORO")->required();
+  addFitOptions(command, raw->fit);
+  command
+      .add_option("--init", raw->init,
+                  "where the fit starts: at the vertices of the file, at the chain of edges i, i+1,\n"
+                  "at a breadth-first tree of edges, or at a chordal relaxation of all edges;\n"
+                  "without it at the vertices where the file has them, at the tree otherwise")
+      ->type_name("file|odometry|spanning-tree|chordal");
+  command
+      .add_option(
+          "--rotation-error", raw->rotation_error,
+          "of edges in space: the rotation vector, or the vector part of the quaternion, as g2o has it")
+      ->type_name("vector|quaternion")
+      ->capture_default_str();
+  command.add_flag("--repair-information", settings.repair_information,
+                   "take the nearest matrix for information that is not positive definite");
+  command.add_flag("--hold-parts", settings.hold_parts,
+                   "hold the first vertex of each part of the graph without a fixed pose");
+  command.add_option("--output", settings.output_file, "fitted graph, in g2o's format")->type_name("FILE");
+  command
+      .add_option("--plot", settings.plot_file,
+                  "the fitted graph as a picture, FILE.svg, in the plane only, or as a page to turn it on,\n"
+                  "FILE.html")
+      ->type_name("FILE");
+  command.add_option("--json", settings.json_file, "result and times as JSON; - for standard output")
+      ->type_name("FILE");
+  command.add_flag("--quiet", settings.quiet, "print errors only");
+  command.callback([raw] { run(*raw); });
+}
+
+}  // namespace slom::app

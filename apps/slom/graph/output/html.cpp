@@ -1,0 +1,73 @@
+#include "graph/output/html.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "graph/output/html_page.hpp"
+
+namespace slom::app::graph {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One list x, y, z, x, y, ... relative to `centre`, in hundred-thousandths of `size`: whole numbers are
+/// short.
+Json coordinates(const std::vector<Sketch::Place>& places, const Sketch::Place& centre, double size) {
+  Json list = Json::array();
+  for (const auto& place : places) {
+    for (std::size_t i = 0; i < 3; ++i) list.push_back(std::lround(1e5 * (place[i] - centre[i]) / size));
+  }
+  return list;
+}
+
+/// The largest distance from `centre`, 1 where all is there.
+double farthest(const Sketch& sketch, const Sketch::Place& centre) {
+  double most = 0;
+  for (const auto* places : {&sketch.poses, &sketch.landmarks}) {
+    for (const auto& p : *places)
+      most = std::max(most, std::hypot(p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]));
+  }
+  return most > 0 ? most : 1;
+}
+
+Json pairs(const std::vector<Sketch::Line>& lines) {
+  Json list = Json::array();
+  for (const auto& [from, to] : lines) {
+    list.push_back(from);
+    list.push_back(to);
+  }
+  return list;
+}
+
+Json dataOf(const Sketch& sketch) {
+  const auto [low, high] = sketch.bounds();
+  Sketch::Place centre{};
+  for (std::size_t i = 0; i < 3; ++i) centre[i] = (low[i] + high[i]) / 2;
+  const double size = farthest(sketch, centre);
+  return {{"name", sketch.name},
+          {"flat", sketch.is_flat},
+          {"poses", coordinates(sketch.poses, centre, size)},
+          {"path", pairs(sketch.path)},
+          {"closures", pairs(sketch.closures)},
+          {"landmarks", coordinates(sketch.landmarks, centre, size)},
+          {"held", sketch.held}};
+}
+
+/// As JSON inside <script>, where "</" would end it.
+std::string scriptText(const Json& json) {
+  std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6)
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+}  // namespace
+
+std::string toHtml(const Sketch& sketch) {
+  return std::string(page_before_data) + scriptText(dataOf(sketch)) + page_behind_data;
+}
+
+}  // namespace slom::app::graph

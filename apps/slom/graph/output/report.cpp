@@ -1,0 +1,61 @@
+#include "graph/output/report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "text.hpp"
+
+namespace slom::app::graph {
+
+namespace {
+
+template <class Value>
+std::size_t heldAmong(const std::vector<Node<Value>>& nodes) {
+  return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.held; }));
+}
+
+template <class Pose>
+std::string heldText(const PoseGraph<Pose>& graph, const std::string& held) {
+  std::string text;
+  if (graph.has_fix_lines) {
+    text = plural(heldAmong(graph.poses), "pose");
+    if (const std::size_t landmarks = heldAmong(graph.landmarks))
+      text += " and " + plural(landmarks, "landmark");
+    text += ", by lines FIX";
+    if (!held.empty()) text += " and --hold-parts (" + held + ")";
+  } else {
+    text = held + ", as there are no lines FIX";
+  }
+  return text;
+}
+
+}  // namespace
+
+template <class Pose>
+std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation) {
+  std::string text =
+      fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", graph.file,
+                  plural(graph.poses.size(), "pose"), plural(graph.edges.size(), "edge"));
+  if (!graph.landmarks.empty()) {
+    text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
+                        plural(graph.sightings.size(), "sighting"));
+  }
+  text +=
+      fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held), toString(preparation.init));
+  if (preparation.repaired > 0) {
+    text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"
+                                                                      : fmt::format("{} information matrices",
+                                                                                    preparation.repaired));
+  }
+  for (const auto& [tag, count] : graph.unknown_tags) {
+    text += fmt::format("  warning: {} with the unknown tag {}\n",
+                        count == 1 ? "skipped 1 line" : fmt::format("skipped {} lines", count), tag);
+  }
+  return text;
+}
+
+template std::string graphText(const PoseGraph<Pose2>&, const Preparation&);
+template std::string graphText(const PoseGraph<Pose3>&, const Preparation&);
+
+}  // namespace slom::app::graph

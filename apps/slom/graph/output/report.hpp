@@ -1,0 +1,22 @@
+// What `slom graph` says about the graph before it fits it.
+#pragma once
+
+#include <string>
+
+#include "graph/pose_graph.hpp"
+#include "graph/start/start.hpp"
+
+namespace slom::app::graph {
+
+/// How the fit was prepared.
+struct Preparation {
+  int repaired = 0;  ///< information matrices
+  std::string held;  ///< what holdGauge says
+  Init init = Init::file;
+};
+
+/// What was read, what is held, where the fit starts, warnings.
+template <class Pose>
+std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation);
+
+}  // namespace slom::app::graph

@@ -1,0 +1,49 @@
+#include "graph/settings.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+#include "output_files.hpp"
+
+namespace slom::app::graph {
+
+namespace {
+
+std::optional<Init> parseInit(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  for (const Init init : {Init::file, Init::odometry, Init::spanning_tree, Init::chordal}) {
+    if (text == toString(init)) return init;
+  }
+  throw UserError(fmt::format("--init {}: the starts are file, odometry, spanning-tree and chordal", text));
+}
+
+RotationError parseRotationError(const std::string& text) {
+  if (text == "vector") return RotationError::vector;
+  if (text == "quaternion") return RotationError::quaternion;
+  throw UserError(fmt::format("--rotation-error {}: the errors are vector and quaternion", text));
+}
+
+void checkPlot(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (file.empty() || extension == ".svg" || extension == ".html") return;
+  throw UserError(
+      fmt::format("--plot {}: a plot is a picture, FILE.svg, or a page to turn it on, FILE.html", file));
+}
+
+}  // namespace
+
+Settings parseSettings(const RawOptions& raw) {
+  Settings settings = raw.rest;
+  settings.fit = parseFitOptions(raw.fit);
+  settings.init = parseInit(raw.init);
+  settings.rotation_error = parseRotationError(raw.rotation_error);
+  checkPlot(settings.plot_file);
+  checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file},
+                                               {"--json", settings.jsonToStdout() ? "" : settings.json_file},
+                                               {"--plot", settings.plot_file}});
+  return settings;
+}
+
+}  // namespace slom::app::graph

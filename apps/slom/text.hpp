@@ -1,0 +1,29 @@
+// Words for people to read, and numbers that they wrote.
+#pragma once
+
+#include <charconv>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace slom::app {
+
+/// `1 image`, `2 images`
+std::string plural(std::size_t count, const std::string& noun);
+
+/// The first characters of a text that is longer than `most`, and three dots.
+std::string shortened(std::string_view text, std::size_t most);
+
+/// All of `text` read as a number; a + may stand before it.
+template <class T>
+bool parseNumber(std::string_view text, T& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// A sentence as lines of at most 100 characters, broken at spaces, the first with a bullet.
+std::string bulleted(const std::string& sentence);
+
+}  // namespace slom::app

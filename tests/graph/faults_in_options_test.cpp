@@ -1,0 +1,130 @@
+// Every mistake in the options, starts that cannot be found, fits that fail.
+#include "graph/graph_command.hpp"
+
+namespace slom::app::graph {
+namespace {
+
+using testing::expectRefused;
+using testing::runIn;
+using testing::TemporaryFolder;
+using testing::unit3;
+
+const std::string graph = "EDGE_SE2 0 1 1 0 0" + unit3 + "EDGE_SE2 1 2 1 0 0" + unit3;
+
+TEST(GraphOptions, NoFile) {
+  const auto result = testing::runGraph({});
+  EXPECT_EQ(result.errors, "slom: FILE is required; see slom graph --help\n");
+  EXPECT_EQ(result.exit_code, 2);
+}
+TEST(GraphOptions, Names) {
+  expectRefused(graph, "--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
+  expectRefused(graph, "--init random: the starts are file, odometry, spanning-tree and chordal",
+                {"--init", "random"});
+  expectRefused(graph, "--rotation-error euler: the errors are vector and quaternion",
+                {"--rotation-error", "euler"});
+}
+TEST(GraphOptions, Losses) {
+  expectRefused(graph,
+                "--robust l1:1: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron",
+                {"--robust", "l1:1"});
+  for (const std::string text :
+       {"huber", "huber:", "huber:x", "huber:0", "huber:-1", "huber:nan", "huber:inf", "huber:1:2"}) {
+    expectRefused(graph,
+                  "--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations",
+                  {"--robust", text});
+  }
+  for (const std::string text : {"barron:1", "barron:3:1", "barron:1:0", "barron:1:1:1"}) {
+    expectRefused(graph,
+                  "--robust " + text +
+                      ": write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard "
+                      "deviations",
+                  {"--robust", text});
+  }
+}
+TEST(GraphOptions, Numbers) {
+  expectRefused(graph, "--threads -1: give a number from 0 on", {"--threads", "-1"});
+  expectRefused(graph, "--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
+  expectRefused(graph, "Could not convert: --threads = many; see slom graph --help", {"--threads", "many"});
+}
+TEST(GraphOptions, Plots) {
+  for (const std::string name : {"map.png", "map", "map.svg.gz"}) {
+    expectRefused(graph,
+                  "--plot " + name + ": a plot is a picture, FILE.svg, or a page to turn it on, FILE.html",
+                  {"--plot", name});
+  }
+  expectRefused("EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1" + testing::unit6,
+                "--plot map.svg: this graph is in space; give FILE.html, a page to turn it on",
+                {"--plot", "DIR/map.svg"});
+}
+TEST(GraphOptions, OutputsThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  const auto result = runIn(folder, graph, {"--output", "DIR/no/such.g2o"});
+  EXPECT_EQ(result.errors,
+            "slom: cannot write no/such.g2o: No such file or directory; name a file in a folder that exists "
+            "and may be written\n");
+  EXPECT_EQ(result.output, "");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(runIn(folder, graph, {"--json", "DIR/."}).errors,
+            "slom: --json .: this is a folder; give the name of a file\n");
+  EXPECT_EQ(runIn(folder, graph, {"--output", "DIR/map.g2o"}).errors,
+            "slom: --output map.g2o: this is the file of FILE too; give another one\n");
+  EXPECT_EQ(runIn(folder, graph, {"--output", "DIR/a", "--json", "DIR/./a"}).errors,
+            "slom: --json ./a: this is the file of --output too; give another one\n");
+  EXPECT_EQ(slom::testing::readFile(folder / "map.g2o"), graph);
+}
+TEST(GraphOptions, StartsThatCannotBeFound) {
+  expectRefused(graph,
+                "--init file: map.g2o has no vertices; leave the option out, or choose odometry, "
+                "spanning-tree or chordal",
+                {"--init", "file"});
+  expectRefused(
+      graph + "EDGE_SE2 2 7 1 0 0" + unit3,
+      "--init odometry: no chain of edges i, i+1 leads from a held pose to pose 7 of map.g2o; use --init "
+      "spanning-tree",
+      {"--init", "odometry"});
+  expectRefused(graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
+                "--init spanning-tree: no edge between poses leads to pose 9 of map.g2o, which landmarks "
+                "alone connect with "
+                "the rest; add an edge, or vertices for all");
+}
+
+TEST(GraphOptions, AFitThatDoesNotConvergeSaysSo) {
+  const TemporaryFolder folder;
+  slom::testing::writeFile(folder / "fitted.g2o", "the old one");
+  const auto result =
+      runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3,
+            {"--max-iterations", "1", "--json", "DIR/result.json", "--output", "DIR/fitted.g2o"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.errors,
+            "slom: the fit failed: iteration limit of 1 reached; --init chordal may find a better start\n");
+  EXPECT_NE(result.output.find("NOT CONVERGED after 1 iteration: iteration limit reached"),
+            std::string::npos);
+  EXPECT_NE(result.output.find("\nnot written, because the fit failed: fitted.g2o\nwritten: result.json\n"),
+            std::string::npos)
+      << result.output;
+  EXPECT_EQ(testing::Json::parse(slom::testing::readFile(folder / "result.json"))["converged"], false);
+  EXPECT_EQ(slom::testing::readFile(folder / "fitted.g2o"), "the old one");
+}
+
+TEST(GraphOptions, ABetterStartIsProposedOnlyWhereThereIsOne) {
+  const TemporaryFolder folder;
+  const auto result = runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3,
+                            {"--max-iterations", "1", "--quiet", "--init", "chordal"});
+  EXPECT_EQ(result.errors, "slom: the fit failed: iteration limit of 1 reached\n");
+  EXPECT_EQ(result.exit_code, 1);
+}
+
+TEST(GraphOptions, WhatIsNotDeterminedIsNamed) {
+  const TemporaryFolder folder;
+  const auto result =
+      runIn(folder,
+            "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 17 0 0 0\nVERTEX_XY 2 1 0\nEDGE_SE2_XY 0 2 1 0 1 0 1\n"
+            "EDGE_SE2_XY 17 2 1 0 1 0 1\n",
+            {"--quiet"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.errors.find("pose 17"), std::string::npos) << result.errors;
+  EXPECT_EQ(result.errors.find("chordal"), std::string::npos) << result.errors;
+}
+
+}  // namespace
+}  // namespace slom::app::graph

@@ -1,0 +1,118 @@
+// Start values and what is held.
+#include "graph/graph_command.hpp"
+#include "graph/output/g2o.hpp"
+#include "graph/simulated_graph.hpp"
+
+namespace slom::app::graph {
+namespace {
+
+using testing::fitted;
+using testing::fittedGraph;
+using testing::runIn;
+using testing::scrambled;
+using testing::simulateGraph;
+using testing::TemporaryFolder;
+using testing::unit3;
+
+std::string withoutVertices(const std::string& content) {
+  std::string text;
+  for (std::size_t begin = 0; begin < content.size();) {
+    const std::size_t end = content.find('\n', begin) + 1;
+    const std::string line = content.substr(begin, end - begin);
+    if (!line.starts_with("VERTEX")) text += line;
+    begin = end;
+  }
+  return text;
+}
+
+template <class Pose>
+void expectEveryStartFindsTheTruth() {
+  const std::string content = toG2o(scrambled(simulateGraph<Pose>(12, 0, 1)));
+  for (const std::string init : {"odometry", "spanning-tree", "chordal"}) {
+    EXPECT_LT(fitted(content, {"--init", init})["initial_rss"].template get<double>(), 1e-15) << init;
+    EXPECT_LT(fitted(withoutVertices(content), {"--init", init})["initial_rss"].template get<double>(), 1e-15)
+        << init;
+  }
+  EXPECT_LT(fitted(withoutVertices(content))["initial_rss"].template get<double>(), 1e-15);
+}
+TEST(GraphStart, FindsTheTruthInThePlane) { expectEveryStartFindsTheTruth<Pose2>(); }
+TEST(GraphStart, FindsTheTruthInSpace) { expectEveryStartFindsTheTruth<Pose3>(); }
+
+TEST(GraphStart, ChordalRelaxationIsNearTheMinimum) {
+  const std::string content = toG2o(scrambled(simulateGraph<Pose3>(40, 0.05, 2)));
+  const auto chordal = fitted(content, {"--init", "chordal"}),
+             tree = fitted(content, {"--init", "spanning-tree"});
+  const double minimum = chordal["final_rss"];
+  EXPECT_LT(chordal["initial_rss"].get<double>(), 10 * minimum);
+  EXPECT_GT(tree["initial_rss"].get<double>(), 10 * minimum);
+  EXPECT_NEAR(tree["final_rss"].get<double>(), minimum, 1e-6 * minimum);
+}
+
+TEST(GraphStart, FileIsTheDefaultWithVertices) {
+  const std::string content = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 3 0 0\nEDGE_SE2 0 1 1 0 0" + unit3;
+  EXPECT_NEAR(fitted(content)["initial_rss"].get<double>(), 4, 1e-12);
+  EXPECT_NEAR(fitted(content, {"--init", "file"})["initial_rss"].get<double>(), 4, 1e-12);
+  EXPECT_NEAR(fitted(content, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 0, 1e-12);
+}
+
+TEST(GraphStart, OdometryIsTheChainEvenWhereThereIsAShortCut) {
+  const std::string content =
+      "EDGE_SE2 0 1 1 0 0" + unit3 + "EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2 0 2 5 0 0" + unit3;
+  EXPECT_NEAR(fitted(content, {"--init", "odometry"})["initial_rss"].get<double>(), 9, 1e-12);
+  EXPECT_NEAR(fitted(content, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 9, 1e-12);
+  const std::string weighted = testing::replaced(content, "0 2 5 0 0 1", "0 2 5 0 0 4");
+  EXPECT_NEAR(fitted(weighted, {"--init", "odometry"})["initial_rss"].get<double>(), 36, 1e-12);
+  EXPECT_NEAR(fitted(weighted, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 9, 1e-12);
+}
+
+/// The lines of the report that say what is held and where the fit starts.
+std::string heldLine(const std::string& content, const std::vector<std::string>& options = {}) {
+  const TemporaryFolder folder;
+  const std::string output = runIn(folder, content, options).output;
+  const std::size_t begin = output.find("  held: ");
+  return begin == std::string::npos ? output : output.substr(begin, output.find("\n\n", begin) - begin);
+}
+
+TEST(GraphStart, SaysWhatIsHeld) {
+  const std::string edges = "EDGE_SE2 4 3 1 0 0" + unit3 + "EDGE_SE2 4 5 1 0 0" + unit3;
+  EXPECT_EQ(heldLine(edges), "  held: pose 3, as there are no lines FIX\n  start: spanning-tree");
+  EXPECT_EQ(heldLine(edges + "FIX 4\n"), "  held: 1 pose, by lines FIX\n  start: spanning-tree");
+  const std::string vertices =
+      "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
+  EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\n"),
+            "  held: pose 5, as there are no lines FIX\n  start: file");
+  EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\nFIX 3 4\nFIX 9\n"),
+            "  held: 2 poses and 1 landmark, by lines FIX\n  start: file");
+  EXPECT_EQ(heldLine(vertices + edges, {"--hold-parts"}),
+            "  held: pose 5 and landmark 9, as there are no lines FIX\n  start: file");
+  EXPECT_EQ(heldLine(vertices + edges + "FIX 4\n", {"--hold-parts"}),
+            "  held: 1 pose and 1 landmark, by lines FIX and --hold-parts (landmark 9)\n  start: file");
+}
+
+TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
+  std::string content;
+  for (const char* pair : {"0 1", "5 6", "8 9"}) {
+    for (const char* x : {" 1", " 3"}) content += std::string("EDGE_SE2 ") + pair + x + " 0 0" + unit3;
+  }
+  EXPECT_NEAR(fitted(content, {"--hold-parts"})["final_rss"].get<double>(), 3 * 2, 1e-12);
+  EXPECT_EQ(heldLine(content, {"--hold-parts"}),
+            "  held: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: "
+            "spanning-tree");
+}
+
+TEST(GraphStart, FixedPosesStayWhereTheyAre) {
+  const std::string content =
+      "VERTEX_SE2 0 1 2 0\nVERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 5 2 0\nFIX 0 2\n"
+      "EDGE_SE2 0 1 1 0 0" +
+      unit3 + "EDGE_SE2 1 2 1 0 0" + unit3;
+  for (const std::string init : {"file", "spanning-tree", "chordal"}) {
+    const auto graph = testing::parsed<Pose2>(fittedGraph(content, {"--init", init}));
+    EXPECT_EQ(graph.poses[0].value.pos, (mtk::vect<2>(1, 2)));
+    EXPECT_EQ(graph.poses[2].value.pos, (mtk::vect<2>(5, 2)));
+    EXPECT_LT(mtk::difference(graph.poses[1].value, Pose2(mtk::vect<2>(3, 2))).norm(), 1e-6) << init;
+    EXPECT_TRUE(graph.poses[0].held && !graph.poses[1].held && graph.poses[2].held);
+  }
+}
+
+}  // namespace
+}  // namespace slom::app::graph
