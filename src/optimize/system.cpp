@@ -1,5 +1,6 @@
 #include "slom/optimize/system.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "linearize/stopwatch.hpp"
@@ -39,7 +40,7 @@ double System::linearize() {
 
 double System::tryStep(const Eigen::VectorXd& d) {
   const detail::Stopwatch watch(linearize_seconds_);
-  has_moved_linearization_ = false;
+  saved_is_linearized_ = linearized_at_ == problem_.valueRevision();
   problem_.save();
   problem_.applyStep(structure_.offset_of_variable, d.data());
   try {
@@ -51,9 +52,12 @@ double System::tryStep(const Eigen::VectorXd& d) {
 }
 
 double System::tryLikelyStep(const Eigen::VectorXd& d) {
+  const auto& pools = problem_.pools();
+  const auto is_numeric = [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; };
+  if (std::any_of(pools.begin(), pools.end(), is_numeric)) return tryStep(d);
+  saved_is_linearized_ = false;
   problem_.save();
   problem_.applyStep(structure_.offset_of_variable, d.data());
-  has_moved_linearization_ = true;
   try {
     return linearize();
   } catch (const Error&) {  // something is not finite there, or threw: found out in the usual way
@@ -67,7 +71,7 @@ double System::tryLikelyStep(const Eigen::VectorXd& d) {
 
 void System::undo() {
   problem_.restore();
-  linearized_at_ = has_moved_linearization_ ? ~std::uint64_t{0} : problem_.valueRevision();
+  linearized_at_ = saved_is_linearized_ ? problem_.valueRevision() : ~std::uint64_t{0};
 }
 
 void System::setLossWidening(double widening) {

@@ -25,7 +25,7 @@ class System {
   /// Moves all values by `d` and returns the RSS there, NaN when a residual is not finite. A user's function that
   /// throws leaves the values where they were.
   double tryStep(const Eigen::VectorXd& d);
-  /// The same for a step that is likely to stay: linearises there at once where that is possible.
+  /// The same for a step that is likely to stay: linearises there at once where derivatives cost little.
   double tryLikelyStep(const Eigen::VectorXd& d);
   /// Takes the last tried step back; the linearisation is valid again.
   void undo();
@@ -65,7 +65,7 @@ class System {
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
-  bool has_moved_linearization_ = false;  // it belongs to the step that was tried last
+  bool saved_is_linearized_ = false;  // the linearisation is that of the values before the step that was tried last
   double setup_seconds_ = 0, linearize_seconds_ = 0;
 };
 

@@ -128,7 +128,7 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
     factor_.push_back(factor_.back() + d * d);
     std::size_t entries = 0;
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      entries += d * at(H.dof(H.row(k)));
+      entries += d * at(H.dof(H.row(k)) + dense::paddedRows(H.dof(H.row(k))));
       work_[at(H.row(k) - eliminated) + 1] += k - H.begin(e);
     }
     reduced_.push_back(reduced_.back() + entries);
@@ -166,24 +166,29 @@ bool SchurComplement::factorize(const BlockLower& H, int e, const double* dampin
   return true;
 }
 
-/// Y := L^-1 W^T, d x (degrees of freedom of all its neighbours).
+/// For each neighbour of e: Y := L^-1 W^T, d x height, and behind it Y^T with filled-up columns.
 void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   const int d = H.dof(e);
   const double* const L = factor(e);
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-    const int height = H.dof(H.row(k));
+    const int height = H.dof(H.row(k)), padded = dense::paddedRows(height);
     const double* const W = H.values(k);
+    double* const transposed = Y + static_cast<std::ptrdiff_t>(d) * height;
     for (int i = 0; i < height; ++i, Y += d) {
       for (int c = 0; c < d; ++c) Y[c] = W[c * height + i];
       forwardSolve(L, d, Y);
+      for (int c = 0; c < d; ++c) transposed[c * padded + i] = Y[c];
     }
+    for (int c = 0; c < d; ++c) std::fill(transposed + c * padded + height, transposed + (c + 1) * padded, 0.0);
+    Y += static_cast<std::ptrdiff_t>(d) * padded;
   }
 }
 
 /// S_ij -= Y_i^T Y_j for the neighbours i >= j of e with row first <= i < last.
 void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y, int first, int last) {
-  const auto subtract_product = dense::kernels().subtractProduct;
+  const auto subtract_outer = dense::kernels().subtractOuter;
   const int d = H.dof(e);
+  const auto length = [&](int i) { return static_cast<std::ptrdiff_t>(d) * (S_.dof(i) + dense::paddedRows(S_.dof(i))); };
   const double* Yi = Y;
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
     const int i = H.row(k) - eliminated_, height = S_.dof(i);
@@ -192,11 +197,11 @@ void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y,
       const double* Yj = Y;
       for (int l = H.begin(e) + 1; l <= k; ++l) {
         const int j = H.row(l) - eliminated_;
-        subtract_product(d, height, S_.dof(j), Yi, Yj, S_.values(target(i, j)));
-        Yj += static_cast<std::ptrdiff_t>(d) * S_.dof(j);
+        subtract_outer(d, height, S_.dof(j), Yi + static_cast<std::ptrdiff_t>(d) * height, Yj, S_.values(target(i, j)));
+        Yj += length(j);
       }
     }
-    Yi += static_cast<std::ptrdiff_t>(d) * height;
+    Yi += length(i);
   }
 }
 

@@ -55,7 +55,7 @@ class SchurComplement {
   std::vector<int> table_;            // block of S of (row, column), when there are few
   std::vector<std::size_t> factor_;   // of each eliminated block: where its Cholesky factor lies
   std::vector<double> factors_;       // lower, column-major, with inverse diagonals
-  std::vector<std::size_t> reduced_;  // of each eliminated block: entries of the blocks W of those before it
+  std::vector<std::size_t> reduced_;  // of each eliminated block: entries of `halfReduce` of those before it
   std::vector<double> work_;          // by position in S: products that go to its rows and those before
   std::vector<double> Y_;
 };

@@ -13,6 +13,10 @@ namespace slom::dense {
 
 inline constexpr int kStripe = 12;
 
+/// Rows of an operand of subtractOuter are filled up to a multiple of this.
+inline constexpr int kRowPadding = 4;
+constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
+
 constexpr int stripesOf(int rows) { return (rows + kStripe - 1) / kStripe; }
 /// Where stripe s of U begins.
 constexpr std::size_t updateOffset(int s) {
@@ -65,8 +69,8 @@ struct Kernels {
   void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// H += A^T B for A rows x k, B rows x l, H k x l, all column-major and without gaps
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
-  /// H -= A^T B
-  void (*subtractProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
+  /// H -= A B for A k x rows, column-major with paddedRows(k) rows; B rows x l and H as above.
+  void (*subtractOuter)(int rows, int k, int l, const double* A, const double* B, double* H);
 };
 
 /// For this processor.

@@ -324,63 +324,84 @@ void backwardRows(const double* B, int p, int u, const double* y, double* x) {
 }
 
 constexpr int kMostRows = 16;
+constexpr int padded(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
+static_assert(kRowPadding == kLanes);
 
-/// H +- A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
+/// H +- A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
 template <int K, bool Add>
-void productOf(int rows, int l, const double* A, const double* B, double* H) {
-  constexpr int kVectors = (K + kLanes - 1) / kLanes;
-  constexpr int kPadded = kVectors * kLanes;
-  double transposed[kMostRows * kPadded];
-  for (int first = 0; first < rows; first += kMostRows) {
-    const int count = smaller(kMostRows, rows - first);
-    for (int r = 0; r < count; ++r) {
-      for (int i = 0; i < K; ++i) transposed[r * kPadded + i] = A[i * rows + first + r];
-      for (int i = K; i < kPadded; ++i) transposed[r * kPadded + i] = 0;
+inline void accumulate(int rows, int l, const double* A, const double* B, int b, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  for (int j = 0; j < l; ++j, B += b, H += K) {
+    Vector sum[kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[v] = load(A + kLanes * v) * all(B[0]);
+    for (int r = 1; r < rows; ++r) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[v] += load(A + r * padded(K) + kLanes * v) * all(B[r]);
     }
-    for (int j = 0; j < l; ++j) {
-      const double* const b = B + j * rows + first;
-      Vector sum[kVectors];
-      for (int v = 0; v < kVectors; ++v) sum[v] = load(transposed + kLanes * v) * all(b[0]);
-      for (int r = 1; r < count; ++r) {
-        for (int v = 0; v < kVectors; ++v) sum[v] += load(transposed + r * kPadded + kLanes * v) * all(b[r]);
-      }
-      double* const column = H + j * K;
-      for (int v = 0; v < K / kLanes; ++v) {
-        const Vector old = load(column + kLanes * v);
-        store(column + kLanes * v, Add ? old + sum[v] : old - sum[v]);
-      }
-      for (int i = K / kLanes * kLanes; i < K; ++i) {
-        const double x = sum[i / kLanes][i % kLanes];
-        column[i] = Add ? column[i] + x : column[i] - x;
-      }
+#pragma GCC unroll 4
+    for (int v = 0; v < K / kLanes; ++v) {
+      const Vector old = load(H + kLanes * v);
+      store(H + kLanes * v, Add ? old + sum[v] : old - sum[v]);
+    }
+    for (int i = K / kLanes * kLanes; i < K; ++i) {
+      const double x = sum[i / kLanes][i % kLanes];
+      H[i] = Add ? H[i] + x : H[i] - x;
     }
   }
 }
 
-template <bool Add>
-void product(int rows, int k, int l, const double* A, const double* B, double* H) {
+/// H += A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
+template <int K>
+void addProductOf(int rows, int l, const double* A, const double* B, double* H) {
+  double transposed[kMostRows * padded(K)];
+  for (int first = 0; first < rows; first += kMostRows) {
+    const int count = smaller(kMostRows, rows - first);
+    for (int r = 0; r < count; ++r) {
+      for (int i = 0; i < K; ++i) transposed[r * padded(K) + i] = A[i * rows + first + r];
+      for (int i = K; i < padded(K); ++i) transposed[r * padded(K) + i] = 0;
+    }
+    accumulate<K, true>(count, l, transposed, B + first, rows, H);
+  }
+}
+
+void addProduct(int rows, int k, int l, const double* A, const double* B, double* H) {
   if (rows == 0) return;
   switch (k) {
-    case 1: productOf<1, Add>(rows, l, A, B, H); return;
-    case 2: productOf<2, Add>(rows, l, A, B, H); return;
-    case 3: productOf<3, Add>(rows, l, A, B, H); return;
-    case 4: productOf<4, Add>(rows, l, A, B, H); return;
-    case 6: productOf<6, Add>(rows, l, A, B, H); return;
-    case 9: productOf<9, Add>(rows, l, A, B, H); return;
+    case 1: addProductOf<1>(rows, l, A, B, H); return;
+    case 2: addProductOf<2>(rows, l, A, B, H); return;
+    case 3: addProductOf<3>(rows, l, A, B, H); return;
+    case 4: addProductOf<4>(rows, l, A, B, H); return;
+    case 6: addProductOf<6>(rows, l, A, B, H); return;
+    case 9: addProductOf<9>(rows, l, A, B, H); return;
     default: break;
   }
   for (int j = 0; j < l; ++j) {
     for (int i = 0; i < k; ++i) {
       double sum = 0;
       for (int r = 0; r < rows; ++r) sum += A[i * rows + r] * B[j * rows + r];
-      H[j * k + i] += Add ? sum : -sum;
+      H[j * k + i] += sum;
+    }
+  }
+}
+
+void subtractOuter(int rows, int k, int l, const double* A, const double* B, double* H) {
+  switch (k) {
+    case 3: accumulate<3, false>(rows, l, A, B, rows, H); return;
+    case 6: accumulate<6, false>(rows, l, A, B, rows, H); return;
+    case 9: accumulate<9, false>(rows, l, A, B, rows, H); return;
+    default: break;
+  }
+  for (int j = 0; j < l; ++j) {
+    for (int i = 0; i < k; ++i) {
+      for (int r = 0; r < rows; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[j * rows + r];
     }
   }
 }
 
 constexpr Kernels makeKernels(const char* name) {
   return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
-          &forwardRows, &backwardRows, &backwardPivots, &product<true>, &product<false>};
+          &forwardRows, &backwardRows, &backwardPivots, &addProduct,  &subtractOuter};
 }
 
 }  // namespace

@@ -1,0 +1,83 @@
+// What CHOLMOD needs for J^T J of a pose graph, at its start and with the J of Ceres.
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include <Eigen/SparseCore>
+#include <ceres/crs_matrix.h>
+#include <cholmod.h>
+
+#include "fit/ceres_problem.hpp"
+#include "fit/run.hpp"
+
+namespace slom::bench {
+
+namespace {
+
+constexpr int kRepetitions = 7;
+
+template <class F>
+double bestSeconds(const F& f) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    f();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return best;
+}
+
+Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
+  ceres::CRSMatrix crs;
+  problem.problem.Evaluate({}, nullptr, nullptr, nullptr, &crs);
+  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> rows(
+      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(),
+      crs.values.data());
+  const Eigen::SparseMatrix<double> J(rows);
+  const Eigen::SparseMatrix<double> H = J.transpose() * J;
+  Eigen::SparseMatrix<double> lower = H.triangularView<Eigen::Lower>();
+  lower.makeCompressed();
+  return lower;
+}
+
+}  // namespace
+
+template <class Pose>
+CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
+  Eigen::SparseMatrix<double> H = normalMatrix(*ceresProblemOf(graph));
+  cholmod_sparse A{};
+  A.nrow = A.ncol = static_cast<std::size_t>(H.rows());
+  A.nzmax = static_cast<std::size_t>(H.nonZeros());
+  A.p = H.outerIndexPtr();
+  A.i = H.innerIndexPtr();
+  A.x = H.valuePtr();
+  A.stype = -1;
+  A.itype = CHOLMOD_INT;
+  A.xtype = CHOLMOD_REAL;
+  A.dtype = CHOLMOD_DOUBLE;
+  A.sorted = A.packed = 1;
+  CholmodTimes result;
+  result.symbolic_seconds = result.numeric_seconds = std::numeric_limits<double>::infinity();
+  for (const int supernodal : {CHOLMOD_SIMPLICIAL, CHOLMOD_SUPERNODAL}) {
+    cholmod_common common;
+    cholmod_start(&common);
+    common.supernodal = supernodal;
+    cholmod_factor* factor = nullptr;
+    const double symbolic = bestSeconds([&] {
+      cholmod_free_factor(&factor, &common);
+      factor = cholmod_analyze(&A, &common);
+    });
+    const double numeric = bestSeconds([&] { cholmod_factorize(&A, factor, &common); });
+    result.flops = common.fl;
+    result.symbolic_seconds = std::min(result.symbolic_seconds, symbolic);
+    result.numeric_seconds = std::min(result.numeric_seconds, numeric);
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  return result;
+}
+
+template CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose2>&);
+template CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose3>&);
+
+}  // namespace slom::bench
