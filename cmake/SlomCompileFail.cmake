@@ -3,15 +3,30 @@
 #   slom_add_compile_fail_test(<name> <source> <expected>)
 #       compiles <source> twice without making code: with -DMUST_FAIL it must be refused and the compiler's
 #       message must match the regular expression <expected>; without, it must compile.
+#       <slom/slom.hpp> is compiled once for all of them, by the test compile_fail.precompile.
 #   slom_add_compile_fail_tests(<folder>)
 #       one such test, compile_fail.<name>, for each .cpp in the folder; its first line is `// expect: <regex>`.
+get_target_property(eigen_dirs Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+set(slom_compile_fail_dirs "${PROJECT_SOURCE_DIR}/include;${eigen_dirs}")
+
+# g++ takes slom/slom.hpp.gch, where it fits, in place of a slom/slom.hpp that stands behind it in the include path.
+set(slom_compile_fail_precompiled "${CMAKE_CURRENT_BINARY_DIR}/compile_fail_precompiled")
+file(CONFIGURE OUTPUT "${slom_compile_fail_precompiled}.hpp" CONTENT "#include <slom/slom.hpp>\n")
+file(MAKE_DIRECTORY "${slom_compile_fail_precompiled}/slom")
+list(TRANSFORM slom_compile_fail_dirs PREPEND -I OUTPUT_VARIABLE include_flags)
+add_test(NAME compile_fail.precompile
+         COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${include_flags} -w -x c++-header
+                 "${slom_compile_fail_precompiled}.hpp" -o "${slom_compile_fail_precompiled}/slom/slom.hpp.gch")
+set_tests_properties(compile_fail.precompile PROPERTIES LABELS "compile_fail;without_sanitizers"
+                                                        FIXTURES_SETUP compile_fail_precompiled)
+
 function(slom_add_compile_fail_test name source expected)
-  get_target_property(eigen_dirs Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
   add_test(NAME compile_fail.${name}
            COMMAND "${CMAKE_COMMAND}" "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DSOURCE=${source}"
-                   "-DINCLUDE_DIRS=${PROJECT_SOURCE_DIR}/include;${eigen_dirs}" "-DEXPECTED=${expected}"
+                   "-DINCLUDE_DIRS=${slom_compile_fail_precompiled};${slom_compile_fail_dirs}" "-DEXPECTED=${expected}"
                    -P "${PROJECT_SOURCE_DIR}/cmake/compile_fail.cmake")
-  set_tests_properties(compile_fail.${name} PROPERTIES LABELS "compile_fail;without_sanitizers")
+  set_tests_properties(compile_fail.${name} PROPERTIES LABELS "compile_fail;without_sanitizers"
+                                                     FIXTURES_REQUIRED compile_fail_precompiled)
 endfunction()
 
 function(slom_add_compile_fail_tests folder)

@@ -24,6 +24,10 @@ endmacro()
 slom_use_ordering(amd "minimum_degree_amd\\.cpp" "minimum_degree_eigen\\.cpp" libsuitesparse-dev)
 slom_use_ordering(metis "nested_dissection_metis\\.cpp" "nested_dissection_absent\\.cpp" libmetis-dev)
 
+# Nothing but the kernels may be compiled with other instructions, so no header is put before them.
+file(GLOB kernel_sources "${PROJECT_SOURCE_DIR}/src/solve/dense/*.cpp")
+set_property(SOURCE ${kernel_sources} PROPERTY SKIP_PRECOMPILE_HEADERS ON)
+
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp"
                       "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp"

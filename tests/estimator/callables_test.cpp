@@ -1,35 +1,19 @@
 // Callables as measurements: what may be passed, where derivatives come from, and that all ways agree.
 #include <array>
-#include <cstdlib>
-#include <new>
+#include <limits>
 #include <random>
 #include <string>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "estimator/allocations.hpp"
 #include "slom/slom.hpp"
 #include "support/message_of.hpp"
 
 namespace {
 
-std::size_t allocations = 0;
-
-}  // namespace
-
-// Counted, to see what insertion costs. The sanitizers bring their own.
-#if !defined(__SANITIZE_ADDRESS__)
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-#endif
-
-namespace {
-
+using slom::testing::allocations;
 using slom::testing::messageOf;
 using SE2 = mtk::trafo<mtk::SO2<>>;
 using SE3 = mtk::trafo<mtk::SO3<>>;
@@ -288,10 +272,10 @@ TEST(Insertion, OfAMillionMeasurementsAllocatesForNoneOfThem) {
   slom::Estimator est;
   const auto x = est.insertRV(1.0, "x"), y = est.insertRV(1.0, "y");
   const auto f = [](const auto& a, const auto& b, double z) { return a * z + b; };
-  const std::size_t before = allocations;
+  const std::size_t before = allocations();
   for (int i = 0; i < 1'000'000; ++i) est.insertMeasurement(f, x, y, i * 1e-6, slom::StandardDeviation(0.1));
 #if !defined(__SANITIZE_ADDRESS__)
-  EXPECT_LT(allocations - before, 1000u);  // arrays that double their size
+  EXPECT_LT(allocations() - before, 1000u);  // arrays that double their size
 #endif
   EXPECT_EQ(est.getM(), 1'000'000);
 }

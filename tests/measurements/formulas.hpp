@@ -10,7 +10,6 @@
 
 namespace slom::testing {
 
-using LongVector = Eigen::Matrix<Real, -1, 1>;
 using Long2 = Eigen::Matrix<Real, 2, 1>;
 using Long3 = Eigen::Matrix<Real, 3, 1>;
 

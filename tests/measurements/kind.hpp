@@ -4,7 +4,9 @@
 ///   packs        agree with scalars for every number of measurements, whether it fills the last pack or not
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 #include <string>
@@ -35,56 +37,51 @@ struct OneByOne {
   auto operator()(const auto&... x) const { return F()(x...); }
 };
 
-/// The last `count` rows of a residual are a rotation vector. Where it jumps at half a turn: the other one
-/// that means the same rotation, if it is closer to that of `base`.
-inline void continueRotation(Eigen::Matrix<Real, -1, 1>& residual, const Eigen::Matrix<Real, -1, 1>& base,
-                             int count) {
-  const Eigen::Matrix<Real, -1, 1> v = residual.tail(count);
-  const Real angle = v.norm(), turn = 2 * std::acos(Real(-1));
-  if (angle < turn / 4) return;
-  const Eigen::Matrix<Real, -1, 1> other = v * (1 - turn / angle);
-  if ((other - base.tail(count)).norm() < (v - base.tail(count)).norm()) residual.tail(count) = other;
+using LongVector = Eigen::Matrix<Real, -1, 1>;
+
+/// Adds d to the unknown with this number, counted through all parts of x.
+template <class... X>
+void moveUnknown(std::tuple<X...>& x, int unknown, Real d) {
+  const auto move = [&]<class P>(P& part) {
+    constexpr int n = mtk::DOF_v<P>;
+    if (0 <= unknown && unknown < n) {
+      Real step[n] = {};
+      step[unknown] = d;
+      mtk::boxplus<P>(part, mtk::vectview<const Real, n>(step, n));
+    }
+    unknown -= n;
+  };
+  std::apply([&](X&... part) { (move(part), ...); }, x);
 }
 
-/// Derivatives of the formula by central differences of order 6, in column i of the result for unknown i. The
-/// last `angles` rows are a rotation vector.
-template <class Formula, class... X>
-Eigen::Matrix<Real, -1, -1> differences(const Formula& formula, const std::tuple<X...>& at, Real step,
-                                        int angles) {
-  const int n = (mtk::DOF_v<X> + ...);
-  const Eigen::Matrix<Real, -1, 1> base = std::apply(formula, at);
-  Eigen::Matrix<Real, -1, -1> J;
-  for (int i = 0; i < n; ++i) {
-    Eigen::Matrix<Real, -1, 1> d = Eigen::Matrix<Real, -1, 1>::Zero(n);
-    const auto moved = [&](int steps) {
-      d[i] = steps * step;
-      auto x = at;
-      int offset = 0;
-      const auto move = [&](auto& part) {
-        using P = std::remove_reference_t<decltype(part)>;
-        mtk::boxplus<P>(part, mtk::vectview<const Real, mtk::DOF_v<P>>(d.data() + offset, mtk::DOF_v<P>));
-        offset += mtk::DOF_v<P>;
-      };
-      std::apply([&](auto&... part) { (move(part), ...); }, x);
-      Eigen::Matrix<Real, -1, 1> residual = std::apply(formula, x);
-      continueRotation(residual, base, angles);
-      return residual;
-    };
-    const Eigen::Matrix<Real, -1, 1> column =
-        (45 * (moved(1) - moved(-1)) - 9 * (moved(2) - moved(-2)) + (moved(3) - moved(-3))) / (60 * step);
-    J.conservativeResize(column.size(), n);
-    J.col(i) = column;
-  }
-  return J;
-}
-
-/// Magnitudes of the components of x, at least 1.
+/// Appends the magnitudes of the components of x, at least 1.
 template <class X>
-mtk::tangent_t<X> largest(const X& x) {
-  mtk::tangent_t<X> result;
-  mtk::magnitudes<X>(result, x);
-  return result.cwiseMax(1.0);
+void appendMagnitudes(std::vector<double>& sizes, const X& x) {
+  mtk::tangent_t<X> own;
+  mtk::magnitudes<X>(own, x);
+  for (const double size : own) sizes.push_back(std::max(1.0, size));
 }
+
+// What follows is for all kinds the same and not a template, so that it is compiled once: kind.cpp.
+
+/// One measurement, evaluated by itself.
+struct Alone {
+  Eigen::VectorXd r, r_without_derivatives;
+  Eigen::MatrixXd J;
+  double size = 0;  // of the numbers that the residual is a sum of: rounding is relative to it
+};
+
+/// A formula as a function of one of its unknowns, which is moved by d; without a move for unknown = -1.
+using FormulaAt = std::function<LongVector(int unknown, Real d)>;
+
+/// `sizes` are those of the datum and of the unknowns. Derivatives of the formula are differences with steps of `step`;
+/// the last `angles` entries of the residual are a rotation vector, which may jump at half a turn.
+void expectFormula(Alone& measurement, const FormulaAt& formula, const std::vector<double>& sizes_of_datum,
+                   const std::vector<double>& sizes_of_unknowns, int angles, Real step);
+
+/// `evaluateMany(count, r, J)` evaluates the first measurements, without derivatives if J is null.
+void expectTheSameInPacks(const std::vector<Alone>& measurements,
+                          const std::function<void(int count, double* r, double* J)>& evaluateMany);
 
 /// `samples` are tuples of the datum and the variables; formula(z, variables...) gives the residual in long
 /// double; its differences take steps of `step`; its last `angles` entries are a rotation vector, which may
@@ -99,73 +96,41 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
   static_assert(!Scalar::vectorized && Scalar::derivatives == DerivativeSource::exact);
   static_assert(!Numeric::vectorized && Numeric::derivatives == DerivativeSource::numeric);
   constexpr int rows = Packed::residual_dim, columns = (mtk::DOF_v<X> + ...);
-  using Vector = Eigen::Matrix<double, rows, 1>;
-  using Matrix = Eigen::Matrix<double, rows, columns>;
 
   Estimator owner;  // of the variables
   std::vector<Packed> packed;
-  std::vector<Vector> scalar_r;
-  std::vector<Matrix> scalar_J;
-  std::vector<double> size;  // of the numbers that the residual is a sum of: rounding is relative to it
+  std::vector<Alone> alone;
+  const auto check = [&](const Z& z, const X&... x) {
+    const std::tuple<VarID<X>...> ids(owner.insertRV(x)...);
+    std::apply([&](const VarID<X>&... id) { packed.emplace_back(F(), id..., measured(z)); }, ids);
+    const auto scalar = std::apply(
+        [&](const VarID<X>&... id) { return Scalar(OneByOne<F>(), id..., measured(z)); }, ids);
+    Alone& measurement = alone.emplace_back();
+    measurement.r.resize(rows);
+    measurement.J.resize(rows, columns);
+    ASSERT_EQ(scalar.linearize(rows, measurement.r.data(), measurement.J.data()), rows);
+    Residual<rows> again;
+    scalar.evaluate(again);
+    measurement.r_without_derivatives = again;
+
+    const auto long_z = mtk::lifted<Real>(z);
+    const auto long_x = std::tuple(mtk::lifted<Real>(x)...);
+    const FormulaAt formula_at = [&](int unknown, Real d) -> LongVector {
+      auto moved = long_x;
+      if (unknown >= 0) moveUnknown(moved, unknown, d);
+      return std::apply([&](const auto&... y) { return formula(long_z, y...); }, moved);
+    };
+    std::vector<double> sizes_of_datum, sizes_of_unknowns;
+    appendMagnitudes(sizes_of_datum, z);
+    (appendMagnitudes(sizes_of_unknowns, x), ...);
+    expectFormula(measurement, formula_at, sizes_of_datum, sizes_of_unknowns, angles, step);
+  };
   for (const auto& sample : samples) {
     SCOPED_TRACE("sample " + std::to_string(packed.size()));
-    std::apply(
-        [&](const Z& z, const X&... x) {
-          const auto ids = std::tuple(owner.insertRV(x)...);
-          std::apply(
-              [&](const auto&... id) {
-                packed.emplace_back(F(), id..., measured(z));
-                const Scalar scalar(OneByOne<F>(), id..., measured(z));
-                Vector r;
-                Matrix J;
-                ASSERT_EQ(scalar.linearize(rows, r.data(), J.data()), rows);
-                Residual<rows> again;
-                scalar.evaluate(again);
-                Eigen::VectorXd of_unknowns(columns);
-                int next = 0;
-                ((of_unknowns.segment<mtk::DOF_v<X>>(next) = largest(x), next += mtk::DOF_v<X>), ...);
-                size.push_back(std::max({largest(z).maxCoeff(), r.cwiseAbs().maxCoeff(),
-                                         (J.cwiseAbs() * of_unknowns).maxCoeff()}));
-                EXPECT_LE((r - again).norm(), 1e-14 * size.back());
-                scalar_r.push_back(r);
-                scalar_J.push_back(J);
-
-                const auto long_z = mtk::lifted<Real>(z);
-                const auto long_x = std::tuple(mtk::lifted<Real>(x)...);
-                const auto of_variables = [&](const auto&... y) { return formula(long_z, y...); };
-                const Eigen::Matrix<Real, -1, 1> expected = std::apply(of_variables, long_x);
-                EXPECT_LE((r - expected.template cast<double>()).norm(), 1e-14 * size.back())
-                    << r.transpose() << " in place of " << expected.transpose();
-                const Eigen::MatrixXd derivatives =
-                    differences(of_variables, long_x, step, angles).template cast<double>();
-                EXPECT_LE((J - derivatives).norm(), 1e-9 * derivatives.norm()) << J << "\nin place of\n"
-                                                                               << derivatives;
-              },
-              ids);
-        },
-        sample);
+    std::apply(check, sample);
+    ASSERT_EQ(alone.size(), packed.size());
   }
-
-  for (int count = 1; count <= static_cast<int>(samples.size()); ++count) {
-    const double unused = 12345;
-    std::vector<double> r(static_cast<std::size_t>(count * rows + 1), unused), r_alone = r;
-    std::vector<double> J(static_cast<std::size_t>(count * rows * columns + 1), unused);
-    Packed::evaluateMany(packed.data(), count, r.data(), J.data());
-    Packed::evaluateMany(packed.data(), count, r_alone.data(), nullptr);
-    EXPECT_EQ(r.back(), unused);
-    EXPECT_EQ(r_alone.back(), unused);
-    EXPECT_EQ(J.back(), unused);
-    for (int i = 0; i < count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const Eigen::Map<const Vector> ri(r.data() + i * rows), alone(r_alone.data() + i * rows);
-      const Eigen::Map<const Matrix> Ji(J.data() + i * rows * columns);
-      EXPECT_LE((ri - scalar_r[at]).norm(), 1e-14 * size[at]) << i << " of " << count;
-      EXPECT_LE((alone - scalar_r[at]).norm(), 1e-14 * size[at]) << i << " of " << count;
-      EXPECT_LE((Ji - scalar_J[at]).norm(), 1e-14 * scalar_J[at].norm()) << i << " of " << count << "\n"
-                                                                         << Ji << "\nin place of\n"
-                                                                         << scalar_J[at];
-    }
-  }
+  expectTheSameInPacks(alone, [&](int count, double* r, double* J) { Packed::evaluateMany(packed.data(), count, r, J); });
 }
 
 /// Random values with fixed seeds.

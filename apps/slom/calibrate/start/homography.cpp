@@ -2,7 +2,9 @@
 
 #include <cmath>
 
-#include <Eigen/SVD>
+#include <Eigen/LU>
+
+#include "calibrate/start/right_singular.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -30,8 +32,7 @@ Eigen::Matrix3d findHomography(const std::vector<vec2>& board, const std::vector
     A.row(2 * i) << p, Eigen::RowVector3d::Zero(), -q.x() * p;
     A.row(2 * i + 1) << Eigen::RowVector3d::Zero(), p, -q.y() * p;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
-  Eigen::Matrix3d H = svd.matrixV().col(8).reshaped<Eigen::RowMajor>(3, 3);
+  Eigen::Matrix3d H = rightSingular(A).vectors.col(8).reshaped<Eigen::RowMajor>(3, 3);
   H = from_pixels.inverse() * H * from_board;
   H /= H.norm();
   double depth = 0;

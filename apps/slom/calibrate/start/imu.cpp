@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
+#include "calibrate/start/right_singular.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {
@@ -82,13 +83,13 @@ ImuStart startImu(const std::vector<TiltPair>& pairs, const Fixed& fixed, double
 ImuPrecision imuPrecision(const std::vector<TiltPair>& pairs, const ImuStart& at, const Fixed& fixed,
                           double sigma_acc) {
   const Sensitivity s = sensitivity(pairs, at, fixed);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(s.J, Eigen::ComputeFullV);
+  const RightSingular svd = rightSingular(s.J);
   Eigen::VectorXd variance = Eigen::VectorXd::Zero(s.J.cols());
   for (Eigen::Index k = 0; k < s.J.cols(); ++k) {  // zero singular values give infinite variances
-    const double value = k < svd.singularValues().size() ? svd.singularValues()[k] : 0;
-    const bool open = !(value > 1e-12 * svd.singularValues()[0]);
+    const double value = k < svd.values.size() ? svd.values[k] : 0;
+    const bool open = !(value > 1e-12 * svd.values[0]);
     for (Eigen::Index i = 0; i < s.J.cols(); ++i) {
-      const double part = std::abs(svd.matrixV()(i, k));
+      const double part = std::abs(svd.vectors(i, k));
       if (open && part < 1e-6) continue;
       variance[i] += std::pow(part * sigma_acc / (open ? 0.0 : value), 2);
     }

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
+#include "calibrate/start/right_singular.hpp"
 #include "calibrate/start/view_pose.hpp"
 
 namespace slom::app::calib {
@@ -76,9 +76,9 @@ std::optional<Pinhole> zhang(const std::vector<Eigen::Matrix3d>& homographies) {
     V.row(2 * i) = conicRow(N.col(0), N.col(1));
     V.row(2 * i + 1) = conicRow(N.col(0), N.col(0)) - conicRow(N.col(1), N.col(1));
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(V, Eigen::ComputeFullV);
-  if (!(svd.singularValues()[3] > 1e-9 * svd.singularValues()[0])) return {};
-  const Eigen::VectorXd b = svd.matrixV().col(4);  // B11 B22 B13 B23 B33
+  const RightSingular svd = rightSingular(V);
+  if (!(svd.values[3] > 1e-9 * svd.values[0])) return {};
+  const Eigen::VectorXd b = svd.vectors.col(4);  // B11 B22 B13 B23 B33
   const double lambda = b[4] - b[2] * b[2] / b[0] - b[3] * b[3] / b[1];
   if (!(lambda / b[0] > 0) || !(lambda / b[1] > 0)) return {};
   return scale.undo({std::sqrt(lambda / b[0]), std::sqrt(lambda / b[1]), -b[2] / b[0], -b[3] / b[1]});

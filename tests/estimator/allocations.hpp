@@ -1,0 +1,11 @@
+#pragma once
+// How often the program has asked for memory, to see what insertion costs.
+
+#include <cstddef>
+
+namespace slom::testing {
+
+/// Calls of operator new until now. 0 under the sanitizers, which bring an operator new of their own.
+std::size_t allocations();
+
+}  // namespace slom::testing
