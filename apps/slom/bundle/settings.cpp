@@ -12,6 +12,14 @@ namespace slom::app::bundle {
 
 namespace {
 
+void checkAlgorithm(AlgorithmName algorithm) {
+  if (algorithm == AlgorithmName::lm) return;
+  throw UserError(fmt::format(
+      "--algorithm {}: place, rotation and scale of a scene are free, and lm alone can hold them, by its "
+      "damping; leave the option out",
+      algorithm == AlgorithmName::gn ? "gn" : "dogleg"));
+}
+
 void checkTolerance(double tolerance) {
   if (tolerance >= 0 && tolerance < 1) return;
   throw UserError(fmt::format("--tolerance {}: give a number from 0 on, and below 1", tolerance));
@@ -29,6 +37,7 @@ void checkOutput(const std::string& file) {
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;
   settings.fit = parseFitOptions(raw.fit);
+  checkAlgorithm(settings.fit.algorithm);
   checkTolerance(settings.tolerance);
   std::vector<NamedFile> results;
   for (const std::string& file : settings.output_files) {

@@ -12,7 +12,7 @@ namespace slom::app::bundle {
 struct Settings {
   std::string file;
   FitOptions fit;
-  double tolerance = 1e-6;                ///< relative decrease of the RSS below which the fit has converged
+  double tolerance = 1e-5;                ///< relative decrease of the RSS below which the fit has converged
   std::vector<std::string> output_files;  ///< BAL or PLY, by extension
   ReportOptions report;
 };

@@ -6,6 +6,8 @@
 
 namespace slom::app::bundle {
 
+const bool has_bzip2 = false;
+
 std::string bzip2Decompressed(const std::string& file, std::string_view) {
   throw UserError(fmt::format(
       "{}: the file is compressed by bzip2, and this slom was built without libbz2; decompress it "

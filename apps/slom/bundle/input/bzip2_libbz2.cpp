@@ -10,6 +10,8 @@
 
 namespace slom::app::bundle {
 
+const bool has_bzip2 = true;
+
 namespace {
 
 /// Takes one compressed stream after the other off its input; some programs write a file as several.

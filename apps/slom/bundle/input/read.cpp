@@ -109,10 +109,11 @@ class Reader {
           fmt::format("the {} of this observation is {}; write a whole number there", what, words_.quoted()));
     }
     if (value >= 0 && value < count) return value;
-    words_.fail(
-        fmt::format("this observation is of {} {}, but there are {}, with numbers from 0 to {}; correct "
-                    "it, or the first line",
-                    what, value, plural(std::size_t(count), what), count - 1));
+    const std::string known =
+        count == 1 ? fmt::format("is 1 {}, with number 0", what)
+                   : fmt::format("are {} {}s, with numbers from 0 to {}", count, what, count - 1);
+    words_.fail(fmt::format("this observation is of {} {}, but there {}; correct it, or the first line", what,
+                            value, known));
   }
 
   Camera<> camera(int i) {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "text.hpp"
+
 namespace slom::app::bundle {
 
 namespace {
@@ -53,10 +55,11 @@ std::string toBal(const Scene& scene) {
 std::string toPly(const Scene& scene) {
   Text text;
   append(text,
-         "ply\nformat ascii 1.0\ncomment {} points, then the centres of {} cameras\nelement vertex {}\n"
+         "ply\nformat ascii 1.0\ncomment {}, then the centres of {}\nelement vertex {}\n"
          "property double x\nproperty double y\nproperty double z\n"
          "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
-         scene.points.size(), scene.cameras.size(), scene.points.size() + scene.cameras.size());
+         plural(scene.points.size(), "point"), plural(scene.cameras.size(), "camera"),
+         scene.points.size() + scene.cameras.size());
   for (const mtk::vect<3>& point : scene.points) appendVertex(text, point, point_colour);
   for (const Camera<>& camera : scene.cameras) appendVertex(text, camera.pose.inverse().pos, camera_colour);
   return fmt::to_string(text);
