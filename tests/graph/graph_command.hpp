@@ -14,6 +14,7 @@ namespace slom::app::graph::testing {
 
 using Json = nlohmann::json;
 using slom::testing::CommandResult;
+using slom::testing::replaced;
 using slom::testing::TemporaryFolder;
 
 inline const slom::testing::CommandOnFile command{

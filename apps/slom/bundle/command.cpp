@@ -21,9 +21,9 @@ using namespace bundle;
 constexpr const char* help_text =
     R"(slom bundle problem.txt --output fitted.txt --output fitted.ply --json result.json
 
-Bundle adjustment: cameras and points from the images of the points, from a BAL file.
-Fits for each camera its pose, focal length and two coefficients of radial distortion, and all points. Files may
-be compressed by bzip2.
+Bundle adjustment: fit cameras and points to images of the points, from a BAL file.
+Each camera has a pose, a focal length and two coefficients of radial distortion. The file may be compressed by
+bzip2.
 )";
 
 constexpr const char* footer_text =
