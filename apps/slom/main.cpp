@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bundle/bundle.hpp"
 #include "calibrate/calibrate.hpp"
 #include "error.hpp"
 #include "graph/graph.hpp"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", "slom " SLOM_VERSION);
   app.require_subcommand(1);
+  addBundleCommand(app);
   addCalibrateCommand(app);
   addGraphCommand(app);
   addSimulateCommand(app);

@@ -2,15 +2,10 @@
 #include "graph/graph_command.hpp"
 #include "graph/input/read.hpp"
 #include "graph/oracle.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::graph {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool is_slow = true;
-#else
-constexpr bool is_slow = false;
-#endif
 
 /// Fits the data set and compares the RSS with `expected` and with that of the values it wrote.
 template <class Pose>
@@ -28,8 +23,6 @@ void expectRss(const std::string& name, double expected, std::vector<std::string
 }
 
 #define SLOM_POSE_GRAPH(name) SLOM_SKIP_WITHOUT_SHARED_DATA("posegraph/" name)
-#define SLOM_SKIP_WHEN_SLOW() \
-  if (is_slow) GTEST_SKIP() << "takes long with sanitizers; the smaller data sets run the same code"
 
 TEST(GraphData, Intel) {
   SLOM_POSE_GRAPH("intel.g2o");
@@ -45,12 +38,12 @@ TEST(GraphData, MitFromAChordalStart) {
 }
 TEST(GraphData, Manhattan) {
   SLOM_POSE_GRAPH("manhattan.g2o");
-  SLOM_SKIP_WHEN_SLOW();
+  SLOM_SKIP_WITH_SANITIZERS();
   expectRss<Pose2>("manhattan.g2o", 3549.036796);
 }
 TEST(GraphData, City10000) {
   SLOM_POSE_GRAPH("city10000.g2o");
-  SLOM_SKIP_WHEN_SLOW();
+  SLOM_SKIP_WITH_SANITIZERS();
   expectRss<Pose2>("city10000.g2o", 511.985164);
 }
 TEST(GraphData, SmallGrid) {
@@ -59,12 +52,12 @@ TEST(GraphData, SmallGrid) {
 }
 TEST(GraphData, ParkingGarage) {
   SLOM_POSE_GRAPH("parking-garage.g2o");
-  SLOM_SKIP_WHEN_SLOW();
+  SLOM_SKIP_WITH_SANITIZERS();
   expectRss<Pose3>("parking-garage.g2o", 1.26838440);
 }
 TEST(GraphData, Sphere) {
   SLOM_POSE_GRAPH("sphere2500.g2o");
-  SLOM_SKIP_WHEN_SLOW();
+  SLOM_SKIP_WITH_SANITIZERS();
   expectRss<Pose3>("sphere2500.g2o", 1351.362327, {"--init", "chordal"});
 }
 
@@ -72,7 +65,7 @@ TEST(GraphData, Sphere) {
 /// gets nearer.
 TEST(GraphData, TorusFromAChordalStart) {
   SLOM_POSE_GRAPH("torus3D.g2o");
-  SLOM_SKIP_WHEN_SLOW();
+  SLOM_SKIP_WITH_SANITIZERS();
   const auto result =
       testing::runGraph({slom::testing::sharedDataPath("posegraph/torus3D.g2o").string(), "--init", "chordal",
                          "--max-iterations", "1", "--quiet", "--json", "-"});

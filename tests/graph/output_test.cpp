@@ -1,5 +1,6 @@
 // Report, JSON and the fitted graph.
 #include "graph/graph_command.hpp"
+#include "support/run_seconds.hpp"
 
 namespace slom::app::graph {
 namespace {
@@ -41,9 +42,7 @@ TEST(GraphOutput, JsonHasAllKeys) {
   EXPECT_EQ(json["unknowns"], 9);
   EXPECT_EQ(json["threads"], 2);
   EXPECT_GT(json["peak_memory_mb"], 1);
-  for (const char* phase : {"load", "setup", "linearize", "factorize", "solve", "total"}) {
-    EXPECT_GE(json["seconds"][phase], 0) << phase;
-  }
+  slom::testing::expectPlausibleSeconds(json["seconds"]);
   const Json& trace = json["trace"];
   ASSERT_EQ(trace.size(), json["iterations"].get<std::size_t>() + 1);
   EXPECT_EQ(trace.front()["iteration"], 0);

@@ -22,10 +22,11 @@ Outcome outcomeOf(const Summary& s) {
 }
 
 std::string outcomeText(const Outcome& o) {
-  std::string text =
-      fmt::format("\n{} after {}: {}\n  {} measurements - {} unknowns = redundancy {}\n",
-                  o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
-                  o.stop_reason, o.measurements, o.unknowns, o.redundancy());
+  std::string text = fmt::format(
+      "\n{} after {}: {}\n  {} measurements - {} unknowns{} = redundancy {}\n",
+      o.converged ? "Converged" : "NOT CONVERGED", plural(std::size_t(o.iterations), "iteration"),
+      o.stop_reason, o.measurements, o.unknowns,
+      o.free_directions == 0 ? "" : fmt::format(" + {} free directions", o.free_directions), o.redundancy());
   const char* const kind = o.is_robust ? "robust RSS" : "RSS";
   text += fmt::format("  {} {:.6g}", kind, o.rss);
   if (o.redundancy() > 0)

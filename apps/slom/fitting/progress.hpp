@@ -20,9 +20,10 @@ struct Outcome {
   int measurements = 0;
   int unknowns = 0;
   double rss = 0;
-  bool is_robust = false;  ///< some measurements have a loss, so that there is no chi-square
+  bool is_robust = false;   ///< some measurements have a loss, so that there is no chi-square
+  int free_directions = 0;  ///< of the unknowns, that no measurement of this kind can determine
 
-  int redundancy() const { return measurements - unknowns; }
+  int redundancy() const { return measurements - unknowns + free_directions; }
 };
 Outcome outcomeOf(const Summary& summary);
 

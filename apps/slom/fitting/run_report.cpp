@@ -9,22 +9,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Seconds of the steps of a fit.
-struct Phases {
-  double setup = 0, linearize = 0, factorize = 0, solve = 0;
-};
-
-/// From summary.phases where the library has it, 0 until then.
-template <class S>
-Phases phasesOf(const S& summary) {
-  if constexpr (requires { summary.phases; }) {
-    const auto& p = summary.phases;
-    return {p.setup, p.linearize, p.factorize, p.solve};
-  } else {
-    return {};
-  }
-}
-
 Json traceJson(const Summary& summary) {
   Json trace = Json::array();
   for (const IterationRecord& record : summary.trace) {
@@ -37,7 +21,7 @@ Json traceJson(const Summary& summary) {
 
 std::string toJson(const RunReport& report) {
   const Summary& s = report.summary;
-  const Phases phases = phasesOf(s);
+  const PhaseSeconds& phases = s.phases;
   const Json json = {{"converged", s.converged},
                      {"stop_reason", toString(s.stop_reason)},
                      {"iterations", s.iterations},

@@ -1,5 +1,4 @@
 // `slom graph`: options, then read -> start -> fit -> report and files.
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <variant>
@@ -8,7 +7,7 @@
 
 #include "error.hpp"
 #include "fitting/progress.hpp"
-#include "fitting/run_report.hpp"
+#include "fitting/result_files.hpp"
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
 #include "graph/input/information.hpp"
@@ -40,23 +39,6 @@ constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
 2 wrong options or data.)";
 
-/// Where people read: standard output, but standard error when the JSON goes there; nowhere with --quiet.
-class Console {
- public:
-  explicit Console(const Settings& settings)
-      : stream_(settings.quiet            ? nullptr
-                : settings.jsonToStdout() ? stderr
-                                          : stdout) {}
-  void print(const std::string& text) const {
-    if (stream_ == nullptr) return;
-    std::fputs(text.c_str(), stream_);
-    std::fflush(stream_);
-  }
-
- private:
-  std::FILE* stream_;
-};
-
 /// Everything between reading and fitting.
 template <class Pose>
 Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
@@ -82,33 +64,21 @@ Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& con
   return summary;
 }
 
-/// A result that failed goes to JSON, which says so, but not to the graph and the plot, whose readers would
-/// take it for good.
 template <class Pose>
 void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
                 const Console& console) {
-  OutputFiles files;
-  std::string said;
-  const auto add = [&](const std::string& file, bool is_wanted, const auto& content) {
-    if (file.empty()) return;
-    if (is_wanted) files.add(file, content());
-    said += fmt::format("{}: {}\n", is_wanted ? "written" : "not written, because the fit failed", file);
-  };
-  const bool good = report.summary.converged;
-  add(settings.output_file, good, [&] { return toG2o(graph); });
-  add(settings.plot_file, good, [&] {
+  ResultFiles files(report, settings.report);
+  files.add(settings.output_file, [&] { return toG2o(graph); });
+  files.add(settings.plot_file, [&] {
     const Sketch sketch = sketchOf(graph);
     return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
   });
-  add(settings.jsonToStdout() ? "" : settings.json_file, true, [&] { return toJson(report); });
-  files.commit();
-  if (!said.empty()) console.print("\n" + said);
-  if (settings.jsonToStdout()) fmt::print("{}", toJson(report));
+  files.finish(console);
 }
 
 template <class Pose>
 void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total) {
-  const Console console(settings);
+  const Console console(settings.report);
   if (dim<Pose> == 3 && settings.plot_file.ends_with(".svg")) {
     throw UserError(fmt::format("--plot {}: this graph is in space; give FILE.html, a page to turn it on",
                                 settings.plot_file));
@@ -123,20 +93,16 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   console.print(outcomeText(outcomeOf(report.summary)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(graph, report, settings, console);
-  if (report.summary.converged) return;
   const bool start_may_be_at_fault =
       report.summary.stop_reason != StopReason::rank_deficient && preparation.init != Init::chordal;
-  fmt::print(stderr, "slom: the fit failed: {}{}\n", report.summary.message,
-             start_may_be_at_fault ? "; --init chordal may find a better start" : "");
-  throw CLI::RuntimeError(exit_not_converged);
+  requireConverged(report.summary, start_may_be_at_fault ? "; --init chordal may find a better start" : "");
 }
 
 void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
   AnyPoseGraph graph = readPoseGraph(settings.file);
-  requireWritable(
-      {settings.output_file, settings.jsonToStdout() ? "" : settings.json_file, settings.plot_file});
+  requireWritable({settings.output_file, settings.report.jsonPath(), settings.plot_file});
   std::visit([&](auto& any) { run(std::move(any), settings, total); }, graph);
 }
 
@@ -171,9 +137,7 @@ void addGraphCommand(CLI::App& app) {
                   "the fitted graph as a picture, FILE.svg, in the plane only, or as a page to turn it on,\n"
                   "FILE.html")
       ->type_name("FILE");
-  command.add_option("--json", settings.json_file, "result and times as JSON; - for standard output")
-      ->type_name("FILE");
-  command.add_flag("--quiet", settings.quiet, "print errors only");
+  addReportOptions(command, settings.report);
   command.callback([raw] { run(*raw); });
 }
 

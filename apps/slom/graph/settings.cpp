@@ -41,7 +41,7 @@ Settings parseSettings(const RawOptions& raw) {
   settings.rotation_error = parseRotationError(raw.rotation_error);
   checkPlot(settings.plot_file);
   checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file},
-                                               {"--json", settings.jsonToStdout() ? "" : settings.json_file},
+                                               {"--json", settings.report.jsonPath()},
                                                {"--plot", settings.plot_file}});
   return settings;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 #include "graph/start/start.hpp"
 
@@ -23,11 +24,8 @@ struct Settings {
   bool repair_information = false;
   bool hold_parts = false;
   std::string output_file;  ///< empty: none
-  std::string json_file;    ///< empty: none; "-": standard output
   std::string plot_file;    ///< empty: none
-  bool quiet = false;
-
-  bool jsonToStdout() const { return json_file == "-"; }
+  ReportOptions report;
 };
 
 /// The options as text, as CLI11 hands them over.

@@ -2,13 +2,13 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "input_file.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -34,9 +34,7 @@ std::ifstream open(const std::string& file) {
   errno = 0;
   std::ifstream stream(file);
   if (stream) stream.peek();  // a folder opens, and fails only when it is read
-  if (!stream && !stream.eof()) {
-    throw UserError(fmt::format("{}: cannot be read ({}); check the path", file, std::strerror(errno)));
-  }
+  if (!stream && !stream.eof()) cannotRead(file);
   stream.clear();
   return stream;
 }

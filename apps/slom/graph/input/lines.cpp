@@ -1,13 +1,13 @@
 #include "graph/input/lines.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "input_file.hpp"
 #include "text.hpp"
 
 namespace slom::app::graph {
@@ -45,8 +45,7 @@ Lines::Lines(const std::string& file)
 }
 
 void Lines::require(bool good) const {
-  if (good) return;
-  throw UserError(fmt::format("{}: cannot be read ({}); check the path", file_, std::strerror(errno)));
+  if (!good) cannotRead(file_);
 }
 
 /// Fills the buffer behind what has not been handed out yet; false at the end of the file.

@@ -1,0 +1,103 @@
+// `slom bundle`: options, then read -> check -> fit -> report and files.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bundle/bundle.hpp"
+#include "bundle/fit/fit.hpp"
+#include "bundle/input/check.hpp"
+#include "bundle/input/read.hpp"
+#include "bundle/output/output.hpp"
+#include "bundle/output/report.hpp"
+#include "bundle/settings.hpp"
+#include "fitting/progress.hpp"
+#include "fitting/result_files.hpp"
+
+namespace slom::app {
+namespace {
+
+using namespace bundle;
+
+constexpr const char* help_text =
+    R"(slom bundle problem.txt --output fitted.txt --output fitted.ply --json result.json
+
+Bundle adjustment: fit cameras and points to images of the points, from a BAL file.
+Each camera has a pose, a focal length and two coefficients of radial distortion. The file may be compressed by
+bzip2.
+)";
+
+constexpr const char* footer_text =
+    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
+2 wrong options or data.)";
+
+Summary fit(Scene& scene, const Settings& settings, const Console& console, double& setup_seconds) {
+  const Stopwatch setup;
+  BundleFit fit(scene, settings.fit);
+  setup_seconds = setup.seconds();
+  Options options;
+  options.max_iterations = settings.fit.max_iterations;
+  options.decrease_tolerance = settings.tolerance;
+  options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
+  console.print("\n" + iterationHeader());
+  const Summary summary = fit.optimize(options);
+  fit.writeTo(scene);
+  return summary;
+}
+
+void writeFiles(const Scene& scene, const RunReport& report, const Settings& settings,
+                const Console& console) {
+  ResultFiles files(report, settings.report);
+  for (const std::string& file : settings.output_files) files.add(file, [&] { return toText(scene, file); });
+  files.finish(console);
+}
+
+void run(const RawOptions& raw) {
+  const Stopwatch total;
+  const Settings settings = parseSettings(raw);
+  const Console console(settings.report);
+  Scene scene = readScene(settings.file);
+  const std::vector<std::string> warnings = checkScene(scene);
+  std::vector<std::string> results = settings.output_files;
+  results.push_back(settings.report.jsonPath());
+  requireWritable(results);
+  RunReport report;
+  report.threads = threadsOf(settings.fit);
+  const double rms_before = scene.rms();
+  report.load_seconds = total.seconds();
+  console.print(sceneText(scene, warnings));
+  report.summary = fit(scene, settings, console, report.setup_seconds);
+  report.total_seconds = total.seconds();
+  Outcome outcome = outcomeOf(report.summary);
+  outcome.free_directions = gauge_directions;
+  console.print(outcomeText(outcome) + rmsText(rms_before, scene.rms()));
+  for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
+  writeFiles(scene, report, settings, console);
+  requireConverged(report.summary, "");
+}
+
+}  // namespace
+
+void addBundleCommand(CLI::App& app) {
+  const auto raw = std::make_shared<RawOptions>();
+  Settings& settings = raw->rest;
+  CLI::App& command = *app.add_subcommand("bundle", help_text);
+  command.footer(footer_text);
+  command.add_option("FILE", settings.file, "cameras, points and observations in BAL's format; also as .bz2")
+      ->required();
+  addFitOptions(command, raw->fit);
+  command
+      .add_option("--tolerance", settings.tolerance,
+                  "the fit has converged when a step makes the RSS smaller by less than this, relatively")
+      ->type_name("NUMBER")
+      ->capture_default_str();
+  command
+      .add_option("--output", settings.output_files,
+                  "the fitted scene in BAL's format, FILE.txt or FILE.bal, or points and camera centres to\n"
+                  "look at, FILE.ply; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  addReportOptions(command, settings.report);
+  command.callback([raw] { run(*raw); });
+}
+
+}  // namespace slom::app

@@ -1,0 +1,31 @@
+// The fit of a scene.
+#pragma once
+
+#include <vector>
+
+#include <slom/estimator.hpp>
+
+#include "bundle/scene.hpp"
+#include "bundle/settings.hpp"
+
+namespace slom::app::bundle {
+
+/// Cameras and points as variables, named by their numbers (`camera 3`, `point 17`), observations as
+/// measurements:
+///   residual  Sight of the point by the camera - observed pixel, with a standard deviation of 1 px
+class BundleFit {
+ public:
+  /// Takes start values and observations from `scene`.
+  BundleFit(const Scene& scene, const FitOptions& options);
+
+  Summary optimize(const Options& options) { return est_.optimize(options); }
+  /// Writes the values into the cameras and points of the scene.
+  void writeTo(Scene& scene) const;
+
+ private:
+  Estimator est_;
+  std::vector<VarID<Camera<>>> cameras_;
+  std::vector<VarID<mtk::vect<3>>> points_;
+};
+
+}  // namespace slom::app::bundle

@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <bzlib.h>
+#include <limits>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "bundle/input/bzip2.hpp"
+#include "error.hpp"
+
+namespace slom::app::bundle {
+
+const bool has_bzip2 = true;
+
+namespace {
+
+/// Takes one compressed stream after the other off its input; some programs write a file as several.
+class Decompressor {
+ public:
+  Decompressor(const std::string& file, std::string_view content) : file_(file), rest_(content) {}
+
+  std::string run() {
+    do {
+      readStream();
+    } while (!rest_.empty());
+    text_.resize(size_);
+    return std::move(text_);
+  }
+
+ private:
+  void readStream() {
+    bz_stream stream{};
+    require(BZ2_bzDecompressInit(&stream, 0, 0));
+    int status = BZ_OK;
+    while (status == BZ_OK) status = step(stream);
+    BZ2_bzDecompressEnd(&stream);
+    if (status != BZ_STREAM_END) require(status);
+  }
+
+  int step(bz_stream& stream) {
+    if (size_ == text_.size()) text_.resize(std::max<std::size_t>(2 * size_, 1 << 20));
+    // libbz2 does not write to its input, though it does not say so.
+    stream.next_in = const_cast<char*>(rest_.data());
+    stream.avail_in = most(rest_.size());
+    stream.next_out = text_.data() + size_;
+    stream.avail_out = most(text_.size() - size_);
+    const unsigned offered = stream.avail_in, space = stream.avail_out;
+    const int status = BZ2_bzDecompress(&stream);
+    rest_.remove_prefix(offered - stream.avail_in);
+    size_ += space - stream.avail_out;
+    const bool is_stuck = status == BZ_OK && rest_.empty() && stream.avail_out > 0;
+    return is_stuck ? BZ_UNEXPECTED_EOF : status;
+  }
+
+  static unsigned most(std::size_t size) {
+    return unsigned(std::min<std::size_t>(size, std::numeric_limits<int>::max()));
+  }
+
+  void require(int status) const {
+    if (status == BZ_OK) return;
+    if (status == BZ_MEM_ERROR) throw std::bad_alloc();
+    throw UserError(fmt::format("{}: the compressed file {}; get it again", file_,
+                                status == BZ_UNEXPECTED_EOF ? "ends too early" : "is damaged"));
+  }
+
+  const std::string& file_;
+  std::string_view rest_;
+  std::string text_;
+  std::size_t size_ = 0;  // of what has been written into text_
+};
+
+}  // namespace
+
+std::string bzip2Decompressed(const std::string& file, std::string_view content) {
+  return Decompressor(file, content).run();
+}
+
+}  // namespace slom::app::bundle

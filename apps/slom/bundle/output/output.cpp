@@ -1,0 +1,72 @@
+#include "bundle/output/output.hpp"
+
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "text.hpp"
+
+namespace slom::app::bundle {
+
+namespace {
+
+using Text = fmt::memory_buffer;
+
+template <class... Args>
+void append(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+/// One number on each line.
+void appendLines(Text& text, const auto& numbers) {
+  for (const double x : numbers) append(text, "{}\n", x);
+}
+
+struct Colour {
+  int red, green, blue;
+};
+constexpr Colour point_colour{170, 170, 170}, camera_colour{230, 40, 40};
+
+void appendVertex(Text& text, const mtk::vect<3>& p, const Colour& colour) {
+  append(text, "{} {} {} {} {} {}\n", p[0], p[1], p[2], colour.red, colour.green, colour.blue);
+}
+
+}  // namespace
+
+Format formatOf(const std::string& file) {
+  if (file.ends_with(".txt") || file.ends_with(".bal")) return Format::bal;
+  return file.ends_with(".ply") ? Format::ply : Format::unknown;
+}
+
+std::string toBal(const Scene& scene) {
+  Text text;
+  append(text, "{} {} {}\n", scene.cameras.size(), scene.points.size(), scene.observations.size());
+  for (const Observation& o : scene.observations)
+    append(text, "{} {} {} {}\n", o.camera, o.point, o.pixel[0], o.pixel[1]);
+  for (const Camera<>& camera : scene.cameras) {
+    appendLines(text, mtk::SO3<>::log(camera.pose.orient));
+    appendLines(text, camera.pose.pos);
+    appendLines(text, camera.lens);
+  }
+  for (const mtk::vect<3>& point : scene.points) appendLines(text, point);
+  return fmt::to_string(text);
+}
+
+std::string toPly(const Scene& scene) {
+  Text text;
+  append(text,
+         "ply\nformat ascii 1.0\ncomment {}, then the centres of {}\nelement vertex {}\n"
+         "property double x\nproperty double y\nproperty double z\n"
+         "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+         plural(scene.points.size(), "point"), plural(scene.cameras.size(), "camera"),
+         scene.points.size() + scene.cameras.size());
+  for (const mtk::vect<3>& point : scene.points) appendVertex(text, point, point_colour);
+  for (const Camera<>& camera : scene.cameras) appendVertex(text, camera.pose.inverse().pos, camera_colour);
+  return fmt::to_string(text);
+}
+
+std::string toText(const Scene& scene, const std::string& file) {
+  return formatOf(file) == Format::ply ? toPly(scene) : toBal(scene);
+}
+
+}  // namespace slom::app::bundle

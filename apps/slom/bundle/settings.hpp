@@ -1,0 +1,29 @@
+// What the user asked for on the command line.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fitting/console.hpp"
+#include "fitting/fit_options.hpp"
+
+namespace slom::app::bundle {
+
+struct Settings {
+  std::string file;
+  FitOptions fit;
+  double tolerance = 1e-5;                ///< relative decrease of the RSS below which the fit has converged
+  std::vector<std::string> output_files;  ///< BAL or PLY, by extension
+  ReportOptions report;
+};
+
+/// The options as text, as CLI11 hands them over.
+struct RawOptions {
+  RawFitOptions fit{.algorithm = "lm", .loss = "", .threads = 0, .max_iterations = 100};
+  Settings rest;
+};
+
+/// Reads the texts and checks all values; UserError names the option.
+Settings parseSettings(const RawOptions& raw);
+
+}  // namespace slom::app::bundle

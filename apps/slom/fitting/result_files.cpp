@@ -1,0 +1,23 @@
+#include "fitting/result_files.hpp"
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+
+namespace slom::app {
+
+void ResultFiles::finish(const Console& console) {
+  const std::string json = options_.json_file.empty() ? "" : toJson(report_);
+  if (!options_.jsonPath().empty()) add(options_.jsonPath(), true, [&] { return json; });
+  files_.commit();
+  if (!said_.empty()) console.print("\n" + said_);
+  if (options_.jsonToStdout()) fmt::print("{}", json);
+}
+
+void requireConverged(const Summary& summary, const std::string& advice) {
+  if (summary.converged) return;
+  fmt::print(stderr, "slom: the fit failed: {}{}\n", summary.message, advice);
+  throw CLI::RuntimeError(exit_not_converged);
+}
+
+}  // namespace slom::app

@@ -1,0 +1,10 @@
+// The run that docs/bundle.md shows is real, but for the iterations.
+#include "support/documented_run.hpp"
+
+namespace slom::testing {
+namespace {
+
+TEST(BundleDocumentation, ShowsARealRun) { expectRealRun("docs/bundle.md"); }
+
+}  // namespace
+}  // namespace slom::testing
