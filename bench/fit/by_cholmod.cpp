@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <vector>
 
 #include <Eigen/SparseCore>
 #include <ceres/crs_matrix.h>
@@ -28,8 +29,11 @@ double bestSeconds(const F& f) {
 }
 
 Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
+  ceres::Problem::EvaluateOptions options;  // without the columns of what is held
+  problem.problem.GetParameterBlocks(&options.parameter_blocks);
+  std::erase_if(options.parameter_blocks, [&](const double* block) { return problem.problem.IsParameterBlockConstant(block); });
   ceres::CRSMatrix crs;
-  problem.problem.Evaluate({}, nullptr, nullptr, nullptr, &crs);
+  problem.problem.Evaluate(options, nullptr, nullptr, nullptr, &crs);
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> rows(
       crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(),
       crs.values.data());

@@ -12,16 +12,7 @@ Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
   app::graph::GraphFit<Pose> fit(graph, settings);
   Options options;
   options.max_iterations = limits.max_iterations;
-  const Summary summary = fit.optimize(options);
-  Run run;
-  run.program = "SLoM";
-  run.iterations = summary.iterations;
-  run.seconds = summary.seconds;
-  run.setup_seconds = summary.phases.setup;
-  run.factor_seconds = summary.phases.factorize;
-  run.solver = summary.solver;
-  for (const IterationRecord& record : summary.trace) run.trace.push_back({record.seconds, record.rss});
-  return run;
+  return runOf(fit.optimize(options));
 }
 
 template Run fitBySlom(const app::graph::PoseGraph<app::graph::Pose2>&, const Limits&);

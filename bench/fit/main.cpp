@@ -2,7 +2,7 @@
 //
 //   bench_fit [--threads N] [--rounds N] [--max-iterations N] FILE...
 //
-// FILE is a pose graph that `slom graph` reads. The programs take turns; of each the round with the median time counts.
+// FILE is a pose graph that `slom graph` reads (.g2o, .graph), or a scene that `slom bundle` reads. The programs take turns; of each the round with the median time counts.
 // Prints a Markdown table. Ends with status 1 when both converge to the same minimum but differ there by more than 1e-8.
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "bundle/input/read.hpp"
 #include "error.hpp"
 #include "fit/run.hpp"
 #include "graph/input/information.hpp"
@@ -130,6 +131,15 @@ bool compareOnGraph(slom::app::graph::PoseGraph<Pose> graph, const std::string& 
   return good;
 }
 
+bool compareOnBundle(const slom::app::bundle::Scene& scene, const std::string& name, const Arguments& arguments) {
+  std::vector<Program> programs{[&] { return fitBySlom(scene, arguments.limits); }};
+#ifdef SLOM_BENCH_CERES
+  programs.push_back([&] { return fitByCeres(scene, true, arguments.limits); });
+  programs.push_back([&] { return fitByCeres(scene, false, arguments.limits); });
+#endif
+  return printRows(name, runInTurn(programs, arguments.rounds), arguments.limits.threads);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -140,6 +150,10 @@ int main(int argc, char** argv) {
   for (const std::string& file : arguments.files) {
     try {
       const std::string name = std::filesystem::path(file).stem().string();
+      if (!file.ends_with(".g2o") && !file.ends_with(".graph")) {
+        good = compareOnBundle(slom::app::bundle::readScene(file), name, arguments) && good;
+        continue;
+      }
       const auto compare = [&](const auto& graph) { return compareOnGraph(graph, name, arguments); };
       good = std::visit(compare, slom::app::graph::readPoseGraph(file)) && good;
       std::fflush(stdout);

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <slom/optimize/summary.hpp>
+
+#include "bundle/scene.hpp"
 #include "graph/pose_graph.hpp"
 
 namespace slom::bench {
@@ -34,12 +37,18 @@ struct Limits {
   int max_iterations = 100;
 };
 
+Run runOf(const Summary& summary);
+
+/// Gauss-Newton for pose graphs, Levenberg-Marquardt for bundles, as the commands do it.
 template <class Pose>
 Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
+Run fitBySlom(const app::bundle::Scene& scene, const Limits& limits);
 #ifdef SLOM_BENCH_CERES
 /// Levenberg-Marquardt with SPARSE_NORMAL_CHOLESKY by SuiteSparse, derivatives by Ceres' automatic differentiation.
 template <class Pose>
 Run fitByCeres(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
+/// The same with DENSE_SCHUR or SPARSE_SCHUR.
+Run fitByCeres(const app::bundle::Scene& scene, bool dense, const Limits& limits);
 #endif
 
 /// What CHOLMOD needs for the same matrix J^T J.
