@@ -158,12 +158,12 @@ RandomProblem manySmallBlocks(int points, int sight, unsigned seed) {
 }
 
 TEST(Solvers, EliminateManySmallBlocksFirst) {
-  for (unsigned seed = 0; seed < 4; ++seed) {
-    const RandomProblem problem = manySmallBlocks(90, 3, seed);
+  for (unsigned seed = 0; seed < 2; ++seed) {
+    const RandomProblem problem = manySmallBlocks(66, 3, seed);
     expectSameAsOracle(problem);
     slom::BlockCholesky sparse;
     problem.linearizeInto(sparse);
-    EXPECT_EQ(sparse.description(), "block Cholesky, 330 unknowns in 99 blocks, reduced to 60 in 9");
+    EXPECT_EQ(sparse.description(), "block Cholesky, 258 unknowns in 75 blocks, reduced to 60 in 9");
   }
 }
 
