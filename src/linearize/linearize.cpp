@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "parallel.hpp"
 #include "reweight.hpp"
 
 namespace slom {
@@ -21,16 +21,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double squaredNorm(const std::vector<double>& r) {
   return Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())).squaredNorm();
-}
-
-/// Runs f(0) ... f(count - 1), each once.
-template <class F>
-void forEachChunk(int count, const F& f) {
-  if (count <= 1) {
-    for (int i = 0; i < count; ++i) f(i);
-  } else {
-    tbb::parallel_for(0, count, f);
-  }
 }
 
 }  // namespace
@@ -86,7 +76,7 @@ std::vector<double> Linearizer::rssPerPool(Problem& problem) {
   const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
   std::vector<double> sums(all.size());
   std::vector<std::optional<MeasurementThrew>> threw(all.size());
-  forEachChunk(static_cast<int>(all.size()), [&](int c) {
+  detail::forEachIndex(static_cast<int>(all.size()), [&](int c) {
     Chunk chunk;
     prepare(problem, all[at(c)], false, chunk);
     try {
@@ -140,7 +130,7 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   sink.beginLinearization();
   for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
     const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
-    forEachChunk(count, [&](int c) {
+    detail::forEachIndex(count, [&](int c) {
       Chunk& chunk = chunks_[at(c)];
       prepare(problem, all[wave + at(c)], true, chunk);
       try {

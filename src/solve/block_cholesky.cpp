@@ -1,8 +1,5 @@
 #include "slom/solve/block_cholesky.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 #include "block/multifrontal.hpp"
 #include "block/normal_equations.hpp"
 #include "block/schur_complement.hpp"
@@ -26,7 +23,6 @@ struct BlockCholesky::Implementation {
   SchurComplement schur;  // eliminates nothing where that does not pay
   MultifrontalCholesky factor;
   VectorXd diagonal;
-  std::string order;
   std::vector<int> kept;  // unknowns of the reduced system
   bool has_undamped_factor = false;
   SolveStatus undamped_status;
@@ -42,17 +38,15 @@ struct BlockCholesky::Implementation {
 };
 
 void BlockCholesky::Implementation::analyzeWhole(const BlockGraph& graph) {
-  ChosenOrder chosen = chooseOrder(graph);
-  order = chosen.name;
+  Fronts fronts = chooseFronts(graph);
   schur = SchurComplement();
-  equations.layOut(structure, graph, chosen.fronts.position);
-  factor.analyze(structure.offset, std::move(chosen.fronts), equations.H());
+  equations.layOut(structure, graph, fronts.position);
+  factor.analyze(structure.offset, std::move(fronts), equations.H());
 }
 
 void BlockCholesky::Implementation::analyzeReduced(const BlockGraph& graph, const std::vector<char>& eliminated) {
   const ReducedGraph reduced = reduceGraph(graph, eliminated);
-  ChosenOrder chosen = chooseOrder(reduced.graph);
-  order = chosen.name;
+  Fronts fronts = chooseFronts(reduced.graph);
   const int count = graph.size() - reduced.graph.size();
   std::vector<int> position(at(graph.size())), offset{0};
   int next = 0;
@@ -62,13 +56,13 @@ void BlockCholesky::Implementation::analyzeReduced(const BlockGraph& graph, cons
   kept.clear();
   for (int i = 0; i < reduced.graph.size(); ++i) {
     const int b = reduced.block[at(i)];
-    position[at(b)] = count + chosen.fronts.position[at(i)];
+    position[at(b)] = count + fronts.position[at(i)];
     for (int c = 0; c < structure.dof(b); ++c) kept.push_back(structure.offset[at(b)] + c);
     offset.push_back(static_cast<int>(kept.size()));
   }
   equations.layOut(structure, graph, position);
-  schur.analyze(equations.H(), count, reduced.graph, chosen.fronts.position);
-  factor.analyze(offset, std::move(chosen.fronts), schur.S());
+  schur.analyze(equations.H(), count, reduced.graph, fronts.position);
+  factor.analyze(offset, std::move(fronts), schur.S());
 }
 
 SolveStatus BlockCholesky::Implementation::factorize(const VectorXd& damping) {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
-#include <tbb/parallel_for.h>
+#include "linearize/parallel.hpp"
 
 namespace slom {
 
@@ -223,7 +222,7 @@ void MultifrontalCholesky::planUpdates() {
       layout.U = origin + planner.take(dense::updateSize(fronts_.front[at(f)].u));
       for (int c = layout.first_child; c < layout.last_child; ++c) {
         const int child = children_[at(c)];
-        if (!isMember(child, static_cast<int>(t))) continue;
+        if (subtree_of_[at(child)] != static_cast<int>(t)) continue;
         planner.giveBack(layout_[at(child)].U - origin, dense::updateSize(fronts_.front[at(child)].u));
       }
     }
@@ -292,8 +291,8 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLo
   const auto each_stripe = [&](int s) { kernel.solveStripes(D, inverse, front.p, B, front.u, s, s + 1); };
   const auto each_update = [&](int s) { kernel.updateStripes(B, front.p, front.u, U, s, s + 1); };
   if (in_parallel && work(front) > kSmallestTask) {
-    tbb::parallel_for(0, stripes, each_stripe);
-    tbb::parallel_for(0, stripes, [&](int s) { each_update(stripes - 1 - s); });
+    detail::forEachIndex(stripes, each_stripe);
+    detail::forEachIndex(stripes, [&](int s) { each_update(stripes - 1 - s); });
   } else {
     for (int s = 0; s < stripes; ++s) each_stripe(s);
     for (int s = 0; s < stripes; ++s) each_update(s);
@@ -314,12 +313,7 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtree(const Block
 /// f for each subtree but the one above the others.
 template <class F>
 void MultifrontalCholesky::forEachSubtree(const F& f) const {
-  const int count = static_cast<int>(subtree_.size()) - 1;
-  if (count <= 1) {
-    if (count == 1) f(0);
-  } else {
-    tbb::parallel_for(0, count, f);
-  }
+  detail::forEachIndex(static_cast<int>(subtree_.size()) - 1, f);
 }
 
 SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::VectorXd& diagonal,

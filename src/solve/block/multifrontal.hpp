@@ -50,7 +50,6 @@ class MultifrontalCholesky {
   void findEntries(const BlockLower& H);
   void cutIntoSubtrees();
   void planUpdates();
-  bool isMember(int front, int subtree) const { return subtree_of_[static_cast<std::size_t>(front)] == subtree; }
   void assemble(const BlockLower& H, const Front& front, const Layout& layout);
   Failure factorizeFront(const BlockLower& H, int f, bool in_parallel);
   Failure factorizeSubtree(const BlockLower& H, int subtree);

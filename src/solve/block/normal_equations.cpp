@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
 
 namespace slom {
@@ -55,19 +53,9 @@ void NormalEquations::setZero() {
 
 void NormalEquations::add(std::span<const JacobianBatch> batches) {
   const int parts = batches.size() > 1 ? tbb::this_task_arena::max_concurrency() : 1;
-  const auto column_at = [&](int part) {
-    const auto found = std::lower_bound(work_.begin(), work_.end(), work_.back() * part / parts);
-    return part == parts ? H_.columns() : static_cast<int>(found - work_.begin());
-  };
-  const auto add_part = [&](int part) {
-    const int first = column_at(part), last = column_at(part + 1);
+  detail::forEachRange(work_, parts, [&](int first, int last) {
     for (const JacobianBatch& batch : batches) addColumns(batch, first, last);
-  };
-  if (parts == 1) {
-    add_part(0);
-  } else {
-    tbb::parallel_for(0, parts, add_part);
-  }
+  });
 }
 
 /// What the batch adds to the columns [first, last) of H and to their entries of g.

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
 
 namespace slom {
@@ -23,15 +21,6 @@ constexpr double kLeastShare = 2.0 / 3;
 constexpr int kMostInTable = 2048;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
 constexpr int kBlocksPerWave = 2048;
-
-template <class F>
-void forEach(int count, const F& f) {
-  if (tbb::this_task_arena::max_concurrency() > 1) {
-    tbb::parallel_for(0, count, f);
-  } else {
-    for (int i = 0; i < count; ++i) f(i);
-  }
-}
 
 /// b := L^-1 b
 void forwardSolve(const double* L, int d, double* b) {
@@ -207,7 +196,7 @@ void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y,
 
 SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
                                     double tolerance) {
-  forEach(S_.columns(), [&](int j) {
+  detail::forEachIndex(S_.columns(), [&](int j) {
     for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
       const std::size_t size = at(S_.dof(j)) * at(S_.dof(S_.row(k)));
       if (copied_[at(k)] < 0) {
@@ -217,11 +206,6 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
       }
     }
   });
-  const int parts = tbb::this_task_arena::max_concurrency();
-  const auto row_at = [&](int part) {
-    const auto found = std::lower_bound(work_.begin(), work_.end(), work_.back() * part / parts);
-    return part == parts ? S_.columns() : static_cast<int>(found - work_.begin());
-  };
   constexpr int kPerTask = 64;
   struct Failure {
     int e = -1, component = 0;
@@ -232,7 +216,7 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     Y_.resize(std::max(Y_.size(), reduced_[at(end)] - reduced_[at(wave)]));
     const auto Y = [&](int e) { return Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]); };
     std::vector<Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
-    forEach(static_cast<int>(failures.size()), [&](int task) {
+    detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
       Failure& failure = failures[at(task)];
       for (int e = wave + task * kPerTask; e < std::min(end, wave + (task + 1) * kPerTask); ++e) {
         const double* const shift = damping.size() > 0 ? damping.data() + offset[at(e)] : nullptr;
@@ -246,8 +230,7 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     for (const Failure& failure : failures) {
       if (failure.e >= 0) return {false, offset[at(failure.e)] + failure.component, failure.ratio};
     }
-    forEach(parts, [&](int part) {
-      const int first = row_at(part), last = row_at(part + 1);
+    detail::forEachRange(work_, tbb::this_task_arena::max_concurrency(), [&](int first, int last) {
       for (int e = wave; e < end; ++e) subtractOuter(H, e, Y(e), first, last);
     });
   }
@@ -274,7 +257,7 @@ void SchurComplement::reduceVector(const BlockLower& H, const std::vector<int>& 
 
 void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
   constexpr int kPerTask = 256;
-  forEach((eliminated_ + kPerTask - 1) / kPerTask, [&](int task) {
+  detail::forEachIndex((eliminated_ + kPerTask - 1) / kPerTask, [&](int task) {
     for (int e = task * kPerTask; e < std::min(eliminated_, (task + 1) * kPerTask); ++e) {
       const int d = H.dof(e);
       double* const own = x.data() + offset[at(e)];

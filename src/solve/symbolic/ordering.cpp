@@ -10,15 +10,14 @@ constexpr double kOperationsWorthDissection = 1e4;
 
 }  // namespace
 
-ChosenOrder chooseOrder(const BlockGraph& graph) {
-  ChosenOrder chosen{makeFronts(graph, orderByMinimumDegree(graph)), "minimum degree"};
+Fronts chooseFronts(const BlockGraph& graph) {
+  Fronts by_degree = makeFronts(graph, orderByMinimumDegree(graph));
   const double effort = static_cast<double>(graph.dof.size() + graph.neighbour.size());
-  if (chosen.fronts.flops < kOperationsWorthDissection * effort) return chosen;
+  if (by_degree.flops < kOperationsWorthDissection * effort) return by_degree;
   const std::vector<int> order = orderByNestedDissection(graph);
-  if (order.empty()) return chosen;
-  Fronts fronts = makeFronts(graph, order);
-  if (fronts.flops < chosen.fronts.flops) chosen = {std::move(fronts), "nested dissection"};
-  return chosen;
+  if (order.empty()) return by_degree;
+  Fronts by_dissection = makeFronts(graph, order);
+  return by_dissection.flops < by_degree.flops ? by_dissection : by_degree;
 }
 
 }  // namespace slom

@@ -1,7 +1,6 @@
 /// Orders of elimination that keep the factor sparse. Each order is a list of blocks.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "graph.hpp"
@@ -17,12 +16,8 @@ std::vector<int> orderByMinimumDegree(const BlockGraph& graph);
 ///   source   Karypis and Kumar, "A fast and high quality multilevel scheme for partitioning irregular graphs", 1998
 std::vector<int> orderByNestedDissection(const BlockGraph& graph);
 
-struct ChosenOrder {
-  Fronts fronts;
-  std::string name;  ///< `minimum degree`, `nested dissection`
-};
-/// Minimum degree, or nested dissection where that needs fewer operations; it is tried only where the operations that
-/// it may save are worth its time.
-ChosenOrder chooseOrder(const BlockGraph& graph);
+/// The fronts by minimum degree, or by nested dissection where that needs fewer operations; it is tried only where the
+/// operations that it may save are worth its time.
+Fronts chooseFronts(const BlockGraph& graph);
 
 }  // namespace slom

@@ -246,7 +246,6 @@ void countWork(Fronts& fronts) {
       const double below = front.p + front.u - j - 1;
       fronts.flops += 1 + below + below * (below + 1);
     }
-    fronts.entries += front.p * (front.p + 1) / 2.0 + static_cast<double>(front.p) * front.u;
   }
 }
 

@@ -30,7 +30,6 @@ struct Fronts {
   std::vector<Front> front;   ///< children before parents
   std::vector<int> row;       ///< positions, ascending for each front
   double flops = 0;           ///< of one factorisation, additions and multiplications
-  double entries = 0;         ///< of the factor
 };
 
 /// `order`: the blocks in a fill-reducing order; it is refined so that fronts are contiguous.
