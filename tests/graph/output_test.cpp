@@ -1,6 +1,6 @@
 // Report, JSON and the fitted graph.
 #include "graph/graph_command.hpp"
-#include "support/run_seconds.hpp"
+#include "support/run_json.hpp"
 
 namespace slom::app::graph {
 namespace {
@@ -29,11 +29,7 @@ TEST(GraphOutput, HelpOpensWithASampleRun) {
 
 TEST(GraphOutput, JsonHasAllKeys) {
   const Json json = fitted(loop, {"--threads", "2"});
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys, (std::vector<std::string>{"converged", "final_rss", "initial_rss", "iterations",
-                                            "measurements", "peak_memory_mb", "seconds", "solver",
-                                            "stop_reason", "threads", "trace", "unknowns", "variables"}));
+  slom::testing::expectRunJson(json);
   EXPECT_EQ(json["converged"], true);
   EXPECT_TRUE(json["stop_reason"].is_string());
   EXPECT_TRUE(json["solver"].is_string());
@@ -42,14 +38,9 @@ TEST(GraphOutput, JsonHasAllKeys) {
   EXPECT_EQ(json["unknowns"], 9);
   EXPECT_EQ(json["threads"], 2);
   EXPECT_GT(json["peak_memory_mb"], 1);
-  slom::testing::expectPlausibleSeconds(json["seconds"]);
-  const Json& trace = json["trace"];
-  ASSERT_EQ(trace.size(), json["iterations"].get<std::size_t>() + 1);
-  EXPECT_EQ(trace.front()["iteration"], 0);
-  EXPECT_EQ(trace.front()["rss"], json["initial_rss"]);
-  EXPECT_EQ(trace.back()["rss"], json["final_rss"]);
-  EXPECT_GE(trace.back()["seconds"], trace.front()["seconds"]);
-  EXPECT_GE(json["seconds"]["total"], trace.back()["seconds"]);
+  EXPECT_EQ(json["trace"].front()["iteration"], 0);
+  EXPECT_GE(json["trace"].back()["seconds"], json["trace"].front()["seconds"]);
+  EXPECT_GE(json["seconds"]["total"], json["trace"].back()["seconds"]);
 }
 
 TEST(GraphOutput, JsonOnStandardOutputSendsTheReportToStandardError) {

@@ -4,9 +4,8 @@
 ///     est.insertMeasurement(slom::RelativeRotation(), a, b, slom::measured(a_R_b), noise);
 ///
 /// A pose a is world_T_a: it moves points of a's frame to the world's.
-///   residual  a^-1 b [-] z: position (in a's frame, unit of the map), then rotation [rad] as seen in b's
-///   frame source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III, with [-] of
-///   mtk::trafo;
+///   residual  a^-1 b [-] z: position (in a's frame, unit of the map), then rotation [rad] as seen in b's frame
+///   source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III, with [-] of mtk::trafo;
 ///             rotation averaging: Hartley et al., "Rotation averaging", 2013, section 1
 #pragma once
 
