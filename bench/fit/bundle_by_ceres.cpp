@@ -4,29 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 
 #include "fit/ceres_problem.hpp"
+#include "support/snavely_residual.hpp"
 
 namespace slom::bench {
 
 namespace {
-
-struct Reprojection {
-  double u, v;
-
-  template <class T>
-  bool operator()(const T* camera, const T* point, T* residual) const {
-    T p[3];
-    ceres::AngleAxisRotatePoint(camera, point, p);
-    for (int i = 0; i < 3; ++i) p[i] += camera[3 + i];
-    const T x = -p[0] / p[2], y = -p[1] / p[2], r2 = x * x + y * y;
-    const T scale = camera[6] * (1.0 + r2 * (camera[7] + r2 * camera[8]));
-    residual[0] = scale * x - u;
-    residual[1] = scale * y - v;
-    return true;
-  }
-};
 
 struct BundleProblem final : CeresProblem {
   explicit BundleProblem(const app::bundle::Scene& scene) {
@@ -39,7 +23,7 @@ struct BundleProblem final : CeresProblem {
     for (const auto& point : scene.points) points.push_back({point[0], point[1], point[2]});
     for (const auto& seen : scene.observations) {
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Reprojection, 2, 9, 3>(new Reprojection{seen.pixel[0], seen.pixel[1]}), nullptr,
+          new ceres::AutoDiffCostFunction<SnavelyResidual, 2, 9, 3>(new SnavelyResidual{seen.pixel[0], seen.pixel[1]}), nullptr,
           cameras[static_cast<std::size_t>(seen.camera)].data(), points[static_cast<std::size_t>(seen.point)].data());
     }
   }

@@ -15,6 +15,7 @@
 #include <ceres/rotation.h>
 
 #include "linearize/variants.hpp"
+#include "support/snavely_residual.hpp"
 
 namespace slom::bench {
 
@@ -32,26 +33,6 @@ using Side = Eigen::Map<Eigen::Matrix<double, Rows, Cols>>;
 constexpr const char* kName = "Ceres, automatic";
 
 // ---- residuals
-
-struct SnavelyResidual {
-  double u, v;
-
-  template <class T>
-  bool operator()(const T* camera, const T* point, T* residual) const {
-    T p[3];
-    ceres::AngleAxisRotatePoint(camera, point, p);
-    p[0] += camera[3];
-    p[1] += camera[4];
-    p[2] += camera[5];
-    const T x = -p[0] / p[2];
-    const T y = -p[1] / p[2];
-    const T r2 = x * x + y * y;
-    const T scale = camera[6] * (1.0 + r2 * (camera[7] + r2 * camera[8]));
-    residual[0] = scale * x - u;
-    residual[1] = scale * y - v;
-    return true;
-  }
-};
 
 struct RelativePoseResidual {
   Eigen::Vector3d position;
