@@ -10,7 +10,7 @@
 #include "slom/analyze/diagnosis.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
-#include "slom/solve/block_cholesky.hpp"
+#include "slom/solve/block_solver.hpp"
 
 namespace slom {
 
@@ -18,7 +18,7 @@ struct Estimator::State {
   Problem problem;
   Linearizer linearizer;
   System system{problem, linearizer};
-  std::unique_ptr<LinearSolver> solver = std::make_unique<BlockCholesky>();
+  std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   tbb::task_arena arena;
 
@@ -129,7 +129,7 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
 }
 
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
-  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockCholesky or DenseQR");
+  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
   state_->system.setSolver(*solver);
   state_->solver = std::move(solver);
 }

@@ -157,7 +157,7 @@ class Estimator {
   void changeAlgorithm(const A& algorithm) {
     changeAlgorithm(new A(algorithm));
   }
-  /// How linear systems are solved; the default is BlockCholesky.
+  /// How linear systems are solved; the default is BlockSolver.
   void changeSolver(std::unique_ptr<LinearSolver> solver);
   /// Number of threads for residuals and derivatives; 0 (default): as many as the machine has. Results do not depend
   /// on it.

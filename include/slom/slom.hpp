@@ -6,5 +6,7 @@
 #include "slom/model/loss.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
+#include "slom/solve/block_qr.hpp"
+#include "slom/solve/block_solver.hpp"
+#include "slom/solve/cholmod.hpp"
 #include "slom/solve/dense_qr.hpp"
-#include "slom/solve/block_cholesky.hpp"

@@ -113,6 +113,7 @@ double System::predictedDecrease(const Eigen::VectorXd& d) const {
 }
 
 double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
+  if (!solver_->isExact()) return predictedDecrease(d);
   const double damped = damping.size() > 0 ? damping.dot(d.cwiseAbs2()) : 0;
   return damped - solver_->gradient().dot(d);
 }

@@ -20,6 +20,7 @@ TEST(BundleOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(BundleOptions, Algorithms) {
+  expectRefused("--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr", {"--solver", "lu"});
   expectRefused("--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
   for (const std::string name : {"gn", "dogleg"}) {
     expectRefused(

@@ -17,6 +17,7 @@ TEST(GraphOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(GraphOptions, Names) {
+  expectRefused(graph, "--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr", {"--solver", "lu"});
   expectRefused(graph, "--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
   expectRefused(graph, "--init random: the starts are file, odometry, spanning-tree and chordal",
                 {"--init", "random"});

@@ -21,7 +21,7 @@ TEST(GraphOutput, HelpOpensWithASampleRun) {
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_TRUE(help.output.starts_with("slom graph map.g2o")) << help.output;
   for (const std::string option :
-       {"FILE", "--algorithm", "--robust", "--threads", "--max-iterations", "--init", "--rotation-error",
+       {"FILE", "--algorithm", "--solver", "--robust", "--threads", "--max-iterations", "--init", "--rotation-error",
         "--repair-information", "--hold-parts", "--output", "--json", "--plot", "--quiet"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;
   }

@@ -332,7 +332,7 @@ TEST(BadOptions, AreNamed) {
   EXPECT_EQ(messageOf([] { slom::Estimator().changeAlgorithm(nullptr); }),
             "[slom.no-algorithm] changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or DogLeg");
   EXPECT_EQ(messageOf([] { slom::Estimator().changeSolver(nullptr); }),
-            "[slom.no-solver] changeSolver got a null pointer; pass a BlockCholesky or DenseQR");
+            "[slom.no-solver] changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
   EXPECT_EQ(messageOf([] { slom::Estimator().setThreads(-1); }),
             "[slom.bad-option] the number of threads is -1; pass a positive number, or 0 for as many as the machine has");
 }

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <slom/estimator.hpp>
+#include <slom/solve/block_qr.hpp>
+#include <slom/solve/block_solver.hpp>
+#include <slom/solve/cholmod.hpp>
+#include <slom/solve/dense_qr.hpp>
 
 #include "error.hpp"
 #include "text.hpp"
@@ -33,6 +38,33 @@ AlgorithmName parseAlgorithm(const std::string& text) {
   if (text == "lm") return AlgorithmName::lm;
   if (text == "dogleg") return AlgorithmName::dogleg;
   throw UserError(fmt::format("--algorithm {}: the algorithms are gn, lm and dogleg", text));
+}
+
+SolverName parseSolver(const std::string& text) {
+  if (text == "auto") return SolverName::automatic;
+  if (text == "cholesky") return SolverName::cholesky;
+  if (text == "cg") return SolverName::cg;
+  if (text == "qr") return SolverName::qr;
+  if (text == "dense-qr") return SolverName::dense_qr;
+  if (text == "cholmod" && Cholmod::isAvailable()) return SolverName::cholmod;
+  throw UserError(fmt::format("--solver {}: the solvers are auto, cholesky, cg, qr and dense-qr{}", text,
+                              Cholmod::isAvailable()  ? " and cholmod"
+                              : text == "cholmod" ? "; this build is without CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"
+                                                  : ""));
+}
+
+std::unique_ptr<LinearSolver> makeSolver(SolverName name) {
+  switch (name) {
+    case SolverName::qr: return std::make_unique<BlockQR>();
+    case SolverName::dense_qr: return std::make_unique<DenseQR>();
+    case SolverName::cholmod: return std::make_unique<Cholmod>();
+    case SolverName::cg:
+      return std::make_unique<BlockSolver>(BlockSolverOptions{.method = BlockSolverOptions::Method::conjugate_gradients});
+    case SolverName::cholesky:
+      return std::make_unique<BlockSolver>(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
+    case SolverName::automatic: break;
+  }
+  return std::make_unique<BlockSolver>();
 }
 
 /// A loss of `numbers` numbers behind its name.
@@ -87,6 +119,13 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
       ->type_name("gn|lm|dogleg")
       ->capture_default_str();
   command
+      .add_option("--solver", raw.solver,
+                  "of the linear systems: chosen by predicted cost; Cholesky decomposition of\n"
+                  "J^T J in blocks; conjugate gradients; QR decomposition of J, for\n"
+                  "ill-conditioned problems; a dense one, for small problems")
+      ->type_name("auto|cholesky|cg|qr|dense-qr")
+      ->capture_default_str();
+  command
       .add_option("--robust", raw.loss,
                   "loss of all measurements, with its scale in standard deviations: huber,\n"
                   "pseudo-huber, cauchy, tukey, geman-mcclure, or barron:ALPHA:SCALE")
@@ -102,6 +141,7 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
 FitOptions parseFitOptions(const RawFitOptions& raw) {
   FitOptions options;
   options.algorithm = parseAlgorithm(raw.algorithm);
+  options.solver = parseSolver(raw.solver);
   if (!raw.loss.empty()) options.loss = parseLoss(raw.loss);
   if (raw.threads < 0) throw UserError(fmt::format("--threads {}: give a number from 0 on", raw.threads));
   if (raw.max_iterations < 1) {
@@ -114,6 +154,7 @@ FitOptions parseFitOptions(const RawFitOptions& raw) {
 
 void apply(const FitOptions& options, Estimator& estimator) {
   estimator.setThreads(options.threads);
+  estimator.changeSolver(makeSolver(options.solver));
   if (options.algorithm == AlgorithmName::lm) estimator.changeAlgorithm(LevenbergMarquardt());
   if (options.algorithm == AlgorithmName::dogleg) estimator.changeAlgorithm(DogLeg());
 }

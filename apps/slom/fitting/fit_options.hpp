@@ -15,8 +15,11 @@ namespace slom::app {
 
 enum class AlgorithmName { gn, lm, dogleg };
 
+enum class SolverName { automatic, cholesky, cg, qr, dense_qr, cholmod };
+
 struct FitOptions {
   AlgorithmName algorithm = AlgorithmName::gn;
+  SolverName solver = SolverName::automatic;
   Loss loss;        ///< of all measurements
   int threads = 0;  ///< 0: as many as the machine has
   int max_iterations = 100;
@@ -25,18 +28,19 @@ struct FitOptions {
 /// The options as text, as CLI11 hands them over.
 struct RawFitOptions {
   std::string algorithm = "gn";
+  std::string solver = "auto";
   std::string loss;
   int threads = 0;
   int max_iterations = 100;
 };
 
-/// Adds --algorithm, --robust, --threads and --max-iterations; `raw` must live as long as `command`.
+/// Adds --algorithm, --solver, --robust, --threads and --max-iterations; `raw` must live as long as `command`.
 void addFitOptions(CLI::App& command, RawFitOptions& raw);
 
 /// Reads the texts and checks all values; UserError names the option.
 FitOptions parseFitOptions(const RawFitOptions& raw);
 
-/// Algorithm and threads.
+/// Algorithm, linear solver and threads.
 void apply(const FitOptions& options, Estimator& estimator);
 
 /// The number of threads that the fit uses.

@@ -17,13 +17,13 @@ struct [[nodiscard]] SolveStatus {
   double pivot = 0;      ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
 };
 
-/// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
 /// Time spent since construction [s].
 struct SolverSeconds {
   double factorize = 0;
   double solve = 0;
 };
 
+/// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
 class LinearSolver : public JacobianSink {
  public:
   /// Symbolic work; once per structure.
@@ -31,6 +31,8 @@ class LinearSolver : public JacobianSink {
   /// Writes `step` on success and leaves it untouched otherwise. `damping` is empty (none) or has an entry >= 0 for
   /// each unknown.
   virtual SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) = 0;
+  /// False when the steps minimise only roughly; they still go downhill.
+  virtual bool isExact() const { return true; }
 
   /// g, the gradient of 1/2 |r|^2.
   virtual const Eigen::VectorXd& gradient() const = 0;

@@ -22,21 +22,6 @@ constexpr int kMostInTable = 2048;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
 constexpr int kBlocksPerWave = 2048;
 
-/// b := L^-1 b
-void forwardSolve(const double* L, int d, double* b) {
-  for (int i = 0; i < d; ++i) {
-    for (int j = 0; j < i; ++j) b[i] -= L[j * d + i] * b[j];
-    b[i] *= L[i * d + i];
-  }
-}
-/// b := L^-T b
-void backwardSolve(const double* L, int d, double* b) {
-  for (int i = d - 1; i >= 0; --i) {
-    for (int j = i + 1; j < d; ++j) b[i] -= L[i * d + j] * b[j];
-    b[i] *= L[i * d + i];
-  }
-}
-
 }  // namespace
 
 std::vector<char> independentBlocks(const BlockGraph& graph) {
@@ -95,7 +80,7 @@ ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& elimi
 }
 
 void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position) {
-  eliminated_ = eliminated;
+  eliminated_.analyze(H, eliminated);
   S_.layOut(reduced, position);
   const int n = S_.columns();
   table_.clear();
@@ -109,12 +94,10 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
   for (int j = 0; j < n; ++j) {
     for (int k = H.begin(eliminated + j); k < H.begin(eliminated + j + 1); ++k) copied_[at(target(H.row(k) - eliminated, j))] = k;
   }
-  factor_.assign(1, 0);
   reduced_.assign(1, 0);
   work_.assign(at(n) + 1, 0.0);
   for (int e = 0; e < eliminated; ++e) {
     const std::size_t d = at(H.dof(e));
-    factor_.push_back(factor_.back() + d * d);
     std::size_t entries = 0;
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
       entries += d * at(H.dof(H.row(k)) + dense::paddedRows(H.dof(H.row(k))));
@@ -123,49 +106,22 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
     reduced_.push_back(reduced_.back() + entries);
   }
   for (std::size_t i = 1; i < work_.size(); ++i) work_[i] += work_[i - 1];
-  factors_.assign(factor_.back(), 0.0);
 }
 
 int SchurComplement::target(int row, int column) const {
   return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
 }
 
-/// Factor of V_e + damping.
-bool SchurComplement::factorize(const BlockLower& H, int e, const double* damping, double tolerance, int& bad, double& ratio) {
-  const int d = H.dof(e);
-  const double* const V = H.values(H.begin(e));
-  double* const L = factors_.data() + factor_[at(e)];
-  for (int j = 0; j < d; ++j) {
-    const double diagonal = V[j * d + j] + (damping != nullptr ? damping[j] : 0);
-    double pivot = diagonal;
-    for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
-    if (!(pivot > tolerance * diagonal)) {
-      bad = j;
-      ratio = diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0;
-      return false;
-    }
-    const double inverse = 1 / std::sqrt(pivot);
-    L[j * d + j] = inverse;
-    for (int i = j + 1; i < d; ++i) {
-      double sum = V[j * d + i];
-      for (int k = 0; k < j; ++k) sum -= L[k * d + i] * L[k * d + j];
-      L[j * d + i] = sum * inverse;
-    }
-  }
-  return true;
-}
-
 /// For each neighbour of e: Y := L^-1 W^T, d x height, and behind it Y^T with filled-up columns.
 void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   const int d = H.dof(e);
-  const double* const L = factor(e);
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
     const int height = H.dof(H.row(k)), padded = dense::paddedRows(height);
     const double* const W = H.values(k);
     double* const transposed = Y + static_cast<std::ptrdiff_t>(d) * height;
     for (int i = 0; i < height; ++i, Y += d) {
       for (int c = 0; c < d; ++c) Y[c] = W[c * height + i];
-      forwardSolve(L, d, Y);
+      eliminated_.forward(e, d, Y);
       for (int c = 0; c < d; ++c) transposed[c * padded + i] = Y[c];
     }
     for (int c = 0; c < d; ++c) std::fill(transposed + c * padded + height, transposed + (c + 1) * padded, 0.0);
@@ -180,12 +136,12 @@ void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y,
   const auto length = [&](int i) { return static_cast<std::ptrdiff_t>(d) * (S_.dof(i) + dense::paddedRows(S_.dof(i))); };
   const double* Yi = Y;
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-    const int i = H.row(k) - eliminated_, height = S_.dof(i);
+    const int i = H.row(k) - eliminated_.count(), height = S_.dof(i);
     if (i >= last) break;
     if (i >= first) {
       const double* Yj = Y;
       for (int l = H.begin(e) + 1; l <= k; ++l) {
-        const int j = H.row(l) - eliminated_;
+        const int j = H.row(l) - eliminated_.count();
         subtract_outer(d, height, S_.dof(j), Yi + static_cast<std::ptrdiff_t>(d) * height, Yj, S_.values(target(i, j)));
         Yj += length(j);
       }
@@ -207,72 +163,26 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     }
   });
   constexpr int kPerTask = 64;
-  struct Failure {
-    int e = -1, component = 0;
-    double ratio = 0;
-  };
-  for (int wave = 0; wave < eliminated_; wave += kBlocksPerWave) {
-    const int end = std::min(wave + kBlocksPerWave, eliminated_);
+  const int count = eliminated_.count();
+  for (int wave = 0; wave < count; wave += kBlocksPerWave) {
+    const int end = std::min(wave + kBlocksPerWave, count);
     Y_.resize(std::max(Y_.size(), reduced_[at(end)] - reduced_[at(wave)]));
     const auto Y = [&](int e) { return Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]); };
-    std::vector<Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
+    std::vector<EliminatedBlocks::Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
     detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
-      Failure& failure = failures[at(task)];
-      for (int e = wave + task * kPerTask; e < std::min(end, wave + (task + 1) * kPerTask); ++e) {
-        const double* const shift = damping.size() > 0 ? damping.data() + offset[at(e)] : nullptr;
-        if (!factorize(H, e, shift, tolerance, failure.component, failure.ratio)) {
-          failure.e = e;
-          return;
-        }
-        halfReduce(H, e, Y(e));
-      }
+      const int first = wave + task * kPerTask, last = std::min(end, first + kPerTask);
+      failures[at(task)] = eliminated_.factorize(H, first, last, offset, damping, tolerance);
+      if (failures[at(task)].happened()) return;
+      for (int e = first; e < last; ++e) halfReduce(H, e, Y(e));
     });
-    for (const Failure& failure : failures) {
-      if (failure.e >= 0) return {false, offset[at(failure.e)] + failure.component, failure.ratio};
+    for (const EliminatedBlocks::Failure& failure : failures) {
+      if (failure.happened()) return EliminatedBlocks::status(failure, offset);
     }
     detail::forEachRange(work_, tbb::this_task_arena::max_concurrency(), [&](int first, int last) {
       for (int e = wave; e < end; ++e) subtractOuter(H, e, Y(e), first, last);
     });
   }
   return {};
-}
-
-void SchurComplement::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {
-  std::vector<double> solved;
-  for (int e = 0; e < eliminated_; ++e) {
-    const int d = H.dof(e);
-    solved.assign(b.data() + offset[at(e)], b.data() + offset[at(e)] + d);
-    forwardSolve(factor(e), d, solved.data());
-    backwardSolve(factor(e), d, solved.data());
-    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      const int height = H.dof(H.row(k));
-      const double* const W = H.values(k);
-      double* const target = b.data() + offset[at(H.row(k))];
-      for (int c = 0; c < d; ++c) {
-        for (int i = 0; i < height; ++i) target[i] -= W[c * height + i] * solved[at(c)];
-      }
-    }
-  }
-}
-
-void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
-  constexpr int kPerTask = 256;
-  detail::forEachIndex((eliminated_ + kPerTask - 1) / kPerTask, [&](int task) {
-    for (int e = task * kPerTask; e < std::min(eliminated_, (task + 1) * kPerTask); ++e) {
-      const int d = H.dof(e);
-      double* const own = x.data() + offset[at(e)];
-      for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-        const int height = H.dof(H.row(k));
-        const double* const W = H.values(k);
-        const double* const other = x.data() + offset[at(H.row(k))];
-        for (int c = 0; c < d; ++c) {
-          for (int i = 0; i < height; ++i) own[c] -= W[c * height + i] * other[i];
-        }
-      }
-      forwardSolve(factor(e), d, own);
-      backwardSolve(factor(e), d, own);
-    }
-  });
 }
 
 }  // namespace slom

@@ -1,7 +1,6 @@
 /// Elimination of many small blocks that never meet each other (points that cameras see): what is left is the reduced
 /// system S = H_cc - W V^-1 W^T of the other blocks.
 ///
-/// H has the eliminated blocks first, each as a column of its diagonal block V_e and the blocks W below it.
 ///   source   Triggs, McLauchlan, Hartley and Fitzgibbon, "Bundle adjustment - a modern synthesis", 2000, section 6.1
 #pragma once
 
@@ -9,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "block_lower.hpp"
+#include "eliminated_blocks.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -32,29 +31,21 @@ class SchurComplement {
   void analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position);
 
   const BlockLower& S() const { return S_; }
-  int eliminated() const { return eliminated_; }
+  const EliminatedBlocks& eliminated() const { return eliminated_; }
 
   /// S := H_cc - W (V + damping)^-1 W^T. Vectors by unknown; offset: first unknown of each position of H. A pivot below
   /// the share `tolerance` of its diagonal entry of V + damping ends it.
   SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance);
-  /// b_c -= W V^-1 b_e, in place.
-  void reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const;
-  /// x_e := V^-1 (b_e - W^T x_c), in place; x has b_e and x_c.
-  void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const;
 
  private:
   int target(int row, int column) const;
-  bool factorize(const BlockLower& H, int e, const double* damping, double tolerance, int& bad, double& ratio);
-  const double* factor(int e) const { return factors_.data() + factor_[static_cast<std::size_t>(e)]; }
   void halfReduce(const BlockLower& H, int e, double* Y) const;
   void subtractOuter(const BlockLower& H, int e, const double* Y, int first, int last);
 
-  int eliminated_ = 0;
+  EliminatedBlocks eliminated_;
   BlockLower S_;
   std::vector<int> copied_;           // block of H that each block of S starts from, -1: 0
   std::vector<int> table_;            // block of S of (row, column), when there are few
-  std::vector<std::size_t> factor_;   // of each eliminated block: where its Cholesky factor lies
-  std::vector<double> factors_;       // lower, column-major, with inverse diagonals
   std::vector<std::size_t> reduced_;  // of each eliminated block: entries of `halfReduce` of those before it
   std::vector<double> work_;          // by position in S: products that go to its rows and those before
   std::vector<double> Y_;

@@ -30,6 +30,7 @@ struct Fronts {
   std::vector<Front> front;   ///< children before parents
   std::vector<int> row;       ///< positions, ascending for each front
   double flops = 0;           ///< of one factorisation, additions and multiplications
+  const char* ordering = "given";
 };
 
 /// `order`: the blocks in a fill-reducing order; it is refined so that fronts are contiguous.

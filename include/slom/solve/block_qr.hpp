@@ -1,4 +1,4 @@
-/// The default solver: block-sparse normal equations, factorised by a multifrontal block Cholesky decomposition.
+/// The square-root path: a sparse QR decomposition of the Jacobian, for ill-conditioned problems.
 #pragma once
 
 #include <memory>
@@ -7,16 +7,15 @@
 
 namespace slom {
 
-/// Solves (J^T J + damping) d = -J^T r. The order of elimination and the layout of the factor are found on the graph of
-/// variables, once for each structure. Dense arithmetic is chosen for the processor at run time.
-class BlockCholesky final : public LinearSolver {
+/// Minimises |r + J d|^2 + sum_i damping_i d_i^2 by J = Q R, without J^T J: the condition number is not squared, so that
+/// twice as many digits are left of what the data determine weakly. It takes several times as long as a BlockSolver.
+class BlockQR final : public LinearSolver {
  public:
-  BlockCholesky();
-  ~BlockCholesky() override;
+  BlockQR();
+  ~BlockQR() override;
   void analyze(const BlockStructure& structure) override;
   void beginLinearization() override;
   void add(const JacobianBatch& batch) override;
-  void addAll(std::span<const JacobianBatch> batches) override;
   void endLinearization() override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override;
@@ -24,9 +23,6 @@ class BlockCholesky final : public LinearSolver {
   double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   std::string description() const override;
-
-  /// Additions and multiplications of one factorisation.
-  double flops() const;
 
  private:
   struct Implementation;

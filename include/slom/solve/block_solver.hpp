@@ -1,0 +1,68 @@
+/// The default solver: block-sparse normal equations, solved by a multifrontal block Cholesky decomposition or by
+/// conjugate gradients, with many small blocks (points that cameras see) eliminated first.
+#pragma once
+
+#include <memory>
+
+#include "slom/solve/linear_solver.hpp"
+
+namespace slom {
+
+/// What a BlockSolver does not choose by itself, by predicted cost.
+struct BlockSolverOptions {
+  enum class Method {
+    automatic,
+    cholesky,             ///< exact, and finds out where the rank runs out
+    conjugate_gradients,  ///< inexact steps; needs little memory; does not notice a loss of rank
+  };
+  enum class Elimination {
+    automatic,
+    none,  ///< no Schur complement
+  };
+  enum class Preconditioner {
+    schur_jacobi,  ///< the diagonal blocks of the reduced system
+    block_jacobi,  ///< those of the blocks that are left, as if nothing had been eliminated
+    power_series,  ///< some terms of the Neumann series of the reduced system; where the blocks that are left do not meet
+                   ///< each other directly, otherwise schur_jacobi
+  };
+
+  Method method = Method::automatic;
+  Elimination elimination = Elimination::automatic;
+  Preconditioner preconditioner = Preconditioner::schur_jacobi;
+  /// Conjugate gradients end when the residual is min(forcing, sqrt(|g| / largest |g| so far)) of the first one, in the
+  /// norms of the preconditioner and of the diagonal: roughly at first, superlinearly near the minimum.
+  ///   source   Nocedal and Wright, "Numerical Optimization", 2006, section 7.1
+  double forcing = 0.1;
+  int max_iterations = 500;  ///< of conjugate gradients, in each step
+};
+
+/// Solves (J^T J + damping) d = -J^T r. The order of elimination and the layout of the factor are found on the graph of
+/// variables, once for each structure. Dense arithmetic is chosen for the processor at run time.
+class BlockSolver final : public LinearSolver {
+ public:
+  /// Throws [slom.bad-option].
+  explicit BlockSolver(const BlockSolverOptions& options = {});
+  ~BlockSolver() override;
+  void analyze(const BlockStructure& structure) override;
+  void beginLinearization() override;
+  void add(const JacobianBatch& batch) override;
+  void addAll(std::span<const JacobianBatch> batches) override;
+  void endLinearization() override;
+  SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
+  bool isExact() const override;
+  const Eigen::VectorXd& gradient() const override;
+  const Eigen::VectorXd& diagonal() const override;
+  double squaredImage(const Eigen::VectorXd& d) const override;
+  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
+  /// What was chosen, as "reduced system 49 x 9 after elimination of 7776 x 3, dense Cholesky, minimum degree order".
+  std::string description() const override;
+
+  /// Additions and multiplications of one factorisation; 0 with conjugate gradients.
+  double flops() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> self_;
+};
+
+}  // namespace slom

@@ -1,0 +1,116 @@
+#include "eliminated_blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linearize/parallel.hpp"
+
+namespace slom {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr int kPerTask = 256;
+
+}  // namespace
+
+void EliminatedBlocks::analyze(const BlockLower& H, int count) {
+  count_ = count;
+  start_.assign(1, 0);
+  for (int e = 0; e < count; ++e) start_.push_back(start_.back() + at(H.dof(e)) * at(H.dof(e)));
+  factors_.assign(start_.back(), 0.0);
+}
+
+EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset,
+                                                      const Eigen::VectorXd& damping, double tolerance) {
+  for (int e = first; e < last; ++e) {
+    const int d = H.dof(e);
+    const double* const V = H.values(H.begin(e));
+    double* const L = factors_.data() + start_[at(e)];
+    for (int j = 0; j < d; ++j) {
+      const double diagonal = V[j * d + j] + (damping.size() > 0 ? damping[offset[at(e)] + j] : 0);
+      double pivot = diagonal;
+      for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
+      if (!(pivot > tolerance * diagonal)) return {e, j, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
+      const double inverse = 1 / std::sqrt(pivot);
+      L[j * d + j] = inverse;
+      for (int i = j + 1; i < d; ++i) {
+        double sum = V[j * d + i];
+        for (int k = 0; k < j; ++k) sum -= L[k * d + i] * L[k * d + j];
+        L[j * d + i] = sum * inverse;
+      }
+    }
+  }
+  return {};
+}
+
+SolveStatus EliminatedBlocks::factorizeAll(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                                           double tolerance) {
+  std::vector<Failure> failures(at((count_ + kPerTask - 1) / kPerTask));
+  detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
+    failures[at(task)] =
+        factorize(H, task * kPerTask, std::min(count_, (task + 1) * kPerTask), offset, damping, tolerance);
+  });
+  const auto bad = std::find_if(failures.begin(), failures.end(), [](const Failure& f) { return f.happened(); });
+  return bad == failures.end() ? SolveStatus{} : status(*bad, offset);
+}
+
+SolveStatus EliminatedBlocks::status(const Failure& failure, const std::vector<int>& offset) {
+  return {false, offset[at(failure.e)] + failure.component, failure.ratio};
+}
+
+void EliminatedBlocks::forward(int e, int d, double* b) const {
+  const double* const L = factor(e);
+  for (int i = 0; i < d; ++i) {
+    for (int j = 0; j < i; ++j) b[i] -= L[j * d + i] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
+
+void EliminatedBlocks::backward(int e, int d, double* b) const {
+  const double* const L = factor(e);
+  for (int i = d - 1; i >= 0; --i) {
+    for (int j = i + 1; j < d; ++j) b[i] -= L[i * d + j] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
+
+void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {
+  std::vector<double> solved;
+  for (int e = 0; e < count_; ++e) {
+    const int d = H.dof(e);
+    solved.assign(b.data() + offset[at(e)], b.data() + offset[at(e)] + d);
+    forward(e, d, solved.data());
+    backward(e, d, solved.data());
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      const int height = H.dof(H.row(k));
+      const double* const W = H.values(k);
+      double* const target = b.data() + offset[at(H.row(k))];
+      for (int c = 0; c < d; ++c) {
+        for (int i = 0; i < height; ++i) target[i] -= W[c * height + i] * solved[at(c)];
+      }
+    }
+  }
+}
+
+void EliminatedBlocks::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  detail::forEachIndex((count_ + kPerTask - 1) / kPerTask, [&](int task) {
+    for (int e = task * kPerTask; e < std::min(count_, (task + 1) * kPerTask); ++e) {
+      const int d = H.dof(e);
+      double* const own = x.data() + offset[at(e)];
+      for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+        const int height = H.dof(H.row(k));
+        const double* const W = H.values(k);
+        const double* const other = x.data() + offset[at(H.row(k))];
+        for (int c = 0; c < d; ++c) {
+          for (int i = 0; i < height; ++i) own[c] -= W[c * height + i] * other[i];
+        }
+      }
+      forward(e, d, own);
+      backward(e, d, own);
+    }
+  });
+}
+
+}  // namespace slom

@@ -1,0 +1,51 @@
+/// The small blocks that are eliminated first, each by itself, and the solution for them.
+///
+/// H has them first, each as a column of its diagonal block V_e and the blocks W below it.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "block_lower.hpp"
+#include "slom/solve/linear_solver.hpp"
+
+namespace slom {
+
+class EliminatedBlocks {
+ public:
+  void analyze(const BlockLower& H, int count);
+  int count() const { return count_; }
+
+  struct Failure {
+    int e = -1, component = 0;
+    double ratio = 0;
+    bool happened() const { return e >= 0; }
+  };
+  /// V_e + damping = L L^T for e in [first, last), up to the first of them that fails: whose pivot falls below the share
+  /// `tolerance` of its diagonal entry. Vectors by unknown; offset: first unknown of each position of H.
+  Failure factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                    double tolerance);
+  SolveStatus factorizeAll(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                           double tolerance);
+  /// b := L^-1 b
+  void forward(int e, int d, double* b) const;
+  /// b := L^-T b
+  void backward(int e, int d, double* b) const;
+
+  /// b_c -= W V^-1 b_e, in place.
+  void reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const;
+  /// x_e := V^-1 (b_e - W^T x_c), in place; x has b_e and x_c.
+  void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const;
+
+  static SolveStatus status(const Failure& failure, const std::vector<int>& offset);
+
+ private:
+  const double* factor(int e) const { return factors_.data() + start_[static_cast<std::size_t>(e)]; }
+
+  int count_ = 0;
+  std::vector<std::size_t> start_;  // of each factor
+  std::vector<double> factors_;     // lower, column-major, with inverse diagonals
+};
+
+}  // namespace slom

@@ -1,0 +1,60 @@
+/// J and r as they were linearised, measurement after measurement.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slom/linearize/linearize.hpp"
+
+namespace slom {
+
+class JacobianRows {
+ public:
+  using Part = Eigen::Map<const Eigen::MatrixXd>;
+
+  /// The structure must outlive this.
+  void analyze(const BlockStructure& structure);
+  void clear();
+  void add(const JacobianBatch& batch);
+
+  /// Residuals of measurement m of group g.
+  Eigen::Map<const Eigen::VectorXd> residual(std::size_t g, int m) const;
+  /// Calls f(block, J of that block) for each of its blocks that is optimised; one may come twice.
+  template <class F>
+  void forEachPart(std::size_t g, int m, const F& f) const {
+    const Group& group = groups_[g];
+    const MeasurementGroup& shape = structure_->groups[g];
+    const std::size_t i = static_cast<std::size_t>(m), first = i * static_cast<std::size_t>(shape.arity);
+    const int rows = group.row[i + 1] - group.row[i];
+    const double* J = group.J.data() + group.start[i];
+    for (std::size_t k = first; k < first + static_cast<std::size_t>(shape.arity); ++k) {
+      if (shape.blocks[k] >= 0) f(shape.blocks[k], Part(J, rows, group.dof[k]));
+      J += static_cast<std::ptrdiff_t>(rows) * group.dof[k];
+    }
+  }
+
+  int rows() const;
+  /// J^T r
+  Eigen::VectorXd gradient() const;
+  /// Diagonal of J^T J.
+  Eigen::VectorXd diagonal() const;
+  /// |J d|^2
+  double squaredImage(const Eigen::VectorXd& d) const;
+
+ private:
+  struct Group {
+    std::vector<int> row;  // first residual of each measurement; one more for the end
+    std::vector<int> dof;
+    std::vector<std::size_t> start;  // of its J
+    std::vector<double> r, J;
+  };
+  template <class F>
+  void forEach(const F& f) const;
+  int offset(int block) const { return structure_->offset[static_cast<std::size_t>(block)]; }
+
+  const BlockStructure* structure_ = nullptr;
+  std::vector<Group> groups_;
+};
+
+}  // namespace slom

@@ -1,0 +1,334 @@
+#include "slom/solve/block_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "block/multifrontal.hpp"
+#include "block/normal_equations.hpp"
+#include "block/reduced_operator.hpp"
+#include "block/schur_complement.hpp"
+#include "linearize/stopwatch.hpp"
+#include "mtk/error.hpp"
+#include "symbolic/ordering.hpp"
+
+namespace slom {
+
+using Eigen::VectorXd;
+
+namespace {
+
+
+/// A pivot below this share of its diagonal entry is rounding error.
+constexpr double kPivotTolerance = 1e-12;
+/// What conjugate gradients solve to where an exact solution is asked for.
+constexpr double kExactTolerance = 1e-13;
+
+/// The model that the choice of the method rests on.
+constexpr double kSecondsPerOperation = 5e-11;
+constexpr double kSecondsPerEntry = 2e-9;  // of H, in a product with it, which waits for memory
+constexpr double kReducedIterations = 100, kWholeIterations = 1000;
+constexpr double kWorthBeingInexact = 5;  // exact steps need fewer iterations of the fit
+constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
+constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double entries(const BlockGraph& graph) {
+  double sum = 0;
+  for (int b = 0; b < graph.size(); ++b) {
+    double neighbours = graph.dof[at(b)];
+    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) neighbours += 0.5 * graph.dof[at(graph.neighbour[at(e)])];
+    sum += graph.dof[at(b)] * neighbours;
+  }
+  return sum;
+}
+
+double entries(const Fronts& fronts) {
+  double sum = 0;
+  for (const Front& front : fronts.front) sum += front.p * (0.5 * front.p + front.u);
+  return sum;
+}
+
+/// Of blocks that meet in an eliminated one.
+double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
+  double sum = 0;
+  for (int b = 0; b < graph.size(); ++b) {
+    const double degree = graph.start[at(b) + 1] - graph.start[at(b)];
+    if (eliminated[at(b)]) sum += 0.5 * degree * degree;
+  }
+  return sum;
+}
+
+/// As "49 x 9 + 1 x 4": so many blocks of so many unknowns, for the blocks where is(b).
+template <class Predicate>
+std::string shape(const BlockStructure& structure, const Predicate& is) {
+  std::map<int, int> count;
+  for (int b = 0; b < structure.blockCount(); ++b) {
+    if (is(b)) ++count[structure.dof(b)];
+  }
+  constexpr std::size_t kMost = 3;
+  if (count.size() > kMost) {
+    int blocks = 0, unknowns = 0;
+    for (const auto& [dof, n] : count) blocks += n, unknowns += n * dof;
+    return std::to_string(unknowns) + " unknowns in " + std::to_string(blocks) + " blocks";
+  }
+  std::string text;
+  for (const auto& [dof, n] : count) {
+    text += (text.empty() ? "" : " + ") + std::to_string(n) + " x " + std::to_string(dof);
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+void check(const BlockSolverOptions& options) {
+  if (!(options.forcing > 0 && options.forcing < 1)) {
+    throw mtk::Error("slom.bad-option", "forcing is " + std::to_string(options.forcing) +
+                                            "; pass a number between 0 and 1, such as 0.1");
+  }
+  if (options.max_iterations < 1) {
+    throw mtk::Error("slom.bad-option", "max_iterations of conjugate gradients is " +
+                                            std::to_string(options.max_iterations) + "; pass a positive number, such as 500");
+  }
+}
+
+}  // namespace
+
+struct BlockSolver::Implementation {
+  explicit Implementation(const BlockSolverOptions& given)
+      : options(given), is_exact(given.method != BlockSolverOptions::Method::conjugate_gradients) {}
+
+  const BlockSolverOptions options;
+  BlockStructure structure;
+  std::vector<char> eliminated;  // of each block; empty: none
+  bool is_exact;
+  NormalEquations equations;
+  SchurComplement schur;        // where blocks are eliminated and steps are exact
+  MultifrontalCholesky factor;  // where they are exact
+  ReducedOperator reduced;      // where they are not
+  VectorXd diagonal;
+  std::vector<int> kept;  // unknowns of the reduced system
+  bool has_undamped_factor = false;
+  SolveStatus undamped_status;
+  double largest_gradient = 0;
+  int steps = 0;
+  double iterations = 0;  // of conjugate gradients, in all steps
+
+  int count() const { return static_cast<int>(std::count(eliminated.begin(), eliminated.end(), 1)); }
+  bool isReduced() const { return !eliminated.empty(); }
+  const EliminatedBlocks& points() const { return is_exact ? schur.eliminated() : reduced.eliminated(); }
+  void analyze(const BlockGraph& graph);
+  bool choosesConjugateGradients(double matrix_entries, double operations, double factor_entries) const;
+  void analyzeWhole(const BlockGraph& graph);
+  void analyzeReduced(const BlockGraph& graph);
+  void analyzeInexact(const BlockGraph& graph);
+  std::vector<int> positionsBehind(const BlockGraph& graph, const std::vector<int>& block, const std::vector<int>& position);
+  SolveStatus factorize(const VectorXd& damping);
+  SolveStatus prepare(const VectorXd& damping);
+  double forcing();
+  SolveStatus solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x);
+  VectorXd keptOf(const VectorXd& x) const {
+    return x.size() == 0 ? VectorXd() : VectorXd(x(kept));
+  }
+};
+
+void BlockSolver::Implementation::analyze(const BlockGraph& graph) {
+  has_undamped_factor = false;
+  largest_gradient = 0;
+  steps = 0;
+  iterations = 0;
+  is_exact = options.method != BlockSolverOptions::Method::conjugate_gradients;
+  eliminated.clear();
+  if (options.elimination == BlockSolverOptions::Elimination::automatic) eliminated = independentBlocks(graph);
+  const bool too_many = isReduced() && pairs(graph, eliminated) > kMostPairs;
+  if (is_exact && too_many && options.method == BlockSolverOptions::Method::automatic) is_exact = false;
+  if (is_exact) isReduced() ? analyzeReduced(graph) : analyzeWhole(graph);
+  if (!is_exact) analyzeInexact(graph);
+}
+
+bool BlockSolver::Implementation::choosesConjugateGradients(double matrix_entries, double operations,
+                                                            double factor_entries) const {
+  if (options.method != BlockSolverOptions::Method::automatic) return false;
+  const double iterating = (isReduced() ? kReducedIterations : kWholeIterations) * kSecondsPerEntry * matrix_entries;
+  return factor_entries > kMostFactorEntries || kSecondsPerOperation * operations > kWorthBeingInexact * iterating;
+}
+
+void BlockSolver::Implementation::analyzeWhole(const BlockGraph& graph) {
+  Fronts fronts = chooseFronts(graph);
+  is_exact = !choosesConjugateGradients(entries(graph), fronts.flops, entries(fronts));
+  if (!is_exact) return;
+  equations.layOut(structure, graph, fronts.position);
+  factor.analyze(structure.offset, std::move(fronts), equations.H());
+}
+
+/// The eliminated blocks first, then the others: `block`, at these positions of their own.
+std::vector<int> BlockSolver::Implementation::positionsBehind(const BlockGraph& graph, const std::vector<int>& block,
+                                                              const std::vector<int>& position) {
+  std::vector<int> result(at(graph.size()));
+  int next = 0;
+  for (int b = 0; b < graph.size(); ++b) {
+    if (isReduced() && eliminated[at(b)]) result[at(b)] = next++;
+  }
+  for (std::size_t i = 0; i < block.size(); ++i) result[at(block[i])] = next + position[i];
+  return result;
+}
+
+void BlockSolver::Implementation::analyzeReduced(const BlockGraph& graph) {
+  const ReducedGraph left = reduceGraph(graph, eliminated);
+  Fronts fronts = chooseFronts(left.graph);
+  double forming = 0;  // operations
+  for (int b = 0; b < graph.size(); ++b) {
+    double height = 0;
+    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) height += graph.dof[at(graph.neighbour[at(e)])];
+    if (eliminated[at(b)]) forming += graph.dof[at(b)] * height * height;
+  }
+  is_exact = !choosesConjugateGradients(entries(graph), forming + fronts.flops, entries(left.graph) + entries(fronts));
+  if (!is_exact) return;
+  kept.clear();
+  std::vector<int> offset{0};
+  for (const int b : left.block) {
+    for (int c = 0; c < structure.dof(b); ++c) kept.push_back(structure.offset[at(b)] + c);
+    offset.push_back(static_cast<int>(kept.size()));
+  }
+  equations.layOut(structure, graph, positionsBehind(graph, left.block, fronts.position));
+  schur.analyze(equations.H(), count(), left.graph, fronts.position);
+  factor.analyze(offset, std::move(fronts), schur.S());
+}
+
+void BlockSolver::Implementation::analyzeInexact(const BlockGraph& graph) {
+  std::vector<int> block, position;
+  for (int b = 0; b < graph.size(); ++b) {
+    if (isReduced() && eliminated[at(b)]) continue;
+    position.push_back(static_cast<int>(block.size()));
+    block.push_back(b);
+  }
+  equations.layOut(structure, graph, positionsBehind(graph, block, position));
+  reduced.analyze(equations.H(), count(), options.preconditioner);
+}
+
+SolveStatus BlockSolver::Implementation::factorize(const VectorXd& damping) {
+  const bool is_undamped = damping.size() == 0;
+  if (is_undamped && has_undamped_factor) return undamped_status;
+  SolveStatus status;
+  if (!is_exact) {
+    status = reduced.prepare(equations.H(), equations.offset(), damping, kPivotTolerance);
+  } else if (!isReduced()) {
+    status = factor.factorize(equations.H(), diagonal, damping, kPivotTolerance);
+  } else {
+    status = schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance);
+    if (status.ok) {
+      status = factor.factorize(schur.S(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
+      if (!status.ok) status.unknown = kept[at(status.unknown)];
+    }
+  }
+  has_undamped_factor = is_undamped;
+  if (is_undamped) undamped_status = status;
+  return status;
+}
+
+double BlockSolver::Implementation::forcing() {
+  const VectorXd& g = equations.gradient();
+  double squared = 0;
+  for (Eigen::Index i = 0; i < g.size(); ++i) squared += diagonal[i] > 0 ? g[i] * g[i] / diagonal[i] : 0;
+  largest_gradient = std::max(largest_gradient, std::sqrt(squared));
+  if (!(largest_gradient > 0)) return options.forcing;
+  return std::min(options.forcing, std::sqrt(std::sqrt(squared) / largest_gradient));
+}
+
+/// After factorize(): the tolerance is that of conjugate gradients.
+SolveStatus BlockSolver::Implementation::solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x) {
+  if (is_exact && !isReduced()) {
+    x = factor.solve(b);
+    return {};
+  }
+  x = b;
+  if (isReduced()) points().reduceVector(equations.H(), equations.offset(), x);
+  if (is_exact) {
+    x(kept) = factor.solve(keptOf(x));
+  } else {
+    VectorXd part;
+    const auto outcome = conjugateGradients(reduced, reduced.reducedOf(x, equations.offset()), tolerance, max_iterations, part);
+    iterations += outcome.iterations;
+    ++steps;
+    if (!outcome.ok) return {false, equations.offset()[at(count())], 0};
+    reduced.putInto(part, equations.offset(), x);
+  }
+  if (isReduced()) points().substitute(equations.H(), equations.offset(), x);
+  return {};
+}
+
+BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(std::make_unique<Implementation>(options)) { check(options); }
+BlockSolver::~BlockSolver() = default;
+
+void BlockSolver::analyze(const BlockStructure& structure) {
+  self_->structure = structure;
+  self_->analyze(makeGraph(structure));
+}
+
+void BlockSolver::beginLinearization() {
+  self_->equations.setZero();
+  self_->has_undamped_factor = false;
+}
+void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
+void BlockSolver::addAll(std::span<const JacobianBatch> batches) { self_->equations.add(batches); }
+void BlockSolver::endLinearization() { self_->diagonal = self_->equations.diagonal(); }
+
+SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
+  {
+    const detail::Stopwatch watch(seconds_.factorize);
+    const SolveStatus status = self_->factorize(damping);
+    if (!status.ok) return status;
+  }
+  const detail::Stopwatch watch(seconds_.solve);
+  const double tolerance = self_->is_exact ? 0 : self_->forcing();
+  VectorXd x;
+  const SolveStatus status = self_->solve(-gradient(), tolerance, self_->options.max_iterations, x);
+  if (status.ok) step = std::move(x);
+  return status;
+}
+
+SolveStatus BlockSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
+  SolveStatus status = self_->factorize({});
+  if (!status.ok) return status;
+  Eigen::MatrixXd all(B.rows(), B.cols());
+  VectorXd x;
+  for (Eigen::Index j = 0; status.ok && j < B.cols(); ++j) {
+    const int enough = 10 * static_cast<int>(B.rows()) + 100;
+    status = self_->solve(B.col(j), kExactTolerance, enough, x);
+    if (status.ok) all.col(j) = x;
+  }
+  if (status.ok) X = std::move(all);
+  return status;
+}
+
+bool BlockSolver::isExact() const { return self_->is_exact; }
+const VectorXd& BlockSolver::gradient() const { return self_->equations.gradient(); }
+const VectorXd& BlockSolver::diagonal() const { return self_->diagonal; }
+double BlockSolver::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
+double BlockSolver::flops() const { return self_->is_exact ? self_->factor.fronts().flops : 0; }
+
+std::string BlockSolver::description() const {
+  const Implementation& self = *self_;
+  if (self.structure.offset.empty()) return "block solver that has solved nothing yet";
+  const auto is_eliminated = [&](int b) { return self.isReduced() && self.eliminated[at(b)]; };
+  std::string text = shape(self.structure, [&](int b) { return !is_eliminated(b); });
+  text = self.isReduced() ? "reduced system " + text + " after elimination of " + shape(self.structure, is_eliminated)
+                          : "system " + text;
+  if (self.is_exact) {
+    const Fronts& fronts = self.factor.fronts();
+    text += fronts.front.size() == 1 ? ", dense Cholesky" : std::string(", sparse Cholesky, ") + fronts.ordering + " order";
+    return text;
+  }
+  text += ", conjugate gradients with ";
+  switch (self.reduced.preconditioner()) {
+    case BlockSolverOptions::Preconditioner::schur_jacobi: text += self.isReduced() ? "Schur-Jacobi" : "block Jacobi"; break;
+    case BlockSolverOptions::Preconditioner::block_jacobi: text += "block Jacobi"; break;
+    case BlockSolverOptions::Preconditioner::power_series: text += "power series"; break;
+  }
+  text += " preconditioner";
+  if (self.steps > 0) {
+    text += ", " + std::to_string(static_cast<int>(std::lround(self.iterations / self.steps))) + " iterations per step";
+  }
+  return text;
+}
+
+}  // namespace slom

@@ -1,0 +1,30 @@
+#include "mtk/error.hpp"
+#include "slom/solve/cholmod.hpp"
+
+namespace slom {
+
+struct Cholmod::Implementation {
+  Eigen::VectorXd nothing;
+};
+
+bool Cholmod::isAvailable() { return false; }
+
+Cholmod::Cholmod() {
+  throw mtk::Error("slom.no-cholmod", "this build of SLoM is without CHOLMOD; configure it with -DSLOM_WITH_CHOLMOD=ON, or use "
+                                      "the default solver");
+}
+Cholmod::~Cholmod() = default;
+
+// None of these is ever called, as there is no object.
+void Cholmod::analyze(const BlockStructure&) {}
+void Cholmod::beginLinearization() {}
+void Cholmod::add(const JacobianBatch&) {}
+void Cholmod::endLinearization() {}
+SolveStatus Cholmod::solve(const Eigen::VectorXd&, Eigen::VectorXd&) { return {}; }
+const Eigen::VectorXd& Cholmod::gradient() const { return self_->nothing; }
+const Eigen::VectorXd& Cholmod::diagonal() const { return self_->nothing; }
+double Cholmod::squaredImage(const Eigen::VectorXd&) const { return 0; }
+SolveStatus Cholmod::solveFor(const Eigen::MatrixXd&, Eigen::MatrixXd&) { return {}; }
+std::string Cholmod::description() const { return ""; }
+
+}  // namespace slom
