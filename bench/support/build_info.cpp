@@ -1,6 +1,9 @@
 #include "support/build_info.hpp"
 
+#include <filesystem>
 #include <fstream>
+
+#include <dlfcn.h>
 
 namespace slom::bench {
 
@@ -37,6 +40,14 @@ std::string processorName() {
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
   }
   return "";
+}
+
+std::string blasLibrary() {
+  Dl_info info{};
+  void* const dgemm = dlsym(RTLD_DEFAULT, "dgemm_");
+  if (dgemm == nullptr || dladdr(dgemm, &info) == 0) return "";
+  const std::filesystem::path file = std::filesystem::weakly_canonical(info.dli_fname);
+  return (file.parent_path().filename() / file.filename()).string();
 }
 
 }  // namespace slom::bench

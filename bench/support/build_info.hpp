@@ -12,5 +12,7 @@ std::string compileFlags();
 std::string instructionSet();
 /// The processor's name, empty where /proc/cpuinfo does not tell.
 std::string processorName();
+/// Folder and name of the library that provides BLAS to CHOLMOD, as in `openblas-serial/libblas.so.3`; empty without one.
+std::string blasLibrary();
 
 }  // namespace slom::bench
