@@ -47,7 +47,8 @@ std::string blasLibrary() {
   void* const dgemm = dlsym(RTLD_DEFAULT, "dgemm_");
   if (dgemm == nullptr || dladdr(dgemm, &info) == 0) return "";
   const std::filesystem::path file = std::filesystem::weakly_canonical(info.dli_fname);
-  return (file.parent_path().filename() / file.filename()).string();
+  const std::string folder = file.parent_path().filename().string(), name = file.filename().string();
+  return folder.find("linux-gnu") == std::string::npos ? folder + "/" + name : name;
 }
 
 }  // namespace slom::bench
