@@ -14,7 +14,7 @@ using app::bundle::Camera;
 using Vec3 = mtk::vect<3>;
 
 constexpr int kViews = 5, kObservationsPerCamera = 1000, kFewestCameras = 9;
-constexpr double kHeight = 2, kRelief = 0.5, kTilt = 0.2, kFocalLength = 1000, kPixelNoise = 0.5;
+constexpr double kHeight = 3, kRelief = 0.5, kTilt = 0.1, kFocalLength = 1000, kPixelNoise = 0.5;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

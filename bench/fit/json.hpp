@@ -17,7 +17,9 @@ Factorization factorizationFromJson(const Json& json);
 /// What is not known is null.
 Json toJson(const Comparison& comparison, const ComparisonOptions& options);
 
-/// Processor, compiler, flags, BLAS, rates of dgemm.
+/// Processor, compiler, flags, BLAS.
 Json machineJson();
+/// Measures the rates of dgemm.
+void addDgemm(Json& machine);
 
 }  // namespace slom::bench

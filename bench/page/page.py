@@ -36,7 +36,7 @@ the best-known library for such problems, and with CHOLMOD, the sparse Cholesky 
 
 `variables, measurements` are poses and edges, or cameras with points and observations. A start `chordal` solves for the
 rotations first, as `slom graph --init chordal` does. torus3D starts there, because from the start in its file fits end in a worse
-minimum; so do the graphs without start values and MIT. For w20000 the standard deviations 0.1 m, 0.1 m, 0.04 rad replace
+minimum; so do MIT, CSAIL and w20000. For w20000 the standard deviations 0.1 m, 0.1 m, 0.04 rad replace
 the information in the file, which is not a covariance's inverse.
 """
 
