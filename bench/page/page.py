@@ -73,7 +73,7 @@ def write_page(results, picture):
         "## SLoM against the fastest peer", "How many times as long, and as much memory, the best of the peers needs, on one thread.",
         tables.ratios(one),
         "## Pose graphs", tables.per_program(graphs),
-        "## Bundle adjustment", tables.per_program(bundles),
+        "## Bundle adjustment" if bundles else "", tables.per_program(bundles) if bundles else "",
         "## Where the time goes",
         "Parts of an average iteration on one thread; `rest` is moving the values and the tests for stopping. Ceres' linear solver "
         "includes its normal equations, and the order of elimination once.",
@@ -83,7 +83,7 @@ def write_page(results, picture):
         "of the matrix included; CHOLMOD's is the faster of simplicial and supernodal for the same matrix, the best of several. SLoM "
         "merges small fronts where that is faster, so it does more operations; the last column counts those of CHOLMOD.",
         tables.factorizations(graphs, results["machine"]),
-        "## Two threads", "SLoM's results do not depend on the number of threads, to the last bit.", tables.threads(one, two),
+        "## Two threads", "The last column compares the final costs to ten digits: equal, or how far apart, relative.", tables.threads(one, two),
         "## Robust loss", "The same with Huber's loss at one standard deviation (one pixel for bundles).", tables.per_program(robust),
         "## How cost grows",
         "Generated problems ([bench/fit/generate_graph.hpp](../bench/fit/generate_graph.hpp), "

@@ -121,9 +121,9 @@ def threads(one, two):
             same = abs(pair["final_rss"] - r["final_rss"])
             rows.append([c["problem"] if r is c["programs"][0] else "", r["program"], ms(r["iteration"]), ms(pair["iteration"]),
                          ms(r["to_1e-6"]), ms(pair["to_1e-6"]), times(r["iteration"] / pair["iteration"]),
-                         "same bits" if same == 0 else f"{same / r['final_rss']:.0e}"])
+                         "equal" if same == 0 else f"{same / r['final_rss']:.0e}"])
     return table(["problem", "program", ">iteration ms, 1 thread", ">2 threads", ">to 1e-6 ms, 1 thread", ">2 threads",
-                  ">gain per iteration", "final cost"], rows)
+                  ">gain per iteration", "final costs"], rows)
 
 
 def linearization(linearize):
