@@ -1,18 +1,20 @@
 // Bundle adjustment by SLoM, as the command `slom bundle` does it.
-#include "bundle/fit/fit.hpp"
+#include <memory>
 
+#include "bundle/fit/fit.hpp"
 #include "fit/run.hpp"
+#include "fit/slom_options.hpp"
+#include "fit/stopwatch.hpp"
 
 namespace slom::bench {
 
 Run fitBySlom(const app::bundle::Scene& scene, const Limits& limits) {
-  app::FitOptions settings;
-  settings.algorithm = app::AlgorithmName::lm;
-  settings.threads = limits.threads;
-  app::bundle::BundleFit fit(scene, settings);
-  Options options;
-  options.max_iterations = limits.max_iterations;
-  return runOf(fit.optimize(options));
+  const app::FitOptions options = fitOptions(limits, app::AlgorithmName::lm);
+  std::unique_ptr<app::bundle::BundleFit> fit;
+  const double build = secondsOf([&] { fit = std::make_unique<app::bundle::BundleFit>(scene, options); });
+  Run run = runOf(fit->optimize(stoppingRule(limits)));
+  run.build_seconds = build;
+  return run;
 }
 
 }  // namespace slom::bench

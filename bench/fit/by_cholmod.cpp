@@ -1,6 +1,5 @@
 // What CHOLMOD needs for J^T J of a pose graph, at its start and with the J of Ceres.
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <vector>
 
@@ -10,23 +9,14 @@
 
 #include "fit/ceres_problem.hpp"
 #include "fit/run.hpp"
+#include "fit/stopwatch.hpp"
 
 namespace slom::bench {
 
 namespace {
 
-constexpr int kRepetitions = 7;
-
-template <class F>
-double bestSeconds(const F& f) {
-  double best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kRepetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    f();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return best;
-}
+/// With more operations than this the simplicial method is left out, because it takes long and is slower.
+constexpr double kMostSimplicialFlops = 1e10;
 
 Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
   ceres::Problem::EvaluateOptions options;  // without the columns of what is held
@@ -47,8 +37,8 @@ Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
 }  // namespace
 
 template <class Pose>
-CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
-  Eigen::SparseMatrix<double> H = normalMatrix(*ceresProblemOf(graph));
+Factorization factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
+  Eigen::SparseMatrix<double> H = normalMatrix(*ceresProblemOf(graph, 0));
   cholmod_sparse A{};
   A.nrow = A.ncol = static_cast<std::size_t>(H.rows());
   A.nzmax = static_cast<std::size_t>(H.nonZeros());
@@ -60,18 +50,19 @@ CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
   A.xtype = CHOLMOD_REAL;
   A.dtype = CHOLMOD_DOUBLE;
   A.sorted = A.packed = 1;
-  CholmodTimes result;
+  Factorization result;
   result.symbolic_seconds = result.numeric_seconds = std::numeric_limits<double>::infinity();
-  for (const int supernodal : {CHOLMOD_SIMPLICIAL, CHOLMOD_SUPERNODAL}) {
+  for (const int supernodal : {CHOLMOD_SUPERNODAL, CHOLMOD_SIMPLICIAL}) {
+    if (supernodal == CHOLMOD_SIMPLICIAL && result.flops > kMostSimplicialFlops) continue;
     cholmod_common common;
     cholmod_start(&common);
     common.supernodal = supernodal;
     cholmod_factor* factor = nullptr;
-    const double symbolic = bestSeconds([&] {
+    const double symbolic = bestSecondsOf([&] {
       cholmod_free_factor(&factor, &common);
       factor = cholmod_analyze(&A, &common);
     });
-    const double numeric = bestSeconds([&] { cholmod_factorize(&A, factor, &common); });
+    const double numeric = bestSecondsOf([&] { cholmod_factorize(&A, factor, &common); });
     result.flops = common.fl;
     result.symbolic_seconds = std::min(result.symbolic_seconds, symbolic);
     result.numeric_seconds = std::min(result.numeric_seconds, numeric);
@@ -81,7 +72,7 @@ CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
   return result;
 }
 
-template CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose2>&);
-template CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose3>&);
+template Factorization factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose2>&);
+template Factorization factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose3>&);
 
 }  // namespace slom::bench

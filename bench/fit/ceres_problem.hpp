@@ -2,7 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/types.h>
 
@@ -10,21 +12,34 @@
 
 namespace slom::bench {
 
-inline ceres::Problem::Options keepingManifolds() {
-  ceres::Problem::Options options;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  return options;
-}
-
-struct CeresProblem {
+class CeresProblem {
+ public:
+  /// huber: Limits::huber
+  explicit CeresProblem(double huber) {
+    if (huber > 0) loss_ = std::make_unique<ceres::HuberLoss>(huber);
+  }
   virtual ~CeresProblem() = default;
-  ceres::Problem problem{keepingManifolds()};
+
+  ceres::Problem problem{sharedParts()};
+  std::vector<double*> eliminated_first;  ///< none: Ceres finds an order
+
+ protected:
+  ceres::LossFunction* loss() const { return loss_.get(); }
+
+ private:
+  static ceres::Problem::Options sharedParts() {
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+  std::unique_ptr<ceres::LossFunction> loss_;
 };
 
 template <class Pose>
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph);
+std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph, double huber);
 
-/// Levenberg-Marquardt. Stops when nothing can be gained, so that a trace shows when each cost is reached.
+/// Levenberg-Marquardt.
 Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Limits& limits);
 
 }  // namespace slom::bench

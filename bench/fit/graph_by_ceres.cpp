@@ -10,6 +10,7 @@
 
 #include "fit/ceres_problem.hpp"
 #include "fit/run.hpp"
+#include "fit/stopwatch.hpp"
 
 namespace slom::bench {
 
@@ -119,7 +120,9 @@ struct Blocks<Pose3> {
 template <class Pose>
 class GraphProblem final : public CeresProblem {
  public:
-  explicit GraphProblem(const app::graph::PoseGraph<Pose>& graph) : manifold_(Blocks<Pose>::manifold()) {
+  GraphProblem(const app::graph::PoseGraph<Pose>& graph, double huber)
+      : CeresProblem(huber), manifold_(Blocks<Pose>::manifold()) {
+    blocks_.reserve(graph.poses.size());
     for (const auto& node : graph.poses) blocks_.emplace_back(node.value);
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       problem.AddParameterBlock(blocks_[i].position, Blocks<Pose>::position_size);
@@ -130,7 +133,7 @@ class GraphProblem final : public CeresProblem {
     }
     for (const auto& edge : graph.edges) {
       Blocks<Pose>&a = blocks_[static_cast<std::size_t>(edge.from)], &b = blocks_[static_cast<std::size_t>(edge.to)];
-      problem.AddResidualBlock(Blocks<Pose>::cost(edge), nullptr, a.position, a.rotation, b.position, b.rotation);
+      problem.AddResidualBlock(Blocks<Pose>::cost(edge), loss(), a.position, a.rotation, b.position, b.rotation);
     }
   }
 
@@ -142,16 +145,19 @@ class GraphProblem final : public CeresProblem {
 }  // namespace
 
 template <class Pose>
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph) {
-  return std::make_unique<GraphProblem<Pose>>(graph);
+std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph, double huber) {
+  return std::make_unique<GraphProblem<Pose>>(graph, huber);
 }
-template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose2>&);
-template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose3>&);
+template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose2>&, double);
+template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose3>&, double);
 
 template <class Pose>
 Run fitByCeres(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
-  GraphProblem<Pose> problem(graph);
-  return solveByCeres(problem, ceres::SPARSE_NORMAL_CHOLESKY, limits);
+  std::unique_ptr<CeresProblem> problem;
+  const double build = secondsOf([&] { problem = ceresProblemOf(graph, limits.huber); });
+  Run run = solveByCeres(*problem, ceres::SPARSE_NORMAL_CHOLESKY, limits);
+  run.build_seconds = build;
+  return run;
 }
 template Run fitByCeres(const app::graph::PoseGraph<Pose2>&, const Limits&);
 template Run fitByCeres(const app::graph::PoseGraph<Pose3>&, const Limits&);

@@ -1,21 +1,74 @@
 // Pose graphs by SLoM, as the command `slom graph` fits them.
-#include "graph/fit/fit.hpp"
+#include <memory>
+
+#include <tbb/task_arena.h>
+
+#include <slom/solve/block_cholesky.hpp>
 
 #include "fit/run.hpp"
+#include "fit/slom_options.hpp"
+#include "fit/stopwatch.hpp"
+#include "graph/fit/fit.hpp"
 
 namespace slom::bench {
+
+namespace {
+
+/// The blocks of all poses and landmarks that are not held, and which of them meet.
+template <class Pose>
+BlockStructure structureOf(const app::graph::PoseGraph<Pose>& graph) {
+  BlockStructure structure;
+  structure.offset.push_back(0);
+  const auto blocksOf = [&](const auto& nodes, int dof) {
+    std::vector<int> blocks;
+    for (const auto& node : nodes) {
+      blocks.push_back(node.held ? -1 : structure.blockCount());
+      if (!node.held) structure.offset.push_back(structure.offset.back() + dof);
+    }
+    return blocks;
+  };
+  const std::vector<int> poses = blocksOf(graph.poses, app::graph::dof<Pose>);
+  const std::vector<int> landmarks = blocksOf(graph.landmarks, app::graph::dim<Pose>);
+  const auto addGroup = [&](const auto& edges, const std::vector<int>& ends) {
+    MeasurementGroup group{2, {}};
+    for (const auto& edge : edges) {
+      group.blocks.push_back(poses[static_cast<std::size_t>(edge.from)]);
+      group.blocks.push_back(ends[static_cast<std::size_t>(edge.to)]);
+    }
+    structure.groups.push_back(std::move(group));
+  };
+  addGroup(graph.edges, poses);
+  addGroup(graph.sightings, landmarks);
+  return structure;
+}
+
+}  // namespace
 
 template <class Pose>
 Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
   app::graph::Settings settings;
-  settings.fit.threads = limits.threads;
-  app::graph::GraphFit<Pose> fit(graph, settings);
-  Options options;
-  options.max_iterations = limits.max_iterations;
-  return runOf(fit.optimize(options));
+  settings.fit = fitOptions(limits, app::AlgorithmName::gn);
+  std::unique_ptr<app::graph::GraphFit<Pose>> fit;
+  const double build = secondsOf([&] { fit = std::make_unique<app::graph::GraphFit<Pose>>(graph, settings); });
+  Run run = runOf(fit->optimize(stoppingRule(limits)));
+  run.build_seconds = build;
+  return run;
 }
-
 template Run fitBySlom(const app::graph::PoseGraph<app::graph::Pose2>&, const Limits&);
 template Run fitBySlom(const app::graph::PoseGraph<app::graph::Pose3>&, const Limits&);
+
+template <class Pose>
+Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph) {
+  const BlockStructure structure = structureOf(graph);
+  Factorization result;
+  tbb::task_arena(1).execute([&] {
+    BlockCholesky solver;
+    result.symbolic_seconds = bestSecondsOf([&] { solver.analyze(structure); });
+    result.flops = solver.flops();
+  });
+  return result;
+}
+template Factorization analyzeBySlom(const app::graph::PoseGraph<app::graph::Pose2>&);
+template Factorization analyzeBySlom(const app::graph::PoseGraph<app::graph::Pose3>&);
 
 }  // namespace slom::bench

@@ -1,166 +1,132 @@
-// How long does a whole fit take, by SLoM and by Ceres?
+// How long does a whole fit take, by SLoM and by Ceres, and how much memory?
 //
-//   bench_fit [--threads N] [--rounds N] [--max-iterations N] FILE...
+//   bench_fit [--threads N] [--rounds N] [--max-iterations N] [--robust huber:D] [--json FILE] ... PROBLEM...
 //
-// FILE is a pose graph that `slom graph` reads (.g2o, .graph), or a scene that `slom bundle` reads. The programs take turns; of each the round with the median time counts.
-// Prints a Markdown table. Ends with status 1 when both converge to the same minimum but differ there by more than 1e-8.
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <functional>
+// See --help. Prints a Markdown table. Ends with status 1 when two programs converge to the same minimum but differ there by
+// more than 1e-8.
+#include <fstream>
 #include <iostream>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "bundle/input/read.hpp"
+#include <CLI/CLI.hpp>
+
 #include "error.hpp"
-#include "fit/run.hpp"
-#include "graph/input/information.hpp"
-#include "graph/input/read.hpp"
-#include "graph/start/gauge.hpp"
-#include "graph/start/start.hpp"
+#include "fit/json.hpp"
+#include "fit/table.hpp"
 #include "support/build_info.hpp"
+#include "text.hpp"
 
 namespace {
 
 using namespace slom::bench;
+using slom::app::UserError;
 
 struct Arguments {
-  Limits limits;
-  int rounds = 3;
-  std::vector<std::string> files;
+  std::vector<std::string> problems;
+  ProblemOptions problem;
+  ComparisonOptions comparison;
+  std::string robust;
+  double memory_gb = 0;
+  std::string json;
 };
 
-Arguments parse(int argc, char** argv) {
-  Arguments result;
-  const auto number = [&](int& i) {
-    const int value = i + 1 < argc ? std::atoi(argv[i + 1]) : 0;
-    if (value < 1) {
-      std::cerr << "bench_fit: " << argv[i] << " needs a positive number\n";
-      std::exit(2);
-    }
-    ++i;
-    return value;
-  };
-  for (int i = 1; i < argc; ++i) {
-    const std::string name = argv[i];
-    if (name == "--threads") {
-      result.limits.threads = number(i);
-    } else if (name == "--rounds") {
-      result.rounds = number(i);
-    } else if (name == "--max-iterations") {
-      result.limits.max_iterations = number(i);
-    } else if (name.starts_with("--")) {
-      std::cerr << "bench_fit: unknown argument '" << name << "'; pass --threads, --rounds, --max-iterations or files\n";
-      std::exit(2);
-    } else {
-      result.files.push_back(name);
-    }
-  }
-  return result;
+void describe(CLI::App& app, Arguments& arguments) {
+  ComparisonOptions& comparison = arguments.comparison;
+  app.add_option("problems", arguments.problems,
+                 "files of pose graphs (g2o, TORO) or of BAL; or generated ones of about SIZE poses or observations:\n"
+                 "grid2d:SIZE, sheet:SIZE, grid3d:SIZE, scene:SIZE")
+      ->required()
+      ->type_name("");
+  app.add_option("--threads", comparison.limits.threads)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--rounds", comparison.rounds, "how often each program is run; the median counts")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-iterations", comparison.limits.max_iterations)->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--robust", arguments.robust, "loss of all measurements, huber:SCALE in standard deviations");
+  app.add_option("--init", arguments.problem.init, "of pose graphs: file, odometry, spanning-tree or chordal");
+  app.add_option("--deviations", arguments.problem.deviations,
+                 "of all edges, as in 0.1,0.1,0.04, instead of what the files have")
+      ->delimiter(',')
+      ->expected(1, 6)
+      ->allow_extra_args(false);
+  app.add_option("--only", comparison.only, "runs one program: SLoM, SPARSE_NORMAL_CHOLESKY, DENSE_SCHUR, ...")
+      ->check(CLI::IsMember(programNames()));
+  app.add_flag("!--no-factorization", comparison.with_factorization, "leaves out what factorisations need alone");
+  app.add_option("--time-limit", comparison.child.seconds, "of each run [s], reading excluded; 0: none")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--memory-limit", arguments.memory_gb, "of each run [GB]; 0: none")->check(CLI::NonNegativeNumber);
+  app.add_option("--json", arguments.json, "writes all numbers to this file")->type_name("FILE");
 }
 
-using Program = std::function<Run()>;
-
-/// Each program's round with the median time.
-std::vector<Run> runInTurn(const std::vector<Program>& programs, int rounds) {
-  std::vector<std::vector<Run>> all(programs.size());
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t p = 0; p < programs.size(); ++p) all[p].push_back(programs[p]());
-  }
-  std::vector<Run> result;
-  for (std::vector<Run>& runs : all) {
-    const auto middle = runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2);
-    std::nth_element(runs.begin(), middle, runs.end(), [](const Run& a, const Run& b) { return a.seconds < b.seconds; });
-    result.push_back(*middle);
-  }
-  return result;
+double huberScale(const std::string& text) {
+  if (text.empty()) return 0;
+  constexpr std::string_view huber = "huber:";
+  double scale = 0;
+  if (text.starts_with(huber) && slom::app::parseNumber(text.substr(huber.size()), scale) && scale > 0) return scale;
+  throw UserError("--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations");
 }
 
-void printHeader() {
-  std::cout << "| file | program | threads | setup ms | iteration ms | factorise ms | iterations | to 0.1 % ms | to 1e-6 ms | "
-               "final RSS | Ceres / SLoM per iteration, to 1e-6 |\n"
-               "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
-}
-
-/// False when the same minimum was found with another cost.
-bool printRows(const std::string& name, const std::vector<Run>& runs, int threads) {
-  double best = runs[0].finalRss();
-  for (const Run& run : runs) best = std::min(best, run.finalRss());
+/// False when a program that converged is at another cost than the best one, and yet at the same minimum.
+bool agree(const Comparison& comparison) {
+  constexpr double tolerance = 1e-8, same_minimum = 1e-6;
   bool good = true;
-  for (const Run& run : runs) {
-    const double iteration = run.secondsPerIteration(), reached = run.secondsUntil(best, 1e-6);
-    std::printf("| %s | %s | %d | %.2f | %.3f | %.3f | %d | %.2f | %.2f | %.8g | ", name.c_str(), run.program.c_str(), threads,
-                1e3 * run.setup_seconds, 1e3 * iteration, 1e3 * run.factor_seconds / std::max(1, run.iterations), run.iterations,
-                1e3 * run.secondsUntil(best, 1e-3), 1e3 * reached, run.finalRss());
-    if (&run == &runs[0]) {
-      std::printf("|\n");
-    } else {
-      std::printf("%.2f, %.2f |\n", iteration / runs[0].secondsPerIteration(), reached / runs[0].secondsUntil(best, 1e-6));
-    }
-    const double off = run.finalRss() / best - 1;
-    if (off > 1e-8 && off < 1e-6) {
-      std::cerr << "bench_fit: " << name << ", " << run.program << ": the final RSS is off by " << off << "\n";
-      good = false;
-    }
+  const double best = comparison.bestRss();
+  for (const ProgramResult& result : comparison.programs) {
+    if (!result.failure.empty() || !result.run.converged) continue;
+    const double off = result.run.finalRss() / best - 1;
+    if (off <= tolerance || off >= same_minimum) continue;
+    std::cerr << "bench_fit: " << comparison.problem.name << ", " << result.program << ": the final RSS is off by " << off
+              << "\n";
+    good = false;
   }
   return good;
 }
 
-template <class Pose>
-bool compareOnGraph(slom::app::graph::PoseGraph<Pose> graph, const std::string& name, const Arguments& arguments) {
-  slom::app::graph::checkInformation(graph, false);
-  slom::app::graph::holdGauge(graph, false);
-  slom::app::graph::findStart(graph, graph.has_vertices ? slom::app::graph::Init::file : slom::app::graph::Init::spanning_tree);
-  std::vector<Program> programs{[&] { return fitBySlom(graph, arguments.limits); }};
-#ifdef SLOM_BENCH_CERES
-  programs.push_back([&] { return fitByCeres(graph, arguments.limits); });
-#endif
-  const std::vector<Run> runs = runInTurn(programs, arguments.rounds);
-  const bool good = printRows(name, runs, arguments.limits.threads);
-#ifdef SLOM_BENCH_CHOLMOD
-  const CholmodTimes cholmod = factorizeByCholmod(graph);
-  const double own = runs[0].factor_seconds / std::max(1, runs[0].iterations);
-  std::printf("| %s | CHOLMOD alone | 1 | %.2f | | %.3f | | | | %.3g Mflop | factorise: %.2f |\n", name.c_str(),
-              1e3 * cholmod.symbolic_seconds, 1e3 * cholmod.numeric_seconds, 1e-6 * cholmod.flops,
-              cholmod.numeric_seconds / own);
-#endif
+bool run(const Arguments& arguments) {
+  Json results{{"machine", machineJson()}};
+  Json& machine = results["machine"];
+  std::cout << machine["processor"].get<std::string>() << ", " << instructionSet() << ", " << compilerName() << " "
+            << compileFlags() << "; BLAS of CHOLMOD: " << blasLibrary();
+  if (arguments.comparison.only.empty()) {  // otherwise a profiler is at work, whom it would disturb
+    addDgemm(machine);
+    std::cout << "; dgemm " << 1e-9 * machine["dgemm_1024"].get<double>() << " GFLOP/s, of 48 x 48 "
+              << 1e-9 * machine["dgemm_48"].get<double>();
+  }
+  std::cout << "\n\n" << std::flush;
+  printHeader();
+  bool good = true;
+  Json& comparisons = results["comparisons"] = Json::array();
+  for (const std::string& source : arguments.problems) {
+    const Comparison comparison = compare(loadProblem(source, arguments.problem), arguments.comparison);
+    printRows(comparison, arguments.comparison.limits.threads);
+    comparisons.push_back(toJson(comparison, arguments.comparison));
+    good = agree(comparison) && good;
+  }
+  if (!arguments.json.empty()) {
+    std::ofstream file(arguments.json);
+    file << results.dump(1) << "\n";
+    if (!file.flush()) throw UserError(arguments.json + ": cannot be written");
+  }
   return good;
-}
-
-bool compareOnBundle(const slom::app::bundle::Scene& scene, const std::string& name, const Arguments& arguments) {
-  std::vector<Program> programs{[&] { return fitBySlom(scene, arguments.limits); }};
-#ifdef SLOM_BENCH_CERES
-  programs.push_back([&] { return fitByCeres(scene, true, arguments.limits); });
-  programs.push_back([&] { return fitByCeres(scene, false, arguments.limits); });
-#endif
-  return printRows(name, runInTurn(programs, arguments.rounds), arguments.limits.threads);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Arguments arguments = parse(argc, argv);
-  std::cout << processorName() << ", " << instructionSet() << ", " << compilerName() << " " << compileFlags() << "\n\n";
-  printHeader();
-  bool good = true;
-  for (const std::string& file : arguments.files) {
-    try {
-      const std::string name = std::filesystem::path(file).stem().string();
-      if (!file.ends_with(".g2o") && !file.ends_with(".graph")) {
-        good = compareOnBundle(slom::app::bundle::readScene(file), name, arguments) && good;
-        continue;
-      }
-      const auto compare = [&](const auto& graph) { return compareOnGraph(graph, name, arguments); };
-      good = std::visit(compare, slom::app::graph::readPoseGraph(file)) && good;
-      std::fflush(stdout);
-    } catch (const slom::app::UserError& error) {
-      std::cerr << "bench_fit: " << error.what() << "\n";
-      return 2;
-    }
+  Arguments arguments;
+  CLI::App app("Times whole fits by SLoM and by Ceres, in turn, each in a process of its own.\n", "bench_fit");
+  describe(app, arguments);
+  try {
+    app.parse(argc, argv);
+    arguments.comparison.limits.huber = huberScale(arguments.robust);
+    arguments.comparison.child.memory_bytes = 1e9 * arguments.memory_gb;
+    return run(arguments) ? 0 : 1;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::cerr << "bench_fit: " << error.what() << "; see bench_fit --help\n";
+  } catch (const UserError& error) {
+    std::cerr << "bench_fit: " << error.what() << "\n";
   }
-  return good ? 0 : 1;
+  return 2;
 }

@@ -13,21 +13,24 @@ namespace slom::bench {
 
 struct TracePoint {
   double seconds = 0;  ///< since the start of the fit, the problem having been built before
-  double rss = 0;      ///< sum of squared whitened residuals, no 1/2
+  double rss = 0;      ///< sum of squared whitened residuals, with a loss the robust cost; no 1/2
 };
 
 struct Run {
-  std::string program;
+  std::string solver;            ///< in the program's own words
+  bool converged = false;
   int iterations = 0;
-  double setup_seconds = 0;    ///< ordering, symbolic work, layout
-  double seconds = 0;          ///< of the fit, setup included
-  double factor_seconds = 0;   ///< of all numeric factorisations; for Ceres all of its linear solver
+  double build_seconds = 0;      ///< inserting variables and measurements
+  double seconds = 0;            ///< of the fit, setup included
+  double setup_seconds = 0;      ///< ordering, symbolic work, layout; for Ceres its preprocessor
+  double iteration_seconds = 0;  ///< median of the iterations whose step was taken
+  double linearize_seconds = 0;  ///< residuals, derivatives, normal equations, over all iterations
+  double factor_seconds = 0;     ///< of all factorisations; for Ceres all of its linear solver
+  double solve_seconds = 0;      ///< with the factors
+  int factorizations = 0;
   std::vector<TracePoint> trace;
-  std::string solver;
 
   double finalRss() const { return trace.back().rss; }
-  /// Time of an iteration without what is done once.
-  double secondsPerIteration() const { return iterations > 0 ? (seconds - setup_seconds) / iterations : 0; }
   /// When the RSS first came within the share `tolerance` of `best`; NaN when it never did.
   double secondsUntil(double best, double tolerance) const;
 };
@@ -35,7 +38,14 @@ struct Run {
 struct Limits {
   int threads = 1;
   int max_iterations = 100;
+  double huber = 0;  ///< scale of Huber's loss of all measurements [standard deviations]; 0: squares
 };
+
+/// Both programs stop when an iteration lowers the RSS by less than this share, and by no other test.
+inline constexpr double kDecreaseTolerance = 1e-12;
+inline constexpr double kOtherTolerances = 1e-16;
+
+double median(std::vector<double> values);
 
 Run runOf(const Summary& summary);
 
@@ -43,24 +53,30 @@ Run runOf(const Summary& summary);
 template <class Pose>
 Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
 Run fitBySlom(const app::bundle::Scene& scene, const Limits& limits);
+
+enum class Schur { dense, sparse, iterative };
 #ifdef SLOM_BENCH_CERES
 /// Levenberg-Marquardt with SPARSE_NORMAL_CHOLESKY by SuiteSparse, derivatives by Ceres' automatic differentiation.
 template <class Pose>
 Run fitByCeres(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
-/// The same with DENSE_SCHUR or SPARSE_SCHUR.
-Run fitByCeres(const app::bundle::Scene& scene, bool dense, const Limits& limits);
+/// The same with a Schur complement.
+Run fitByCeres(const app::bundle::Scene& scene, Schur schur, const Limits& limits);
 #endif
 
-/// What CHOLMOD needs for the same matrix J^T J.
-struct CholmodTimes {
+/// What a factorisation of J^T J alone needs.
+struct Factorization {
   double symbolic_seconds = 0;
-  double numeric_seconds = 0;
-  double flops = 0;
+  double numeric_seconds = 0;  ///< 0: not measured
+  double flops = 0;            ///< additions and multiplications
 };
-#ifdef SLOM_BENCH_CHOLMOD
-/// The faster of its simplicial and its supernodal factorisation, each the best of several.
+/// SLoM's symbolic work on the same structure: order, fronts, layout. Pivots are merged into larger fronts where that is
+/// faster, so it counts more operations than the sparsest factor needs.
 template <class Pose>
-CholmodTimes factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph);
+Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph);
+#ifdef SLOM_BENCH_CHOLMOD
+/// The faster of CHOLMOD's simplicial and supernodal factorisation, each the best of several.
+template <class Pose>
+Factorization factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph);
 #endif
 
 }  // namespace slom::bench

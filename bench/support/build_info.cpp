@@ -1,6 +1,9 @@
 #include "support/build_info.hpp"
 
+#include <filesystem>
 #include <fstream>
+
+#include <dlfcn.h>
 
 namespace slom::bench {
 
@@ -37,6 +40,15 @@ std::string processorName() {
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
   }
   return "";
+}
+
+std::string blasLibrary() {
+  Dl_info info{};
+  void* const dgemm = dlsym(RTLD_DEFAULT, "dgemm_");
+  if (dgemm == nullptr || dladdr(dgemm, &info) == 0) return "";
+  const std::filesystem::path file = std::filesystem::weakly_canonical(info.dli_fname);
+  const std::string folder = file.parent_path().filename().string(), name = file.filename().string();
+  return folder.find("linux-gnu") == std::string::npos ? folder + "/" + name : name;
 }
 
 }  // namespace slom::bench

@@ -12,5 +12,8 @@ std::string compileFlags();
 std::string instructionSet();
 /// The processor's name, empty where /proc/cpuinfo does not tell.
 std::string processorName();
+/// The library that provides BLAS to CHOLMOD, as in `libf77blas.so.3` (ATLAS) or `openblas-serial/libblas.so.3`; empty without
+/// one.
+std::string blasLibrary();
 
 }  // namespace slom::bench

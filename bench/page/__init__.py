@@ -1,0 +1,1 @@
+"""The results page: tables, goals and pictures from the numbers that the benchmark programs wrote."""
