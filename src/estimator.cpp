@@ -11,6 +11,7 @@
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
+#include "slom/solve/dense_qr.hpp"
 
 namespace slom {
 
@@ -30,6 +31,8 @@ struct Estimator::State {
 
   State() { system.setSolver(*solver); }
 
+  Sigma sigma = Sigma::known;
+  double varianceFactor();
   std::string messageFor(const Summary& summary, const SolveStatus& status);
   void fillGroups(Summary& summary, bool before);
 };
@@ -79,6 +82,7 @@ Summary Estimator::optimize(const Options& options) {
   summary.measurements = structure.residuals;
   summary.unknowns = structure.system.unknowns();
   summary.redundancy = summary.measurements - summary.unknowns;
+  summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at);
   if (summary.stop_reason == StopReason::rank_deficient) {
     for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
@@ -202,8 +206,48 @@ void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, doubl
 void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(problem(), r); }
 
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
-  const Eigen::MatrixXd result = state_->run([&] { return covarianceBlock(state_->system, variable_a, variable_b); });
+  const double factor = state_->varianceFactor();
+  const Eigen::MatrixXd result =
+      factor * state_->run([&] { return covarianceBlock(state_->system, variable_a, variable_b); });
   std::copy(result.data(), result.data() + result.size(), block);
+}
+
+Marginals Estimator::marginals() const {
+  Marginals result;
+  result.problem_ = &problem();
+  const double factor = state_->varianceFactor();
+  state_->run([&] { marginalBlocks(state_->system, result.numbers_); });
+  for (double& number : result.numbers_) number *= factor;
+  const ProblemStructure& structure = state_->system.structure();
+  const auto& table = problem().variables();
+  result.places_.resize(table.size());
+  std::size_t next = 0;
+  for (std::size_t v = 0; v < table.size(); ++v) result.places_[v].dof = table[v].dof;
+  for (const int v : structure.variable_of_block) {
+    Marginals::Place& place = result.places_[static_cast<std::size_t>(v)];
+    place.start = next;
+    next += static_cast<std::size_t>(place.dof) * static_cast<std::size_t>(place.dof);
+  }
+  return result;
+}
+
+/// Whitened, residuals x unknowns, column-major.
+void Estimator::writeJacobian(double* J) const {
+  DenseQR rows;
+  rows.analyze(state_->system.structure().system);
+  state_->run([&] { state_->linearizer.linearize(problem(), rows); });
+  std::copy_n(rows.jacobian().data(), rows.jacobian().size(), J);
+}
+
+void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
+
+double Estimator::State::varianceFactor() {
+  if (sigma == Sigma::known) return 1;
+  const int unknowns = system.structure().system.unknowns(), residuals = system.structure().residuals;
+  if (residuals > unknowns) return run([&] { return linearizer.rss(problem); }) / (residuals - unknowns);
+  throw Error("slom.no-redundancy", "uncertainties can be estimated from residuals only when there are more of them than "
+                                    "unknowns; here are " + std::to_string(residuals) + " residuals and " +
+                                        std::to_string(unknowns) + " unknowns; add measurements or use Sigma::known");
 }
 
 DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }

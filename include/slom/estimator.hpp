@@ -25,6 +25,7 @@
 #include "slom/analyze/derivative_check.hpp"
 #include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
+#include "slom/analyze/uncertainty.hpp"
 #include "slom/model/callable.hpp"
 #include "slom/model/insertion.hpp"
 #include "slom/optimize/algorithm.hpp"
@@ -234,6 +235,45 @@ class Estimator {
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
     return covariance(id).diagonal().cwiseSqrt();
   }
+  /// Of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
+  template <class A, class B>
+  Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
+    const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
+    const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse), scale_b = standardDeviation(b).unaryExpr(inverse);
+    return scale_a.asDiagonal() * covariance(a, b) * scale_b.asDiagonal();
+  }
+  /// Covariances of all variables at once, by selected inversion of the factor: for many of them it is much faster than
+  /// to ask for one after the other.
+  Marginals marginals() const;
+  /// f(values of the variables) and its covariance to first order. f gets a const T& for each and returns a number, an
+  /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
+  template <class F, class... T>
+  auto propagate(const F& f, const VarID<T>&... ids) const {
+    auto value = detail::plainValue(f(*ids...));
+    using V = std::decay_t<decltype(value)>;
+    Estimator scratch;
+    const std::tuple copies{scratch.insertRV(*ids)...};
+    std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
+    Eigen::MatrixXd J(scratch.getM(), scratch.getN());
+    scratch.writeJacobian(J.data());
+    Eigen::MatrixXd C(J.cols(), J.cols());
+    int row = 0;
+    const auto fillRow = [&](const auto& a) {
+      int column = 0;
+      const auto fill = [&](const auto& b) {
+        C.block(row, column, mtk::dof(*a), mtk::dof(*b)) = covariance(a, b);
+        column += mtk::dof(*b);
+      };
+      (fill(ids), ...);
+      row += mtk::dof(*a);
+    };
+    (fillRow(ids), ...);
+    return Propagated<V>{std::move(value), J * C * J.transpose()};
+  }
+  /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
+  /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.
+  void setSigma(Sigma sigma);
+
   /// Names of the components, as messages give them.
   template <class T>
   std::vector<std::string> componentNames(const VarID<T>& id) const {
@@ -277,6 +317,7 @@ class Estimator {
   // compiler's options, which may be others there.
   void writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const;
   void writeResiduals(double* r) const;
+  void writeJacobian(double* J) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
 
   struct State;

@@ -22,4 +22,11 @@ Eigen::MatrixXd covarianceBlock(System& system, int variable_a, int variable_b) 
   return variable_a == variable_b ? Eigen::MatrixXd((block + block.transpose()) / 2) : block;
 }
 
+void marginalBlocks(System& system, std::vector<double>& blocks) {
+  system.linearize();
+  const ProblemStructure& structure = system.structure();
+  const SolveStatus status = system.solver().invertDiagonal(structure.system, blocks);
+  if (!status.ok) throw singularError(system.problem(), structure, status);
+}
+
 }  // namespace slom

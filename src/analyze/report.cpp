@@ -63,7 +63,10 @@ std::string report(const Summary& summary) {
   text += groupTable(summary);
   for (const GroupSummary& group : summary.groups) text += lossLines(group);
   if (summary.redundancy > 0) {
-    text += format("  %s / dof = %.6g\n", summary.hasLosses() ? "robust RSS" : "chi-square", summary.chi2PerDof());
+    text += format("  %s / dof = %.6g; ", summary.hasLosses() ? "robust RSS" : "chi-square", summary.chi2PerDof());
+    text += summary.sigma_is_estimated
+                ? format("standard deviations are estimated: those stated, times %.4g\n", std::sqrt(summary.chi2PerDof()))
+                : std::string("standard deviations are taken as stated\n");
   }
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;

@@ -11,22 +11,29 @@ namespace {
 constexpr double kLargestDamping = 1e32;
 }  // namespace
 
-const Eigen::VectorXd& UnknownScales::update(System& system) {
+const Eigen::VectorXd& UnknownScales::update(System& system, double memory) {
   const Eigen::VectorXd& diagonal = system.solver().diagonal();
   if (largest_.size() != diagonal.size() || structure_revision_ != system.problem().structureRevision()) {
     structure_revision_ = system.problem().structureRevision();
     largest_ = diagonal;
   }
-  largest_ = largest_.cwiseMax(diagonal);
+  largest_ = diagonal.cwiseMax(memory * largest_);
   // An unknown that no measurement sees gets 1, so that damping holds it where it is.
   scale_ = largest_.unaryExpr([](double h) { return h > 0 ? h : 1.0; });
   return scale_;
 }
 
-LevenbergMarquardt::LevenbergMarquardt(double initial_damping) : initial_damping_(initial_damping), mu_(initial_damping) {
-  if (initial_damping > 0 && std::isfinite(initial_damping)) return;
-  throw mtk::Error("slom.bad-option", "the initial damping of LevenbergMarquardt is " +
-                                          std::to_string(initial_damping) + "; pass a positive number");
+LevenbergMarquardt::LevenbergMarquardt(double initial_damping, double memory)
+    : initial_damping_(initial_damping), memory_(memory), mu_(initial_damping) {
+  if (!(initial_damping > 0 && std::isfinite(initial_damping))) {
+    throw mtk::Error("slom.bad-option", "the initial damping of LevenbergMarquardt is " +
+                                            std::to_string(initial_damping) + "; pass a positive number");
+  }
+  if (!(memory >= 0 && memory <= 1)) {
+    throw mtk::Error("slom.bad-option", "the memory of LevenbergMarquardt is " + std::to_string(memory) +
+                                            "; pass a number from 0 (scales of the present linearisation) to 1 (the "
+                                            "largest so far)");
+  }
 }
 
 void LevenbergMarquardt::reset() {
@@ -41,7 +48,7 @@ std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const { return std::make_
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
-  const Eigen::VectorXd D = scales_.update(system);
+  const Eigen::VectorXd D = scales_.update(system, memory_);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;

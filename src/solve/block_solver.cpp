@@ -8,6 +8,7 @@
 #include "block/normal_equations.hpp"
 #include "block/reduced_operator.hpp"
 #include "block/schur_complement.hpp"
+#include "linearize/parallel.hpp"
 #include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
 #include "symbolic/ordering.hpp"
@@ -125,6 +126,7 @@ struct BlockSolver::Implementation {
   SolveStatus factorize(const VectorXd& damping);
   SolveStatus prepare(const VectorXd& damping);
   double forcing();
+  void invertDiagonal(std::vector<double>& blocks);
   SolveStatus solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x);
   VectorXd keptOf(const VectorXd& x) const {
     return x.size() == 0 ? VectorXd() : VectorXd(x(kept));
@@ -256,6 +258,27 @@ SolveStatus BlockSolver::Implementation::solve(const VectorXd& b, double toleran
   return {};
 }
 
+/// After an exact factorize().
+void BlockSolver::Implementation::invertDiagonal(std::vector<double>& blocks) {
+  const BlockLower& H = equations.H();
+  BlockLower Z;  // the inverse at the places of H, or of the reduced system
+  Z.layOutAs(isReduced() ? schur.S() : H);
+  factor.invertSelected(Z);
+  std::vector<std::size_t> start{0};
+  for (int b = 0; b < structure.blockCount(); ++b) start.push_back(start.back() + at(structure.dof(b)) * at(structure.dof(b)));
+  blocks.resize(start.back());
+  const int eliminated_count = isReduced() ? count() : 0;
+  detail::forEachIndex(structure.blockCount(), [&](int b) {
+    double* const to = blocks.data() + start[at(b)];
+    const int position = equations.position(b);
+    if (position < eliminated_count) {
+      schur.eliminated().invert(H, position, Z, to);
+    } else {
+      std::copy_n(Z.values(Z.begin(position - eliminated_count)), start[at(b) + 1] - start[at(b)], to);
+    }
+  });
+}
+
 BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(std::make_unique<Implementation>(options)) { check(options); }
 BlockSolver::~BlockSolver() = default;
 
@@ -297,6 +320,13 @@ SolveStatus BlockSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) 
     if (status.ok) all.col(j) = x;
   }
   if (status.ok) X = std::move(all);
+  return status;
+}
+
+SolveStatus BlockSolver::invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks) {
+  if (!self_->is_exact) return LinearSolver::invertDiagonal(structure, blocks);
+  const SolveStatus status = self_->factorize({});
+  if (status.ok) self_->invertDiagonal(blocks);
   return status;
 }
 

@@ -428,12 +428,12 @@ TEST(Report, SaysItAll) {
   slom::Summary summary = est.optimize();
   EXPECT_EQ(slom::report(summary),
             "Converged: " + summary.message + "\n"
-            "  " + std::to_string(summary.iterations) + " iterations of Gauss-Newton; block Cholesky, 2 unknowns in 1 blocks\n"
+            "  " + std::to_string(summary.iterations) + " iterations of Gauss-Newton; system 1 x 2, dense Cholesky\n"
             "  4 residuals - 2 unknowns (1 variables) = redundancy 2\n"
             "  measurement    count  residuals     RSS before      RSS after  derivatives\n"
             "  Samples            1          4            396            1.2  numeric\n"
             "  all                           4            396            1.2\n"
-            "  chi-square / dof = 0.6\n");
+            "  chi-square / dof = 0.6; standard deviations are taken as stated\n");
   std::ostringstream os;
   os << summary;
   EXPECT_EQ(os.str(), slom::report(summary));

@@ -112,6 +112,15 @@ void expectSameAsOracle(const RandomProblem& problem, slom::LinearSolver& sparse
   const MatrixXd inverse = (dense.jacobian().transpose() * dense.jacobian()).inverse();
   EXPECT_LT((X - inverse).norm(), 1e-8 * inverse.norm());
   EXPECT_LT((Y - inverse).norm(), 1e-8 * inverse.norm());
+  std::vector<double> blocks;
+  ASSERT_TRUE(sparse.invertDiagonal(problem.structure, blocks).ok);
+  const double* next = blocks.data();
+  for (int b = 0; b < problem.structure.blockCount(); ++b) {
+    const int first = problem.structure.offset[static_cast<std::size_t>(b)], dof = problem.structure.dof(b);
+    EXPECT_LT((Eigen::Map<const MatrixXd>(next, dof, dof) - inverse.block(first, first, dof, dof)).norm(), 1e-8 * inverse.norm());
+    next += dof * dof;
+  }
+  EXPECT_EQ(next, blocks.data() + blocks.size());
 }
 
 void expectSameAsOracle(const RandomProblem& problem) {

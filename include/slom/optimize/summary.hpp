@@ -106,6 +106,7 @@ struct Summary {
   int measurements = 0;               ///< number of scalar residuals
   int unknowns = 0;
   int redundancy = 0;                 ///< measurements - unknowns
+  bool sigma_is_estimated = false;    ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
   double initial_rss = 0;
   double final_rss = 0;
   double seconds = 0;

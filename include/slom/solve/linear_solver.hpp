@@ -44,6 +44,10 @@ class LinearSolver : public JacobianSink {
   /// Factorises the undamped system and solves H X = B; B has a row for each unknown.
   virtual SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) = 0;
 
+  /// Factorises the undamped system and gives the diagonal blocks of H^-1, each dof x dof, one after the other. The structure
+  /// is that of the last `analyze`.
+  virtual SolveStatus invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks);
+
   /// What it is, for the summary.
   virtual std::string description() const = 0;
   const SolverSeconds& seconds() const { return seconds_; }

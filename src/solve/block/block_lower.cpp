@@ -34,10 +34,18 @@ void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& positio
     }
     column_.push_back(static_cast<int>(row_.size()));
   }
-  values_.assign(start_.back(), 0.0);
+  values_.resize(start_.back());
 }
 
-void BlockLower::setZero() { std::fill(values_.begin(), values_.end(), 0.0); }
+void BlockLower::layOutAs(const BlockLower& other) {
+  dof_ = other.dof_;
+  column_ = other.column_;
+  row_ = other.row_;
+  start_ = other.start_;
+  values_.resize(start_.back());
+}
+
+void BlockLower::setZero() { std::fill_n(values_.data(), start_.back(), 0.0); }
 
 int BlockLower::find(int i, int j) const {
   const auto first = row_.begin() + begin(j), last = row_.begin() + begin(j + 1);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "solve/dense/big_array.hpp"
 #include "solve/symbolic/graph.hpp"
 
 namespace slom {
@@ -12,8 +13,10 @@ namespace slom {
 /// block is column-major and contiguous. Rows and columns are positions in the order of elimination.
 class BlockLower {
  public:
-  /// A block for each edge of the graph and one for each node. `position`: of each node in the order of elimination.
+  /// A block for each edge of the graph and one for each node, with any numbers. `position`: of each node in the order of elimination.
   void layOut(const BlockGraph& graph, const std::vector<int>& position);
+  /// As another one, with any numbers.
+  void layOutAs(const BlockLower& other);
   void setZero();
 
   int columns() const { return static_cast<int>(dof_.size()); }
@@ -33,7 +36,7 @@ class BlockLower {
   std::vector<int> dof_;
   std::vector<int> column_, row_;
   std::vector<std::size_t> start_;  // of each block's values; one more for the end
-  std::vector<double> values_;
+  dense::BigArray values_;
 };
 
 }  // namespace slom

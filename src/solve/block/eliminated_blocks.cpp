@@ -76,6 +76,31 @@ void EliminatedBlocks::backward(int e, int d, double* b) const {
   }
 }
 
+void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, double* inverse) const {
+  using Eigen::MatrixXd;
+  using Block = Eigen::Map<const MatrixXd>;
+  const int d = H.dof(e), first = H.begin(e) + 1, last = H.begin(e + 1);
+  const auto solve = [&](MatrixXd columns) {
+    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
+      forward(e, d, columns.col(j).data());
+      backward(e, d, columns.col(j).data());
+    }
+    return columns;
+  };
+  MatrixXd result = solve(MatrixXd::Identity(d, d));
+  std::vector<MatrixXd> T;  // V^-1 W^T of each neighbour
+  for (int k = first; k < last; ++k) T.push_back(solve(Block(H.values(k), H.dof(H.row(k)), d).transpose()));
+  for (int k = first; k < last; ++k) {
+    const int i = H.row(k) - count_;
+    for (int l = first; l <= k; ++l) {
+      const int j = H.row(l) - count_;
+      const MatrixXd part = T[at(k - first)] * Block(Z.values(Z.find(i, j)), Z.dof(i), Z.dof(j)) * T[at(l - first)].transpose();
+      result += k == l ? part : MatrixXd(part + part.transpose());
+    }
+  }
+  Eigen::Map<MatrixXd>(inverse, d, d) = (result + result.transpose()) / 2;
+}
+
 void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {
   std::vector<double> solved;
   for (int e = 0; e < count_; ++e) {

@@ -11,6 +11,7 @@
 
 #include "block_lower.hpp"
 #include "slom/solve/linear_solver.hpp"
+#include "solve/dense/big_array.hpp"
 #include "solve/dense/kernels.hpp"
 #include "solve/symbolic/supernodes.hpp"
 
@@ -26,6 +27,8 @@ class MultifrontalCholesky {
   SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping, double tolerance);
   /// (H + damping)^-1 b, by unknown.
   Eigen::VectorXd solve(const Eigen::VectorXd& b);
+  /// The blocks of (H + damping)^-1 at the places of H's, into Z, which is laid out as H.
+  void invertSelected(BlockLower& Z) const;
 
  private:
   struct Entry {  // a block of H in its front
@@ -56,6 +59,7 @@ class MultifrontalCholesky {
   template <class F>
   void forEachSubtree(const F& f) const;
   void forward(int f);
+  Eigen::MatrixXd invertFront(int f, const Eigen::MatrixXd& above, BlockLower& Z) const;
   void backward(int f);
 
   Fronts fronts_;
@@ -67,7 +71,8 @@ class MultifrontalCholesky {
   std::vector<Entry> entries_;
   std::vector<std::vector<int>> subtree_;  // fronts of each, and last those above them
   std::vector<int> subtree_of_;
-  std::vector<double> L_, updates_, inverse_, least_, shift_, vectors_, x_;
+  dense::BigArray L_, updates_;
+  std::vector<double> inverse_, least_, shift_, vectors_, x_;
 };
 
 }  // namespace slom

@@ -25,6 +25,8 @@ class NormalEquations {
   Eigen::VectorXd diagonal() const;
   /// d^T H d
   double squaredImage(const Eigen::VectorXd& d) const;
+  /// Of a block of the structure, in the order of elimination.
+  int position(int block) const { return position_[static_cast<std::size_t>(block)]; }
   /// First unknown of each position.
   const std::vector<int>& offset() const { return offset_; }
 

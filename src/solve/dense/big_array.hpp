@@ -1,0 +1,51 @@
+/// An array of numbers that begin as anything. A large one is laid on huge pages where the system has them: most of the
+/// time of a first factorisation would go into handing out small ones.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace slom::dense {
+
+class BigArray {
+ public:
+  BigArray() = default;
+  BigArray(const BigArray& other) = delete;
+  BigArray& operator=(const BigArray& other) = delete;
+  BigArray(BigArray&&) = default;
+  BigArray& operator=(BigArray&&) = default;
+
+  /// Forgets what it held.
+  void resize(std::size_t size) {
+    if (size <= capacity_) return;
+    numbers_.reset();
+    capacity_ = 0;
+    const bool is_large = size * sizeof(double) >= 2 * kHugePage;
+    const std::size_t page = is_large ? kHugePage : kSmallAlignment;
+    const std::size_t bytes = (size * sizeof(double) + page - 1) / page * page;
+    numbers_.reset(static_cast<double*>(std::aligned_alloc(page, bytes)));
+    if (!numbers_) throw std::bad_alloc();
+    capacity_ = size;
+#ifdef __linux__
+    if (is_large) madvise(numbers_.get(), bytes, MADV_HUGEPAGE);  // a wish: nothing depends on it
+#endif
+  }
+  double* data() { return numbers_.get(); }
+  const double* data() const { return numbers_.get(); }
+
+ private:
+  static constexpr std::size_t kHugePage = std::size_t{1} << 21, kSmallAlignment = 64;
+  struct Free {
+    void operator()(double* p) const { std::free(p); }
+  };
+  std::unique_ptr<double, Free> numbers_;
+  std::size_t capacity_ = 0;
+};
+
+}  // namespace slom::dense
