@@ -7,7 +7,8 @@
 #include <tbb/task_arena.h>
 
 #include "slom/analyze/covariance.hpp"
-#include "slom/analyze/diagnosis.hpp"
+#include "analyze/diagnose.hpp"
+#include "analyze/singular.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -86,6 +87,9 @@ Summary Estimator::optimize(const Options& options) {
   summary.message = state_->messageFor(summary, singular_at);
   if (summary.stop_reason == StopReason::rank_deficient) {
     for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
+    for (Finding& finding : diagnose().findings) {
+      if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
+    }
   }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
   return summary;
@@ -208,7 +212,7 @@ void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(p
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
   const double factor = state_->varianceFactor();
   const Eigen::MatrixXd result =
-      factor * state_->run([&] { return covarianceBlock(state_->system, variable_a, variable_b); });
+      factor * state_->run([&] { return covarianceBlock(state_->system, state_->linearizer, variable_a, variable_b); });
   std::copy(result.data(), result.data() + result.size(), block);
 }
 
@@ -216,8 +220,7 @@ Marginals Estimator::marginals() const {
   Marginals result;
   result.problem_ = &problem();
   const double factor = state_->varianceFactor();
-  state_->run([&] { marginalBlocks(state_->system, result.numbers_); });
-  for (double& number : result.numbers_) number *= factor;
+  const auto inverse = state_->run([&] { return inverseBlocks(state_->system, state_->linearizer); });
   const ProblemStructure& structure = state_->system.structure();
   const auto& table = problem().variables();
   result.places_.resize(table.size());
@@ -228,6 +231,11 @@ Marginals Estimator::marginals() const {
     place.start = next;
     next += static_cast<std::size_t>(place.dof) * static_cast<std::size_t>(place.dof);
   }
+  result.numbers_.resize(next);
+  for (int b = 0; b < structure.system.blockCount(); ++b) {
+    inverse->block(b, b, result.numbers_.data() + result.places_[static_cast<std::size_t>(structure.variable_of_block[static_cast<std::size_t>(b)])].start);
+  }
+  for (double& number : result.numbers_) number *= factor;
   return result;
 }
 
@@ -248,6 +256,10 @@ double Estimator::State::varianceFactor() {
   throw Error("slom.no-redundancy", "uncertainties can be estimated from residuals only when there are more of them than "
                                     "unknowns; here are " + std::to_string(residuals) + " residuals and " +
                                         std::to_string(unknowns) + " unknowns; add measurements or use Sigma::known");
+}
+
+Diagnosis Estimator::diagnose() const {
+  return state_->run([&] { return slom::diagnose(state_->system, state_->linearizer); });
 }
 
 DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }

@@ -23,6 +23,7 @@
 #include <Eigen/Core>
 
 #include "slom/analyze/derivative_check.hpp"
+#include "slom/analyze/diagnosis.hpp"
 #include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
@@ -217,8 +218,8 @@ class Estimator {
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
   /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
   /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
-  /// 0 for fixed variables. Throws [slom.rank-deficient]
-  /// or [slom.unmeasured-variable].
+  /// 0 for fixed variables. Throws [slom.free-gauge], which names the
+  /// motions that are free, [slom.rank-deficient] or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
     return covariance(id, id);
@@ -279,6 +280,10 @@ class Estimator {
   std::vector<std::string> componentNames(const VarID<T>& id) const {
     return problem().componentNames(problem().indexOf(id));
   }
+
+  /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
+  /// and what to do about it. Takes about as long as an iteration or two of the fit.
+  Diagnosis diagnose() const;
 
   /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
   /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
