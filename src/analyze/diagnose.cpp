@@ -51,7 +51,8 @@ class Examination {
 
   Diagnosis run() {
     result_.residuals = structure_.residuals;
-    result_.unknowns = result_.rank = structure_.system.unknowns();
+    if (structure_.system.unknowns() > 0) system_.linearize();  // which finds the bounds that are active
+    result_.unknowns = result_.rank = structure_.system.unknowns() - problem_.heldCount();
     findIdleMeasurements();
     if (result_.unknowns == 0) return std::move(result_);
     const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
@@ -71,6 +72,14 @@ class Examination {
  private:
   void add(Kind kind, bool is_fault, std::string text, std::vector<std::string> names, int dimension = 0) {
     result_.findings.push_back({kind, is_fault, std::move(text), std::move(names), dimension});
+  }
+  int blockOf(int unknown) const {
+    const auto& offset = structure_.system.offset;
+    return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+  }
+  bool isHeld(int unknown) const {
+    const int block = blockOf(unknown);
+    return recordOf(block).isHeld(unknown - structure_.system.offset[at(block)]);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
   const VariableRecord& recordOf(int block) const {
@@ -97,9 +106,7 @@ class Examination {
   void findIdle(const LeastInfluence& least) {
     std::map<int, std::vector<std::string>> components_of;  // by block
     for (const int unknown : least.idle) {
-      const auto& offset = structure_.system.offset;
-      const auto block = std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin() - 1;
-      components_of[static_cast<int>(block)].push_back(nameOf(unknown));
+      components_of[blockOf(unknown)].push_back(nameOf(unknown));
     }
     for (const auto& [block, names] : components_of) {
       const int variable = structure_.variable_of_block[at(block)];
@@ -254,7 +261,7 @@ class Examination {
   void findBadScales(const LeastInfluence& least) {
     Index small = -1, large = -1;
     for (Index i = 0; i < least.scale.size(); ++i) {
-      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i))) continue;
+      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) || isHeld(static_cast<int>(i))) continue;
       if (small < 0 || least.scale[i] < least.scale[small]) small = i;
       if (large < 0 || least.scale[i] > least.scale[large]) large = i;
     }
@@ -273,7 +280,9 @@ class Examination {
     std::vector<int> unknowns;
     for (int b = 0; b < blocks; ++b) {
       if (count_of[recordOf(b).store] > kFew) continue;
-      for (int c = 0; c < structure_.system.dof(b); ++c) unknowns.push_back(structure_.system.offset[at(b)] + c);
+      for (int c = 0; c < structure_.system.dof(b); ++c) {
+        if (!recordOf(b).isHeld(c)) unknowns.push_back(structure_.system.offset[at(b)] + c);
+      }
     }
     const Index n = static_cast<Index>(unknowns.size());
     if (n < 2 || n > kMostDenseUnknowns) return;
