@@ -6,8 +6,12 @@
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
 
+#include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
+#include "analyze/leverage.hpp"
+#include "analyze/preflight.hpp"
+#include "analyze/profile.hpp"
 #include "analyze/singular.hpp"
 #include "analyze/words.hpp"
 #include "slom/analyze/losses.hpp"
@@ -34,6 +38,7 @@ struct Estimator::State {
   State() { system.setSolver(*solver); }
 
   Sigma sigma = Sigma::known;
+  FreeGauge gauge = FreeGauge::error;
   double varianceFactor();
   std::string messageFor(const Summary& summary, const SolveStatus& status);
   void fillGroups(Summary& summary, bool before);
@@ -45,6 +50,8 @@ double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
   return r.squaredNorm();
 }
+
+constexpr double kAtMinimum = 1e-4;  // cosine of gradients
 
 /// Rows and columns of held components in the covariance of two variables.
 void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
@@ -119,7 +126,8 @@ Summary Estimator::optimize(const Options& options) {
   summary.active_bounds = activeBounds(problem());
   if (summary.stop_reason == StopReason::rank_deficient) {
     for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
-    for (Finding& finding : diagnose().findings) {
+    const bool is_explained = !summary.warnings.empty();  // weights of 0
+    for (Finding& finding : is_explained ? std::vector<Finding>() : diagnose().findings) {
       if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
     }
   }
@@ -244,7 +252,7 @@ void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(p
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
   const double factor = state_->varianceFactor();
   const Eigen::MatrixXd result =
-      factor * state_->run([&] { return covarianceBlock(state_->system, state_->linearizer, variable_a, variable_b); });
+      factor * state_->run([&] { return covarianceBlock(state_->system, state_->linearizer, state_->gauge, variable_a, variable_b); });
   std::copy(result.data(), result.data() + result.size(), block);
   clearHeld(problem(), variable_a, variable_b, block);
 }
@@ -253,7 +261,7 @@ Marginals Estimator::marginals() const {
   Marginals result;
   result.problem_ = &problem();
   const double factor = state_->varianceFactor();
-  const auto inverse = state_->run([&] { return inverseBlocks(state_->system, state_->linearizer); });
+  const auto inverse = state_->run([&] { return inverseBlocks(state_->system, state_->linearizer, state_->gauge); });
   const ProblemStructure& structure = state_->system.structure();
   const auto& table = problem().variables();
   result.places_.resize(table.size());
@@ -283,6 +291,8 @@ void Estimator::writeJacobian(double* J) const {
   std::copy_n(rows.jacobian().data(), rows.jacobian().size(), J);
 }
 
+void Estimator::setFreeGauge(FreeGauge gauge) { state_->gauge = gauge; }
+
 void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
 
 double Estimator::State::varianceFactor() {
@@ -296,6 +306,67 @@ double Estimator::State::varianceFactor() {
 
 Diagnosis Estimator::diagnose() const {
   return state_->run([&] { return slom::diagnose(state_->system, state_->linearizer); });
+}
+
+OutlierReport Estimator::outliers(const OutlierOptions& options) const {
+  const double factor = state_->varianceFactor();
+  return state_->run([&] { return checkResiduals(state_->system, state_->linearizer, options, factor, state_->gauge); });
+}
+
+Preflight Estimator::preflight() const {
+  return state_->run([&] { return slom::preflight(state_->system, state_->linearizer); });
+}
+
+ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {
+  if (!(probability > 0 && probability < 1)) {
+    throw Error("slom.bad-option", "the probability of a profile interval is " + number(probability, 6) +
+                                       "; pass one between 0 and 1, such as 0.95");
+  }
+  const std::vector<int> components = problem().componentsAt(variable, path);
+  const VariableRecord& record = problem().variables()[static_cast<std::size_t>(variable)];
+  const int c = components.front();
+  const std::string name = problem().componentNames(variable)[static_cast<std::size_t>(c)];
+  Eigen::VectorXd x(record.dof);
+  record.store->coordinates(record.store->valueAt(record.slot), x.data());
+  if (components.size() > 1 || std::isnan(x[c])) {
+    throw Error("slom.no-component", path + " of variable " + problem().variableName(variable) +
+                                         " is not one coordinate; profile takes one component of a vector at a time");
+  }
+  const double factor = state_->varianceFactor();
+  state_->run([&] { return state_->system.linearize(); });
+  if (!(state_->system.gradientCosine() < kAtMinimum)) {
+    throw Error("slom.not-a-minimum", "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
+  }
+  Eigen::MatrixXd C(record.dof, record.dof);
+  writeCovariance(variable, variable, C.data());
+  ProfileInterval result{x[c], x[c], x[c]};
+  if (!record.optimize || record.isHeld(c)) return result;
+  const double best = getRSS(), rise = factor * chiSquareCritical(1 - probability, 1);
+  ValueSnapshot start(problem());
+  const auto ascend = [&](double sign) {
+    start.restore();
+    double at = 0;
+    return profileRoot([&](double t) {
+      Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
+      d[c] = sign * (t - at);
+      record.store->boxplus(record.store->valueAt(record.slot), d.data());
+      problem().overwrite(variable, record.store->valueAt(record.slot));
+      at = t;
+      return (optimize().final_rss - best) / rise - 1;
+    }, std::sqrt(rise / factor * C(c, c)));
+  };
+  problem().setFixed(variable, components, true);
+  try {
+    result.upper += ascend(1);
+    result.lower -= ascend(-1);
+  } catch (...) {
+    problem().setFixed(variable, components, false);
+    start.restore();
+    throw;
+  }
+  problem().setFixed(variable, components, false);
+  start.restore();
+  return result;
 }
 
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {

@@ -24,6 +24,8 @@
 
 #include "slom/analyze/derivative_check.hpp"
 #include "slom/analyze/diagnosis.hpp"
+#include "slom/analyze/outliers.hpp"
+#include "slom/analyze/preflight.hpp"
 #include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
@@ -144,6 +146,11 @@ class Estimator {
   template <class T>
   void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
     bound(problem().indexOf(id), path, lower, upper);
+  }
+  /// Of a variable with one component.
+  template <class T>
+  void bound(const VarID<T>& id, double lower, double upper) {
+    bound(problem().indexOf(id), "", lower, upper);
   }
   /// Adds what is known of a variable beforehand: a measurement x [-] value, with a standard deviation or another
   /// uncertainty; removeMeasurement takes it back.
@@ -338,6 +345,8 @@ class Estimator {
   /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
   /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.
   void setSigma(Sigma sigma);
+  /// What covariances are when a rigid motion or a scale of everything is free.
+  void setFreeGauge(FreeGauge gauge);
 
   /// Names of the components, as messages give them.
   template <class T>
@@ -348,6 +357,30 @@ class Estimator {
   /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
   /// and what to do about it. Takes about as long as an iteration or two of the fit.
   Diagnosis diagnose() const;
+
+  /// Before solving: evaluates every measurement once at the current values, compares derivatives of some of each group, counts
+  /// residuals, and diagnoses the rest. Throws nothing for what it finds.
+  Preflight preflight() const;
+  /// The interval in which a component lies with this probability, by profile likelihood: at its ends the best fit of everything
+  /// else is worse by the quantile of chi-square. Where the RSS is not quadratic it says more than the standard deviation
+  /// does. For coordinates of vectors; at the values of a fit, which come back afterwards. An end that is not reached within
+  /// 1000 standard deviations is infinite. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and
+  /// what covariance throws.
+  ///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
+  template <class T>
+  ProfileInterval profile(const VarID<T>& id, const std::string& path, double probability = 0.95) {
+    return profile(problem().indexOf(id), path, probability);
+  }
+
+  /// Of a variable with one component.
+  template <class T>
+  ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
+    return profile(problem().indexOf(id), "", probability);
+  }
+
+  /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, the probability of
+  /// such a residual, and how far the fit would move without it. Throws as covariance does.
+  OutlierReport outliers(const OutlierOptions& options = {}) const;
 
   /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
   /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
@@ -385,6 +418,7 @@ class Estimator {
     problem().setFixed(variable, components, is_fixed);
   }
   void bound(int variable, const std::string& path, double lower, double upper);
+  ProfileInterval profile(int variable, const std::string& path, double probability);
   [[noreturn]] void raiseNoMember(int variable) const;
 
   Problem& problem() const;

@@ -8,6 +8,7 @@
 #include <Eigen/SVD>
 
 #include "analyze/gauge.hpp"
+#include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/singular.hpp"
 #include "analyze/words.hpp"
@@ -34,6 +35,9 @@ constexpr int kMostDenseUnknowns = 600;
 /// Spread of |J_i| from which on units are worth a thought.
 constexpr double kBadScale = 1e12;
 constexpr std::size_t kMostCorrelations = 5;
+/// Of a group's chi-square; and the factor of its sigma from which on it is told.
+constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
+constexpr double kAtMinimum = 1e-4;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -65,7 +69,9 @@ class Examination {
     describeWeak(least, none);
     findParts(parts);
     findBadScales(least);
-    if (result_.isDetermined()) findCorrelations();
+    if (!result_.isDetermined() || !canInvert()) return std::move(result_);
+    findCorrelations();
+    judgeSigmas();
     return std::move(result_);
   }
 
@@ -273,6 +279,12 @@ class Examination {
         {a, b});
   }
 
+  /// Directions that are hardly determined may still be too much for the solver.
+  bool canInvert() {
+    MatrixXd ignored;
+    return system_.solver().solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
+  }
+
   void findCorrelations() {
     std::map<const VariableStoreBase*, int> count_of;
     const int blocks = structure_.system.blockCount();
@@ -312,6 +324,21 @@ class Examination {
           a + " and " + b + " can hardly be told apart (correlation " + text +
               "): add measurements that depend on them in another way or a prior, or fix one of them",
           {a, b});
+    }
+  }
+
+  /// Residuals say something of sigmas at a minimum alone, and nothing when the data were computed without noise.
+  void judgeSigmas() {
+    if (!(system_.gradientCosine() < kAtMinimum)) return;
+    for (const GroupCheck& group : checkResiduals(system_, linearizer_, OutlierOptions{.worst = 0}, 1).groups) {
+      if (group.has_losses || !(group.redundancy > 0)) continue;
+      const double factor = std::sqrt(group.chi2 / group.redundancy);
+      if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) || factor < kNoNoise) continue;
+      add(Kind::implausible_sigma, false,
+          "the residuals of " + group.name + " contradict its stated uncertainty: chi-square " + number(group.chi2) + " where " +
+              number(group.redundancy) + " is expected; if function and data are right, its standard deviations are " +
+              number(factor > 1 ? factor : 1 / factor) + " times as " + (factor > 1 ? "large" : "small") + " as stated",
+          {group.name});
     }
   }
 

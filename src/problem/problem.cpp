@@ -102,6 +102,12 @@ void Problem::setValue(int variable, const void* value) {
   ++value_revision_;
 }
 
+void Problem::overwrite(int variable, const void* value) {
+  const VariableRecord& record = table_[at(variable)];
+  record.store->assign(record.store->valueAt(record.slot), value);
+  ++value_revision_;
+}
+
 void Problem::checkBounds(int variable, const void* value) const {
   const VariableRecord& record = table_[at(variable)];
   if (record.bounds.empty()) return;
@@ -123,11 +129,11 @@ std::vector<int> Problem::componentsAt(int variable, const std::string& path) co
   for (std::size_t c = 0; c < names.size(); ++c) {
     if (names[c] == path || names[c].rfind(path + ".", 0) == 0) found.push_back(static_cast<int>(c));
   }
-  if (!found.empty() && !path.empty()) return found;
+  if (!found.empty() && (names.size() == 1 || !path.empty())) return found;
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   throw Error("slom.no-component", "variable " + variableName(variable) + " has no component \"" + path +
-                                       "\"; it has " + (names.size() == 1 && names[0].empty() ? "but one, without a name" : all));
+                                       "\"; it has " + (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all));
 }
 
 void Problem::setFixed(int variable, const std::vector<int>& components, bool is_fixed) {

@@ -344,8 +344,11 @@ SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const Eigen::Matri
 }
 
 SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {
-  if (!self_->is_exact) return LinearSolver::invertBlocks(structure, blocks);
-  const SolveStatus status = self_->factorize({});
+  return self_->is_exact ? invertDamped({}, blocks) : LinearSolver::invertBlocks(structure, blocks);
+}
+
+SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
+  const SolveStatus status = self_->factorize(damping);
   if (status.ok) blocks = self_->invertBlocks();
   return status;
 }

@@ -151,7 +151,7 @@ TEST(FixedComponents, AreNamedByPathOrMember) {
   EXPECT_EQ(messageOf([&] { est.fix(rig, ""); }).substr(0, 46), "[slom.no-component] variable rig has no compon");
   const auto number = est.insertRV(1.0, "gain");
   EXPECT_EQ(messageOf([&] { est.bound(number, "x", 0, 2); }),
-            "[slom.no-component] variable gain has no component \"x\"; it has but one, without a name");
+            "[slom.no-component] variable gain has no component \"x\"; it has but one, whose name is empty");
   EXPECT_EQ(est.getN(), 14);
 }
 

@@ -112,6 +112,124 @@ TEST(Uncertainty, IsPropagatedThroughFunctions) {
   EXPECT_LT((motion.covariance.bottomRightCorner(3, 3) - own.bottomRightCorner(3, 3)).norm(), 1e-12);
 }
 
+TEST(Uncertainty, OfAFreeNetworkIsThePseudoInverse) {
+  slom::Estimator est;
+  std::mt19937 engine(6);
+  std::normal_distribution<double> normal;
+  std::vector<slom::VarID<vec2>> points;
+  for (int i = 0; i < 5; ++i) points.push_back(est.insertRV(vec2(10 * normal(engine), 10 * normal(engine)), "point " + std::to_string(i)));
+  const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
+  MatrixXd J(10, 10);
+  int row = 0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t j = 0; j < i; ++j, ++row) {
+      est.insertMeasurement(distance, points[i], points[j], slom::measured(distance(*points[i], *points[j])));
+      const vec2 direction = (*points[i] - *points[j]).normalized();
+      J.row(row).setZero();
+      J.row(row).segment<2>(2 * static_cast<int>(i)) = direction;
+      J.row(row).segment<2>(2 * static_cast<int>(j)) = -direction;
+    }
+  }
+  const MatrixXd H = J.transpose() * J;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(H);
+  Eigen::VectorXd inverse = eigen.eigenvalues().cwiseInverse();
+  inverse.head(3).setZero();  // two translations, a rotation
+  const MatrixXd C = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  EXPECT_THROW(est.covariance(points[0]), mtk::Error);
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  const slom::Marginals marginals = est.marginals();
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_LT((est.covariance(points[std::size_t(i)]) - C.block(2 * i, 2 * i, 2, 2)).norm(), 1e-9);
+    EXPECT_LT((marginals.covariance(points[std::size_t(i)]) - C.block(2 * i, 2 * i, 2, 2)).norm(), 1e-9);
+    EXPECT_LT((est.covariance(points[std::size_t(i)], points[2]) - C.block(2 * i, 4, 2, 2)).norm(), 1e-9);
+  }
+  // What does not depend on the gauge is the same as with two points held as far as it takes.
+  const double free = est.propagate(distance, points[1], points[3]).standardDeviation()[0];
+  est.setFreeGauge(slom::FreeGauge::error);
+  est.fix(points[0]);
+  est.fix(points[4], "x");
+  EXPECT_NEAR(free, est.propagate(distance, points[1], points[3]).standardDeviation()[0], 1e-9);
+  // Only a gauge may be free.
+  est.free(points[0]);
+  est.free(points[4]);
+  est.insertRV(1.0, "clock");
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  EXPECT_THROW(est.covariance(points[0]), mtk::Error);
+}
+
+TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistribution) {
+  slom::Estimator est;
+  const auto line = est.insertRV(vec2(0, 0), "line");
+  for (int i = 0; i < 5; ++i) {
+    est.insertMeasurement([x = double(i), z = double(i * i)](const auto& c) { return c[0] + c[1] * x - z; }, line);
+  }
+  EXPECT_TRUE(est.optimize().converged);
+  const vec2 fitted = *line;
+  for (const int c : {0, 1}) {
+    const slom::ProfileInterval interval = est.profile(line, c == 0 ? "x" : "y");
+    const double half = 1.959963984540054 * est.standardDeviation(line)[c];
+    EXPECT_EQ(interval.value, fitted[c]);
+    EXPECT_NEAR(interval.upper, fitted[c] + half, 1e-6 * half);
+    EXPECT_NEAR(interval.lower, fitted[c] - half, 1e-6 * half);
+    EXPECT_EQ(*line, fitted);
+    EXPECT_EQ(est.getN(), 2);
+  }
+  est.setSigma(slom::Sigma::estimated);
+  const double half = 1.959963984540054 * est.standardDeviation(line)[0];
+  EXPECT_NEAR(est.profile(line, "x").upper, fitted[0] + half, 1e-6 * half);
+}
+
+/// Michaelis and Menten's curve, whose intervals are lopsided: the RSS at the ends, found by a fine search over the other
+/// parameter, is above the minimum by the quantile; and an end that lies at infinity is said to.
+TEST(Profile, OfACurveIsLopsided) {
+  slom::Estimator est;
+  const auto p = est.insertRV(vec2(200, 0.1), "enzyme");
+  const std::vector<vec2> data{{0.02, 76}, {0.06, 97}, {0.11, 123}, {0.22, 159}, {0.56, 191}, {1.1, 207}};
+  const auto rss = [&](double v, double k) {
+    double sum = 0;
+    for (const vec2& d : data) sum += std::pow((v * d[0] / (k + d[0]) - d[1]) / 10, 2);
+    return sum;
+  };
+  for (const vec2& d : data) {
+    est.insertMeasurement([d](const auto& c) { return c[0] * d[0] / (c[1] + d[0]) - d[1]; }, p, slom::StandardDeviation(10));
+  }
+  EXPECT_TRUE(est.optimize().converged);
+  const double best = est.getRSS();
+  const slom::ProfileInterval interval = est.profile(p, "y");
+  EXPECT_GT(interval.upper - interval.value, 1.05 * (interval.value - interval.lower));
+  for (const double k : {interval.lower, interval.upper}) {
+    double least = std::numeric_limits<double>::infinity();
+    for (double v = 150; v < 300; v += 0.002) least = std::min(least, rss(v, k));
+    EXPECT_NEAR(least - best, 3.841458820694124, 1e-5);
+  }
+  slom::Estimator open;
+  const auto x = open.insertRV(1.0, "x");
+  open.insertMeasurement([](const auto& v) { return 1 / v - 1; }, x);  // bounded by 1 as x grows
+  open.optimize();
+  EXPECT_EQ(open.profile(x).upper, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(open.profile(x).lower, 1 / (1 + 1.959963984540054), 1e-6);
+}
+
+TEST(Profile, FaultsAreNamed) {
+  slom::Estimator est;
+  const auto pose = est.insertRV(SE3(), "pose");
+  est.prior(pose, SE3(vec3(1, 0, 0)), 1);
+  const auto messageOf = [](const auto& f) -> std::string {
+    try {
+      f();
+    } catch (const mtk::Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos.x"); }),
+            "[slom.not-a-minimum] the profile of pose.pos.x starts at a fit, and the values are not at one; optimize first");
+  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos"); }),
+            "[slom.no-component] pos of variable pose is not one coordinate; profile takes one component of a vector at a time");
+  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos.x", 95); }),
+            "[slom.bad-option] the probability of a profile interval is 95; pass one between 0 and 1, such as 0.95");
+}
+
 TEST(Uncertainty, IsEstimatedWhenAsked) {
   slom::Estimator est;
   const auto mean = est.insertRV(0.0, "mean");

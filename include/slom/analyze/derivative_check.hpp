@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ struct DerivativeCheck {
 
 std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check);
 
-/// Evaluates each measurement, at the current values, and differentiates it by extrapolated central differences.
-DerivativeCheck compareDerivatives(Problem& problem);
+/// Evaluates measurements at the current values and differentiates them by extrapolated central differences: all, or so many of
+/// each group, spread over it evenly.
+DerivativeCheck compareDerivatives(Problem& problem, int most_of_group = std::numeric_limits<int>::max());
 
 }  // namespace slom

@@ -17,6 +17,18 @@ enum class Sigma {
   estimated,  ///< only their ratios are: covariances are multiplied by RSS / redundancy
 };
 
+/// What covariances are when the measurements leave a rigid motion or a scale of everything free.
+enum class FreeGauge {
+  error,              ///< none: covariance throws [slom.free-gauge] with the motions that are free
+  inner_constraints,  ///< those of the free network: the pseudo-inverse of J^T J, whose trace is the smallest of all choices
+                      ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns
+};
+
+/// A confidence interval of a coordinate.
+struct ProfileInterval {
+  double value, lower, upper;
+};
+
 /// Covariances of all variables, each by itself, at the values at which they were computed.
 class Marginals {
  public:

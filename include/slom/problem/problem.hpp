@@ -37,6 +37,8 @@ class Problem {
   void setValue(const VarID<T>& id, const T& value) {
     setValue(indexOf(id), &value);
   }
+  /// The same without any check.
+  void overwrite(int variable, const void* value);
   void setOptimized(int variable, bool optimize);
   /// The components whose names are `path` or begin with it: `pos.z`, `pos`. Throws [slom.no-component], which lists all names.
   std::vector<int> componentsAt(int variable, const std::string& path) const;

@@ -59,6 +59,8 @@ class BlockSolver final : public LinearSolver {
   SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) override;
   /// Solves (H + damping) X = B. `damping`: an entry >= 0 for each unknown.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
+  /// Blocks of (H + damping)^-1, for exact methods.
+  SolveStatus invertDamped(const Eigen::VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks);
   /// What was chosen, as "reduced system 49 x 9 after elimination of 7776 x 3, dense Cholesky, minimum degree order".
   std::string description() const override;
 

@@ -1,0 +1,63 @@
+/// Which measurements do not fit the others.
+///
+/// A residual w (whitened) is smaller than the error that made it, as the fit follows each measurement a little: its
+/// covariance is Q = I - J C J^T, with C that of the variables. The trace of Q is the measurement's redundancy: 0 when nothing
+/// checks it, its length when all else determines the fit. T = w^T Q^-1 w is chi-square distributed when the measurement is
+/// good ("data snooping").
+///   source   Baarda, "A testing procedure for use in geodetic networks", 1968; Cook and Weisberg, "Residuals and influence
+///            in regression", 1982, chapters 2 and 3
+/// A measurement with a loss counts with the weight p that the loss gives it, and Q = I + (1 - 2 p) J C J^T, which is exact for
+/// p = 1 and for p = 0, where the fit does not know of the measurement.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace slom {
+
+struct OutlierOptions {
+  /// The probability that a problem in which all measurements are good has a suspect. Shared out among all measurements, so
+  /// that many of them do not make for many false alarms.
+  double significance = 0.01;
+  /// Measurements of each group that the report lists.
+  int worst = 10;
+};
+
+struct MeasurementCheck {
+  std::string measurement;
+  double residual = 0;     ///< |w|, in standard deviations
+  double studentized = 0;  ///< sqrt(T / dof): 1 is usual
+  double redundancy = 0;   ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
+  double weight = 1;       ///< by its loss
+  double statistic = 0;    ///< T
+  int dof = 0;             ///< rank of Q
+  double probability = 1;  ///< that a good measurement has such a T or a larger one
+  double effect = 0;       ///< how far the fit moves without it, in standard deviations: sqrt(d^T C^-1 d)
+  bool is_suspect = false;
+};
+
+struct GroupCheck {
+  std::string name;
+  int measurements = 0;
+  double chi2 = 0;         ///< sum of |w|^2, weights of losses not counted
+  double redundancy = 0;   ///< sum of the traces of Q: what chi2 is on average
+  double probability = 1;  ///< of a chi2 that is this far off or farther, to either side; 1 without redundancy
+  bool has_losses = false;
+  int suspects = 0;
+  std::vector<MeasurementCheck> worst;  ///< by probability, the least probable first
+};
+
+struct OutlierReport {
+  double significance = 0;  ///< of each single test
+  double variance_factor = 1;  ///< by which chi2 and T were divided: 1 for Sigma::known
+  std::vector<GroupCheck> groups;
+
+  int suspects() const;
+  /// A table, with a line for each suspect.
+  std::string text() const;
+};
+
+std::ostream& operator<<(std::ostream& os, const OutlierReport& report);
+
+}  // namespace slom

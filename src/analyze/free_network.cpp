@@ -1,0 +1,63 @@
+#include "analyze/free_network.hpp"
+
+#include <Eigen/QR>
+
+#include "analyze/diagnose.hpp"
+#include "analyze/null_space.hpp"
+
+namespace slom {
+
+using Eigen::MatrixXd;
+
+namespace {
+constexpr double kNone = 1e-8;  // influence of a direction of the null space, in scaled unknowns
+}  // namespace
+
+FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
+    : structure_(system.structure().system), solver_(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky}) {
+  for (const Finding& finding : diagnose(system, linearizer).findings) {
+    if (finding.is_fault && finding.kind != Finding::Kind::gauge) throw Error("slom.rank-deficient", finding.text);
+  }
+  const StoredJacobian jacobian(system.problem(), linearizer, structure_);
+  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, kNone);
+  const MatrixXd null_space = least.direction.leftCols(least.countBelow(kNone));
+  damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
+  N_ = MatrixXd(structure_.unknowns(), 0);
+  if (null_space.cols() > 0) {
+    const Eigen::ColPivHouseholderQR<MatrixXd> pivots(MatrixXd(null_space.transpose()));
+    for (Eigen::Index k = 0; k < null_space.cols(); ++k) {
+      const int unknown = pivots.colsPermutation().indices()[k];
+      damping_[unknown] = least.scale[unknown] * least.scale[unknown];
+    }
+    const Eigen::HouseholderQR<MatrixXd> qr(MatrixXd(least.scale.cwiseInverse().asDiagonal() * null_space));
+    N_ = qr.householderQ() * MatrixXd::Identity(null_space.rows(), null_space.cols());
+  }
+  solver_.analyze(structure_);
+  linearizer.linearize(system.problem(), solver_);
+  SolveStatus status = solver_.solveDamped(damping_, N_, CN_);
+  if (status.ok) status = solver_.invertDamped(damping_, held_);
+  if (!status.ok) throw undeterminedError(system, linearizer, status);
+  NCN_ = N_.transpose() * CN_;
+}
+
+MatrixXd FreeNetwork::rowsOf(const MatrixXd& A, int block) const {
+  return A.middleRows(structure_.offset[static_cast<std::size_t>(block)], structure_.dof(block));
+}
+
+void FreeNetwork::block(int a, int b, double* out) const {
+  Eigen::Map<MatrixXd> C(out, structure_.dof(a), structure_.dof(b));
+  held_->block(a, b, out);
+  const MatrixXd Na = rowsOf(N_, a), Nb = rowsOf(N_, b);
+  C += Na * NCN_ * Nb.transpose() - Na * rowsOf(CN_, b).transpose() - rowsOf(CN_, a) * Nb.transpose();
+}
+
+MatrixXd FreeNetwork::columns(int first, int count) {
+  MatrixXd unit = MatrixXd::Zero(structure_.unknowns(), count), C;
+  unit.middleRows(first, count).setIdentity();
+  unit -= N_ * N_.middleRows(first, count).transpose();
+  const SolveStatus status = solver_.solveDamped(damping_, unit, C);
+  if (!status.ok) throw Error("slom.rank-deficient", "the free network has no covariances");
+  return C - N_ * (N_.transpose() * C);
+}
+
+}  // namespace slom

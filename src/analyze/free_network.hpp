@@ -1,0 +1,31 @@
+/// Covariances of a network whose gauge is free: the pseudo-inverse of H = J^T J.
+#pragma once
+
+#include "slom/optimize/system.hpp"
+#include "slom/solve/block_solver.hpp"
+
+namespace slom {
+
+/// With N an orthonormal basis of the null space of H, and C any inverse that holds as many unknowns as it has directions,
+/// the pseudo-inverse is S C S^T, S = I - N N^T.
+///   source   Baarda, "S-transformations and criterion matrices", 1973
+class FreeNetwork final : public InverseBlocks {
+ public:
+  /// Throws, as undeterminedError does, when more than the gauge is free.
+  FreeNetwork(System& system, Linearizer& linearizer);
+
+  void block(int a, int b, double* out) const override;
+  /// Columns of the pseudo-inverse: those of the unknowns [first, first + count).
+  Eigen::MatrixXd columns(int first, int count);
+
+ private:
+  Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& A, int block) const;
+
+  BlockStructure structure_;
+  BlockSolver solver_;
+  Eigen::VectorXd damping_;
+  Eigen::MatrixXd N_, CN_, NCN_;  // N, C N and N^T C N
+  std::unique_ptr<InverseBlocks> held_;
+};
+
+}  // namespace slom

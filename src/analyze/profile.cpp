@@ -1,0 +1,68 @@
+#include "analyze/profile.hpp"
+
+#include <cmath>
+#include <limits>
+#include <new>
+
+namespace slom {
+
+struct ValueSnapshot::Copy {
+  Copy(VariableStoreBase& of, std::uint32_t slot_, int variable_)
+      : store(of), slot(slot_), variable(variable_),
+        place(::operator new(of.valueSize(), std::align_val_t(of.alignment()))) {
+    store.construct(place, store.valueAt(slot));
+  }
+  ~Copy() {
+    store.destroy(place);
+    ::operator delete(place, std::align_val_t(store.alignment()));
+  }
+  VariableStoreBase& store;
+  std::uint32_t slot;
+  int variable;
+  void* place;
+};
+
+ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
+  for (std::size_t v = 0; v < problem.variables().size(); ++v) {
+    const VariableRecord& record = problem.variables()[v];
+    if (record.store != nullptr) copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
+  }
+}
+ValueSnapshot::~ValueSnapshot() = default;
+
+void ValueSnapshot::restore() {
+  for (const auto& copy : copies_) problem_.overwrite(copy->variable, copy->place);
+}
+
+double profileRoot(const std::function<double(double)>& f, double guess) {
+  // In s = sqrt(f + 1), which is nearly proportional to t, by the Illinois variant of the false position.
+  const auto excess = [&](double t) { return std::sqrt(std::max(0.0, f(t) + 1)) - 1; };
+  double low = 0, at_low = -1, high = guess, at_high = excess(guess);
+  while (!(at_high > 0)) {
+    if (high > 500 * guess) return std::numeric_limits<double>::infinity();
+    low = high;
+    at_low = at_high;
+    high *= 2;
+    at_high = excess(high);
+  }
+  int side = 0;
+  for (int i = 0; i < 60 && high - low > 1e-7 * high; ++i) {
+    const double t = std::isfinite(at_high) ? (low * at_high - high * at_low) / (at_high - at_low) : (low + high) / 2;
+    const double at_t = excess(t);
+    if (std::abs(at_t) < 1e-8) return t;
+    if (at_t > 0) {
+      high = t;
+      at_high = at_t;
+      if (side == 1) at_low /= 2;
+      side = 1;
+    } else {
+      low = t;
+      at_low = at_t;
+      if (side == -1) at_high /= 2;
+      side = -1;
+    }
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace slom
