@@ -42,6 +42,7 @@ struct Estimator::State {
   double varianceFactor();
   std::string messageFor(const Summary& summary, const SolveStatus& status);
   void fillGroups(Summary& summary, bool before);
+  void fillParameters(Summary& summary);
 };
 
 namespace {
@@ -124,6 +125,9 @@ Summary Estimator::optimize(const Options& options) {
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at);
   summary.active_bounds = activeBounds(problem());
+  if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters && summary.stop_reason != StopReason::rank_deficient) {
+    state_->fillParameters(summary);
+  }
   if (summary.stop_reason == StopReason::rank_deficient) {
     for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
     const bool is_explained = !summary.warnings.empty();  // weights of 0
@@ -147,6 +151,57 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
                          : "");
   }
   return toString(summary.stop_reason);
+}
+
+/// Leaves the summary as it is where there are no covariances.
+void Estimator::State::fillParameters(Summary& summary) {
+  constexpr double strong = 0.95;
+  constexpr std::size_t most = 5;
+  const ProblemStructure& structure = system.structure();
+  Eigen::MatrixXd C;
+  OutlierReport checks;
+  const auto n = structure.system.unknowns();
+  try {
+    const double factor = varianceFactor();
+    const bool is_determined = run([&] {
+      system.linearize();
+      return system.solver().solveFor(Eigen::MatrixXd::Identity(n, n), C).ok;
+    });
+    if (!is_determined) return;
+    C *= factor;
+    checks = run([&] { return checkResiduals(system, linearizer, OutlierOptions{.worst = 0}, 1); });
+  } catch (const Error&) {
+    return;
+  }
+  std::vector<int> unknowns;
+  for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
+    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
+    const std::vector<std::string> names = problem.componentNames(structure.variable_of_block[b]);
+    std::vector<double> x(static_cast<std::size_t>(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    for (int c = 0; c < record.dof; ++c) {
+      if (record.isHeld(c)) continue;
+      const int unknown = structure.system.offset[b] + c;
+      unknowns.push_back(unknown);
+      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)], std::sqrt(C(unknown, unknown))});
+    }
+  }
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto& [a, b] = std::tie(summary.parameters[i], summary.parameters[j]);
+      const double correlation = C(unknowns[i], unknowns[j]) / (a.standard_deviation * b.standard_deviation);
+      if (std::abs(correlation) >= strong) summary.correlations.push_back({a.name, b.name, correlation});
+    }
+  }
+  std::stable_sort(summary.correlations.begin(), summary.correlations.end(), [](const auto& a, const auto& b) {
+    return std::abs(a.correlation) > std::abs(b.correlation);
+  });
+  if (summary.correlations.size() > most) summary.correlations.resize(most);
+  for (GroupSummary& group : summary.groups) {
+    for (const GroupCheck& check : checks.groups) {
+      if (check.name == group.name) group.redundancy = check.redundancy;
+    }
+  }
 }
 
 void Estimator::State::fillGroups(Summary& summary, bool before) {

@@ -82,8 +82,33 @@ MatrixXd rowsOf(const MatrixXd& A, const Problem& problem, const Class& own) {
   return rows;
 }
 
+/// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
+MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
+  const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeFullV);
+  const double limit = kSame * std::max(1e-300, A.norm());
+  const Index rank = (svd.singularValues().array() > limit).count();
+  return A * svd.matrixV().rightCols(A.cols() - rank);
+}
+
+/// The rows of unknowns that no motion of the world changes.
+MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure, const Part& part, const MatrixXd& null_space) {
+  std::vector<int> rows;
+  int row = 0;
+  for (const int block : part.blocks) {
+    const VariableRecord& record = problem.variables()[at(structure.variable_of_block[at(block)])];
+    MatrixXd motions(record.dof, kWorldMotions);
+    record.store->worldMotions(record.store->valueAt(record.slot), WorldRole::in_world, motions.data());
+    for (int c = 0; c < record.dof; ++c) {
+      if (motions.row(c).isZero(0)) rows.push_back(row + c);
+    }
+    row += record.dof;
+  }
+  return null_space(rows, Eigen::all);
+}
+
 /// The motions of the world that, on this class, lie in the null space.
-Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space) {
+/// `elsewhere`: the rows of the null space that no motion of the world changes, as those of focal lengths.
+Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space, const MatrixXd& elsewhere) {
   Gauge result;
   VectorXd length;
   const MatrixXd G = normalized(motions, length);
@@ -97,21 +122,15 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   const Eigen::JacobiSVD<MatrixXd> angles(Q.transpose() * U, Eigen::ComputeThinU);
   const Index count = (angles.singularValues().array() > 1 - kSame).count();
   if (count == 0) return result;
-  const MatrixXd common = Q * angles.matrixU().leftCols(count);
+  const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
+  const MatrixXd coefficients = null_svd.matrixV().leftCols(null_rank) * inverse.asDiagonal() * U.transpose();
+  MatrixXd common = Q * angles.matrixU().leftCols(count);
+  common = vanishingIn(common, elsewhere * coefficients * common);
+  if (common.cols() == 0) return result;
   result.motions = qr.solve(common);
   result.length = length.unaryExpr([](double l) { return l > 0 ? l : 1.0; });
-  const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
-  result.directions = orthonormalColumns(
-      null_space * (null_svd.matrixV().leftCols(null_rank) * (inverse.asDiagonal() * (U.transpose() * common))));
+  result.directions = orthonormalColumns(null_space * coefficients * common);
   return result;
-}
-
-/// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
-MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
-  const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeFullV);
-  const double limit = kSame * std::max(1e-300, A.norm());
-  const Index rank = (svd.singularValues().array() > limit).count();
-  return A * svd.matrixV().rightCols(A.cols() - rank);
 }
 
 /// `x, y, z` of all three axes, or the vectors that span the columns of A: `x`, `(0.6 0.8 0)`.
@@ -194,10 +213,11 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
 Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part, const MatrixXd& null_space,
                 const VectorXd& scale) {
   Gauge best;
+  const MatrixXd elsewhere = rowsElsewhere(problem, structure, part, null_space);
   for (const auto& [store, own] : classesOf(problem, structure, part, null_space)) {
     const MatrixXd null_rows = rowsOf(null_space, problem, own);
     for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
-      Gauge found = commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space);
+      Gauge found = commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space, elsewhere);
       if (found.count() > best.count()) best = std::move(found);
     }
   }

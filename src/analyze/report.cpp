@@ -52,7 +52,37 @@ std::string lossLines(const GroupSummary& group) {
   return text;
 }
 
+std::string parameterTable(const Summary& summary) {
+  std::size_t width = 9;
+  for (const ParameterSummary& parameter : summary.parameters) width = std::max(width, parameter.name.size());
+  const int w = static_cast<int>(width);
+  std::string text = format("  %-*s %14s %20s\n", w, "parameter", "value", "standard deviation");
+  for (const ParameterSummary& parameter : summary.parameters) {
+    const std::string value = std::isnan(parameter.value) ? "" : format("%.8g", parameter.value);
+    text += format("  %-*s %14s %20.3g\n", w, parameter.name.c_str(), value.c_str(), parameter.standard_deviation);
+  }
+  for (const CorrelationSummary& pair : summary.correlations) {
+    text += format("  correlation of %s and %s: %.4f\n", pair.a.c_str(), pair.b.c_str(), pair.correlation);
+  }
+  return text;
+}
+
+/// Groups whose chi-square is told apart from that of all.
+std::string groupChiSquares(const Summary& summary) {
+  std::string text;
+  if (summary.groups.size() < 2) return text;
+  for (const GroupSummary& group : summary.groups) {
+    if (group.redundancy > 0.5 && group.losses.empty()) {
+      text += format("  %s: chi-square / dof = %.6g / %.4g = %.6g\n", group.name.c_str(), group.final_rss, group.redundancy,
+                     group.final_rss / group.redundancy);
+    }
+  }
+  return text;
+}
+
 }  // namespace
+
+std::string Summary::report() const { return slom::report(*this); }
 
 std::string report(const Summary& summary) {
   std::string text = (summary.converged ? "Converged: " : "NOT converged: ") + summary.message + "\n";
@@ -68,6 +98,8 @@ std::string report(const Summary& summary) {
                 ? format("standard deviations are estimated: those stated, times %.4g\n", std::sqrt(summary.chi2PerDof()))
                 : std::string("standard deviations are taken as stated\n");
   }
+  text += groupChiSquares(summary);
+  if (!summary.parameters.empty()) text += parameterTable(summary);
   for (const std::string& bound : summary.active_bounds) text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;

@@ -63,6 +63,8 @@ struct Options {
   double graduation_factor = 1.4;
   /// Iterations of each stage but the last, at most.
   int stage_iterations = 2;
+  /// A fit with no more unknowns than this ends with standard deviations and correlations of all of them in the summary.
+  int most_parameters = 40;
   /// Called after each iteration, and once before the first.
   Observer observer;
 };
@@ -81,6 +83,7 @@ struct GroupSummary {
   int residuals = 0;          ///< sum of the lengths of their residuals
   double initial_rss = 0;
   double final_rss = 0;
+  double redundancy = -1;     ///< what chi-square is on average, when the summary has parameters; -1: not computed
   std::string derivatives;    ///< "exact" (dual numbers), "given" (the functor's own) or "numeric" (differences)
   std::vector<LossSummary> losses;  ///< empty when no measurement of the group has one
 };
@@ -91,6 +94,18 @@ struct PhaseSeconds {
   double linearize = 0;  ///< residuals and derivatives, and summing up the normal equations
   double factorize = 0;
   double solve = 0;      ///< with the factor
+};
+
+/// A fitted component.
+struct ParameterSummary {
+  std::string name;
+  double value = 0;               ///< its coordinate; NaN where it has none, as rotations
+  double standard_deviation = 0;  ///< in the tangent space
+};
+
+struct CorrelationSummary {
+  std::string a, b;  ///< names of components
+  double correlation = 0;
 };
 
 struct Summary {
@@ -113,12 +128,16 @@ struct Summary {
   double seconds = 0;
   PhaseSeconds phases;                ///< parts of `seconds`
   std::vector<GroupSummary> groups;
+  std::vector<ParameterSummary> parameters;      ///< when there are no more than Options::most_parameters
+  std::vector<CorrelationSummary> correlations;  ///< of these the strongest, from 0.95 on
   std::vector<IterationRecord> trace;
 
   /// final_rss / redundancy: near 1 when the stated uncertainties are right. NaN without redundancy. With losses it is
   /// smaller, as they make final_rss smaller than the sum of squares.
   double chi2PerDof() const;
   bool hasLosses() const;
+  /// What was fitted and how well, to be read at a glance.
+  std::string report() const;
 };
 
 }  // namespace slom

@@ -1,0 +1,102 @@
+// What docs/uncertainty.md shows: a small survey, measured by distances.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <slom/slom.hpp>
+
+#include "support/documentation.hpp"
+#include "support/paths.hpp"
+
+namespace {
+
+using vec2 = mtk::vect<2>;
+using slom::testing::blocks;
+
+std::string page() { return slom::testing::readFile(slom::testing::sourcePath("docs/uncertainty.md")); }
+
+const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
+
+/// Five points, all distances between them but for one, to a centimetre.
+struct Survey {
+  slom::Estimator est;
+  slom::VarID<vec2> church = est.insertRV(vec2(0, 0), "church"), mill = est.insertRV(vec2(100, 0), "mill"),
+                    tower = est.insertRV(vec2(60, 80), "tower"), barn = est.insertRV(vec2(-20, 50), "barn"),
+                    oak = est.insertRV(vec2(40, 40), "oak");
+  Survey() {
+    std::mt19937 engine(3);
+    std::normal_distribution<double> normal(0, 0.01);
+    const std::vector<slom::VarID<vec2>> points{church, mill, tower, barn, oak};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (i == 3 && j == 1) continue;
+        est.insertMeasurement(distance, points[i], points[j], slom::measured(distance(*points[i], *points[j]) + normal(engine)),
+                              slom::StandardDeviation(0.01), slom::named("tape"));
+      }
+    }
+  }
+};
+
+TEST(UncertaintyPage, Works) {
+  Survey survey;
+  auto& [est, church, mill, tower, barn, oak] = survey;
+  {
+  const slom::Diagnosis diagnosis = est.diagnose();
+  std::cout << diagnosis;
+    EXPECT_EQ(blocks(page(), "text").at(0), diagnosis.text());
+  }
+  est.fix(church);
+  est.fix(mill, "y");
+  const slom::Summary summary = est.optimize();
+  std::cout << summary.report();
+  EXPECT_TRUE(summary.converged);
+  EXPECT_EQ(blocks(page(), "text").at(1), summary.report().substr(summary.report().find("  parameter")));
+
+  const Eigen::MatrixXd C = est.covariance(tower);           // 2 x 2, in the tangent space of the variable
+  const Eigen::MatrixXd between = est.covariance(tower, barn);
+  const Eigen::VectorXd deviations = est.standardDeviation(tower);
+  const Eigen::MatrixXd R = est.correlation(tower, barn);
+  const slom::Marginals all = est.marginals();               // of every variable at once, by selected inversion
+  const Eigen::VectorXd same = all.standardDeviation(tower);
+  EXPECT_LT((same - deviations).norm(), 1e-12);
+  EXPECT_NEAR(R(0, 1), between(0, 1) / std::sqrt(C(0, 0) * est.covariance(barn)(1, 1)), 1e-12);
+
+  const auto length = est.propagate(distance, mill, barn);   // the distance that nobody measured
+  std::cout << length.value << " +- " << length.standardDeviation() << "\n";
+  EXPECT_NEAR(length.value, 130, 0.1);
+
+  const slom::ProfileInterval interval = est.profile(oak, "x", 0.95);
+  EXPECT_LT(interval.lower, interval.value);
+  EXPECT_LT(interval.value, interval.upper);
+
+  est.setSigma(slom::Sigma::estimated);
+  EXPECT_GT(est.standardDeviation(tower)[0], 0);
+  est.setSigma(slom::Sigma::known);
+
+  est.free(church);
+  est.free(mill);
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  EXPECT_GT(est.standardDeviation(church)[0], 0);
+  est.setFreeGauge(slom::FreeGauge::error);
+  est.fix(church);
+  est.fix(mill, "y");
+
+  est.bound(mill, "x", 99, 101);
+  const auto known = est.prior(barn, vec2(-20, 50), 0.5);    // standard deviation 0.5
+  est.removeMeasurement(known);
+  est.free(mill);
+
+  est.fix(mill, "y");
+  const slom::OutlierReport report = est.outliers();
+  std::cout << report;
+  EXPECT_EQ(report.suspects(), 0);
+
+  const slom::Preflight preflight = est.preflight();
+  if (!preflight.ok()) std::cout << preflight;
+  EXPECT_TRUE(preflight.ok()) << preflight;
+}
+
+}  // namespace
