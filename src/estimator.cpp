@@ -7,7 +7,9 @@
 #include <tbb/task_arena.h>
 
 #include "slom/analyze/covariance.hpp"
-#include "slom/analyze/diagnosis.hpp"
+#include "analyze/diagnose.hpp"
+#include "analyze/singular.hpp"
+#include "analyze/words.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -42,6 +44,36 @@ double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   Eigen::VectorXd r(pool.rows(i));
   problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
   return r.squaredNorm();
+}
+
+/// Rows and columns of held components in the covariance of two variables.
+void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
+  const VariableRecord& a = problem.variables()[static_cast<std::size_t>(variable_a)];
+  const VariableRecord& b = problem.variables()[static_cast<std::size_t>(variable_b)];
+  if (!a.isConstrained() && !b.isConstrained()) return;
+  for (int j = 0; j < b.dof; ++j) {
+    for (int i = 0; i < a.dof; ++i, ++block) {
+      if (a.isHeld(i) || b.isHeld(j)) *block = 0;
+    }
+  }
+}
+
+/// `camera.k3 at its upper bound 0.5`
+std::vector<std::string> activeBounds(const Problem& problem) {
+  std::vector<std::string> result;
+  for (const int v : problem.constrained()) {
+    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
+    std::vector<double> x(static_cast<std::size_t>(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    for (const ComponentBound& bound : record.bounds) {
+      if (!bound.is_active || !record.optimize) continue;
+      const double value = x[static_cast<std::size_t>(bound.component)];
+      const bool is_upper = std::abs(value - bound.upper) < std::abs(value - bound.lower);
+      result.push_back(problem.componentNames(v)[static_cast<std::size_t>(bound.component)] + " is at its " +
+                       (is_upper ? "upper" : "lower") + " bound " + number(is_upper ? bound.upper : bound.lower, 6));
+    }
+  }
+  return result;
 }
 }  // namespace
 
@@ -80,12 +112,16 @@ Summary Estimator::optimize(const Options& options) {
   summary.solver = state_->solver->description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
-  summary.unknowns = structure.system.unknowns();
+  summary.unknowns = getN();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at);
+  summary.active_bounds = activeBounds(problem());
   if (summary.stop_reason == StopReason::rank_deficient) {
     for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
+    for (Finding& finding : diagnose().findings) {
+      if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
+    }
   }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
   return summary;
@@ -191,7 +227,7 @@ double Estimator::getRMS() const {
 }
 
 int Estimator::getM() const { return state_->system.structure().residuals; }
-int Estimator::getN() const { return state_->system.structure().system.unknowns(); }
+int Estimator::getN() const { return state_->system.structure().system.unknowns() - problem().heldCount(); }
 
 void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const {
   problem().naming(pool, [&] {
@@ -208,16 +244,16 @@ void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(p
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
   const double factor = state_->varianceFactor();
   const Eigen::MatrixXd result =
-      factor * state_->run([&] { return covarianceBlock(state_->system, variable_a, variable_b); });
+      factor * state_->run([&] { return covarianceBlock(state_->system, state_->linearizer, variable_a, variable_b); });
   std::copy(result.data(), result.data() + result.size(), block);
+  clearHeld(problem(), variable_a, variable_b, block);
 }
 
 Marginals Estimator::marginals() const {
   Marginals result;
   result.problem_ = &problem();
   const double factor = state_->varianceFactor();
-  state_->run([&] { marginalBlocks(state_->system, result.numbers_); });
-  for (double& number : result.numbers_) number *= factor;
+  const auto inverse = state_->run([&] { return inverseBlocks(state_->system, state_->linearizer); });
   const ProblemStructure& structure = state_->system.structure();
   const auto& table = problem().variables();
   result.places_.resize(table.size());
@@ -228,6 +264,14 @@ Marginals Estimator::marginals() const {
     place.start = next;
     next += static_cast<std::size_t>(place.dof) * static_cast<std::size_t>(place.dof);
   }
+  result.numbers_.resize(next);
+  for (int b = 0; b < structure.system.blockCount(); ++b) {
+    const int v = structure.variable_of_block[static_cast<std::size_t>(b)];
+    double* const block = result.numbers_.data() + result.places_[static_cast<std::size_t>(v)].start;
+    inverse->block(b, b, block);
+    clearHeld(problem(), v, v, block);
+  }
+  for (double& number : result.numbers_) number *= factor;
   return result;
 }
 
@@ -243,11 +287,24 @@ void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;
-  const int unknowns = system.structure().system.unknowns(), residuals = system.structure().residuals;
+  const int unknowns = system.structure().system.unknowns() - problem.heldCount(), residuals = system.structure().residuals;
   if (residuals > unknowns) return run([&] { return linearizer.rss(problem); }) / (residuals - unknowns);
   throw Error("slom.no-redundancy", "uncertainties can be estimated from residuals only when there are more of them than "
                                     "unknowns; here are " + std::to_string(residuals) + " residuals and " +
                                         std::to_string(unknowns) + " unknowns; add measurements or use Sigma::known");
+}
+
+Diagnosis Estimator::diagnose() const {
+  return state_->run([&] { return slom::diagnose(state_->system, state_->linearizer); });
+}
+
+void Estimator::bound(int variable, const std::string& path, double lower, double upper) {
+  problem().setBound(variable, problem().componentsAt(variable, path), lower, upper);
+}
+
+void Estimator::raiseNoMember(int variable) const {
+  throw Error("slom.no-component", "the member passed with variable " + problem().variableName(variable) +
+                                       " is not one of its manifold's parts; pass one that [+] moves");
 }
 
 DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }

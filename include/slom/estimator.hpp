@@ -23,6 +23,7 @@
 #include <Eigen/Core>
 
 #include "slom/analyze/derivative_check.hpp"
+#include "slom/analyze/diagnosis.hpp"
 #include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
@@ -51,6 +52,12 @@ auto plainValue(const T& x) {
 }
 template <class T>
 using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
+
+/// The function of a prior.
+struct Itself {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& x) const { return x; }
+};
 
 template <class T>
 using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValue<T>>;
@@ -94,6 +101,64 @@ class Estimator {
   void optimizeRV(const VarID<T>& id, bool optimize) {
     problem().setOptimized(problem().indexOf(id), optimize);
   }
+  // Parts of variables. A path names a component or all below it, as messages do: "pos.z", "pos". Paths that lead nowhere
+  // throw [slom.no-component], which lists those that there are.
+
+  /// Fixes a variable, as optimizeRV(id, false) does.
+  template <class T>
+  void fix(const VarID<T>& id) {
+    optimizeRV(id, false);
+  }
+  /// Fixes components at their current values. They are no unknowns and have covariance 0.
+  template <class T>
+  void fix(const VarID<T>& id, const std::string& path) {
+    setFixed(id, path, true);
+  }
+  /// The same with a name that the compiler checks: `est.fix(&Camera::k3, cam)`.
+  template <class M, class C, std::derived_from<C> T>
+  void fix(M C::* member, const VarID<T>& id) {
+    setFixed(member, id, true);
+  }
+  /// Releases a variable with all of its components.
+  template <class T>
+  void free(const VarID<T>& id) {
+    const int variable = problem().indexOf(id);
+    problem().setOptimized(variable, true);
+    std::vector<int> all(static_cast<std::size_t>(problem().variables()[static_cast<std::size_t>(variable)].dof));
+    for (std::size_t c = 0; c < all.size(); ++c) all[c] = static_cast<int>(c);
+    problem().setFixed(variable, all, false);
+  }
+  /// Releases components that were fixed.
+  template <class T>
+  void free(const VarID<T>& id, const std::string& path) {
+    setFixed(id, path, false);
+  }
+  template <class M, class C, std::derived_from<C> T>
+  void free(M C::* member, const VarID<T>& id) {
+    setFixed(member, id, false);
+  }
+  /// Keeps the coordinates of components of vectors within [lower, upper]; infinite limits take the bound back. The fit holds
+  /// a component that wants to go beyond at the limit (an active set: Nocedal and Wright, "Numerical optimization", 2006,
+  /// section 16.7); the summary lists those, and covariances hold on the condition that they are there. Throws
+  /// [slom.bad-bound], or [slom.outside-bound] when the current value is.
+  template <class T>
+  void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
+    bound(problem().indexOf(id), path, lower, upper);
+  }
+  /// Adds what is known of a variable beforehand: a measurement x [-] value, with a standard deviation or another
+  /// uncertainty; removeMeasurement takes it back.
+  template <class T, class Noise>
+  auto prior(const VarID<T>& id, const std::type_identity_t<T>& value, const Noise& uncertainty) {
+    const auto insert = [&](const auto& noise) {
+      return insertMeasurement(detail::Itself(), id, measured(value), noise, named("prior"));
+    };
+    if constexpr (detail::is_option<Noise>) {
+      return insert(uncertainty);
+    } else {
+      return insert(StandardDeviation(uncertainty));
+    }
+  }
+
   /// Removes a variable. Throws [slom.variable-in-use], saying by how many measurements, while there are any.
   template <class T>
   void removeRV(const VarID<T>& id) {
@@ -217,8 +282,8 @@ class Estimator {
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
   /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
   /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
-  /// 0 for fixed variables. Throws [slom.rank-deficient]
-  /// or [slom.unmeasured-variable].
+  /// 0 for fixed variables. Throws [slom.free-gauge], which names the
+  /// motions that are free, [slom.rank-deficient] or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
     return covariance(id, id);
@@ -280,6 +345,10 @@ class Estimator {
     return problem().componentNames(problem().indexOf(id));
   }
 
+  /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
+  /// and what to do about it. Takes about as long as an iteration or two of the fit.
+  Diagnosis diagnose() const;
+
   /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
   /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
   DerivativeCheck checkDerivatives() const;
@@ -300,6 +369,23 @@ class Estimator {
     using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
     return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label, loss);
   }
+
+  template <class T>
+  void setFixed(const VarID<T>& id, const std::string& path, bool is_fixed) {
+    const int variable = problem().indexOf(id);
+    problem().setFixed(variable, problem().componentsAt(variable, path), is_fixed);
+  }
+  template <class M, class C, class T>
+  void setFixed(M C::* member, const VarID<T>& id, bool is_fixed) {
+    const int variable = problem().indexOf(id);
+    const auto [first, count] = detail::componentsOf(*id, &((*id).*member), typeid(M), 0);
+    if (first < 0) raiseNoMember(variable);
+    std::vector<int> components;
+    for (int c = first; c < first + count; ++c) components.push_back(c);
+    problem().setFixed(variable, components, is_fixed);
+  }
+  void bound(int variable, const std::string& path, double lower, double upper);
+  [[noreturn]] void raiseNoMember(int variable) const;
 
   Problem& problem() const;
   double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;

@@ -1,10 +1,10 @@
 #include "slom/analyze/covariance.hpp"
 
-#include "slom/analyze/diagnosis.hpp"
+#include "analyze/diagnose.hpp"
 
 namespace slom {
 
-Eigen::MatrixXd covarianceBlock(System& system, int variable_a, int variable_b) {
+Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, int variable_a, int variable_b) {
   system.linearize();
   const ProblemStructure& structure = system.structure();
   const auto& table = system.problem().variables();
@@ -17,16 +17,18 @@ Eigen::MatrixXd covarianceBlock(System& system, int variable_a, int variable_b) 
   unit.middleRows(b, dof_b).setIdentity();
   Eigen::MatrixXd columns;
   const SolveStatus status = system.solver().solveFor(unit, columns);
-  if (!status.ok) throw singularError(system.problem(), structure, status);
+  if (!status.ok) throw undeterminedError(system, linearizer, status);
   const Eigen::MatrixXd block = columns.middleRows(a, dof_a);
   return variable_a == variable_b ? Eigen::MatrixXd((block + block.transpose()) / 2) : block;
 }
 
-void marginalBlocks(System& system, std::vector<double>& blocks) {
+std::unique_ptr<InverseBlocks> inverseBlocks(System& system, Linearizer& linearizer) {
   system.linearize();
   const ProblemStructure& structure = system.structure();
-  const SolveStatus status = system.solver().invertDiagonal(structure.system, blocks);
-  if (!status.ok) throw singularError(system.problem(), structure, status);
+  std::unique_ptr<InverseBlocks> result;
+  const SolveStatus status = system.solver().invertBlocks(structure.system, result);
+  if (!status.ok) throw undeterminedError(system, linearizer, status);
+  return result;
 }
 
 }  // namespace slom

@@ -68,6 +68,7 @@ std::string report(const Summary& summary) {
                 ? format("standard deviations are estimated: those stated, times %.4g\n", std::sqrt(summary.chi2PerDof()))
                 : std::string("standard deviations are taken as stated\n");
   }
+  for (const std::string& bound : summary.active_bounds) text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;
 }

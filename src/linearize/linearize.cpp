@@ -42,6 +42,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.last = range.last;
   chunk.bad = -1;
   chunk.threw.reset();
+  chunk.held.clear();
   chunk.rows.resize(at(count));
   chunk.dof.resize(at(count) * at(pool.arity()));
   pool.sizes(range.first, range.last, chunk.rows.data(), chunk.dof.data());
@@ -127,6 +128,7 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::size_t per_wave = at(kChunksPerThread * tbb::this_task_arena::max_concurrency());
   chunks_.resize(std::min(all.size(), per_wave));
   std::vector<JacobianBatch> batches;
+  held_gradient_.clear();
   sink.beginLinearization();
   for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
     const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
@@ -135,7 +137,10 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       prepare(problem, all[wave + at(c)], true, chunk);
       try {
         chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
-        if (chunk.bad < 0) addLosses(problem, true, chunk);
+        if (chunk.bad < 0) {
+          addLosses(problem, true, chunk);
+          if (!problem.constrained().empty()) clearHeld(problem, chunk);
+        }
       } catch (const MeasurementThrew& event) {
         chunk.threw = event;
       }
@@ -146,15 +151,57 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
       rss_of_pool[at(chunk.group)] += chunk.rss;
       squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
+      for (const HeldGradient& held : chunk.held) held_gradient_[{held.variable, held.component}] += held.value;
       batches.push_back({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(),
                          chunk.r.data(), chunk.J.data()});
     }
     sink.addAll(batches);
     batches.clear();
   }
+  if (!problem.constrained().empty()) sendHeld(problem, sink);
   sink.endLinearization();
   squared_norm_sent_ = std::accumulate(squared_norm_of_pool.begin(), squared_norm_of_pool.end(), 0.0);
   return std::accumulate(rss_of_pool.begin(), rss_of_pool.end(), 0.0);
+}
+
+void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
+  const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
+  double* J = chunk.J.data();
+  const double* r = chunk.r.data();
+  for (int i = chunk.first; i < chunk.last; ++i) {
+    const int rows = pool.rows(i);
+    for (int k = 0; k < pool.arity(); ++k) {
+      const int variable = pool.variables(i)[k];
+      const VariableRecord& record = problem.variables()[at(variable)];
+      for (int c = 0; c < record.dof; ++c, J += rows) {
+        if (!record.optimize || !record.isConstrained() || !record.isHeld(c)) continue;
+        double gradient = 0;
+        for (int row = 0; row < rows; ++row) gradient += J[row] * r[row];
+        chunk.held.push_back({variable, c, gradient});
+        std::fill_n(J, rows, 0.0);
+      }
+    }
+    r += rows;
+  }
+}
+
+void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) {
+  constexpr double faint = 1e-60;  // enough to make them determined, too little to count beside any real derivative
+  const int group = static_cast<int>(problem.pools().size());
+  int index = 0;
+  for (const int variable : problem.constrained()) {
+    const VariableRecord& record = problem.variables()[at(variable)];
+    if (!record.optimize || record.dof == 0) continue;
+    const Eigen::VectorXd r = Eigen::VectorXd::Zero(record.dof);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(record.dof, record.dof);
+    for (int c = 0; c < record.dof; ++c) J(c, c) = record.isHeld(c) ? faint : 0;
+    sink.add({group, index++, 1, &record.dof, &record.dof, r.data(), J.data()});
+  }
+}
+
+double Linearizer::gradientOfHeld(int variable, int component) const {
+  const auto found = held_gradient_.find({variable, component});
+  return found == held_gradient_.end() ? 0 : found->second;
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {

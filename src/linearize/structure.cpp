@@ -29,6 +29,14 @@ ProblemStructure makeStructure(const Problem& problem) {
     }
     result.system.groups.push_back(std::move(group));
   }
+  if (!problem.constrained().empty()) {
+    MeasurementGroup held{1, {}};
+    for (const int v : problem.constrained()) {
+      const int block = result.block_of_variable[static_cast<std::size_t>(v)];
+      if (block >= 0) held.blocks.push_back(block);
+    }
+    result.system.groups.push_back(std::move(held));
+  }
   return result;
 }
 

@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "linearize/stopwatch.hpp"
 
 namespace slom {
+
+namespace {
+constexpr int kMostActiveSets = 10;  // in one linearisation
+constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
+}  // namespace
 
 void System::setSolver(LinearSolver& solver) {
   solver_ = &solver;
@@ -33,16 +39,65 @@ double System::linearize() {
   const detail::Stopwatch watch(linearize_seconds_);
   linearized_at_ = ~std::uint64_t{0};
   rss_ = linearizer_.linearize(problem_, *solver_);
+  for (int i = 0; i < kMostActiveSets && problem_.hasBounds() && updateActiveBounds(); ++i) {
+    rss_ = linearizer_.linearize(problem_, *solver_);
+  }
   squared_norm_ = linearizer_.squaredNormSent();
   linearized_at_ = problem_.valueRevision();
   return rss_;
 }
 
+template <class F>
+void System::forEachBound(const F& f) {
+  std::vector<double> x;
+  for (const int v : problem_.constrained()) {
+    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
+    if (!record.optimize || record.bounds.empty()) continue;
+    x.resize(static_cast<std::size_t>(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    for (std::size_t b = 0; b < record.bounds.size(); ++b) {
+      const int component = record.bounds[b].component;
+      f(v, problem_.bound(v, b), x[static_cast<std::size_t>(component)],
+        structure_.offset_of_variable[static_cast<std::size_t>(v)] + component);
+    }
+  }
+}
+
+/// Holds what is at a limit beyond which the RSS falls, and lets go of the rest. Returns whether anything changed.
+bool System::updateActiveBounds() {
+  bool has_changed = false;
+  forEachBound([&](int variable, ComponentBound& bound, double x, int unknown) {
+    const double g = bound.is_active ? linearizer_.gradientOfHeld(variable, bound.component) : solver_->gradient()[unknown];
+    const double margin = kAtBound * std::max(std::abs(x), 1e-300);
+    const bool holds = (x >= bound.upper - margin && g < 0) || (x <= bound.lower + margin && g > 0);
+    has_changed = has_changed || holds != bound.is_active;
+    bound.is_active = holds;
+  });
+  return has_changed;
+}
+
+/// The step up to the bounds.
+Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) {
+  Eigen::VectorXd clamped = d;
+  forEachBound([&](int, const ComponentBound& bound, double x, int unknown) {
+    clamped[unknown] = std::clamp(d[unknown], std::min(bound.lower - x, 0.0), std::max(bound.upper - x, 0.0));
+  });
+  return clamped;
+}
+
+void System::move(const Eigen::VectorXd& d) {
+  problem_.save();
+  if (problem_.hasBounds()) {
+    problem_.applyStep(structure_.offset_of_variable, withinBounds(d).data());
+  } else {
+    problem_.applyStep(structure_.offset_of_variable, d.data());
+  }
+}
+
 double System::tryStep(const Eigen::VectorXd& d) {
   const detail::Stopwatch watch(linearize_seconds_);
   saved_is_linearized_ = linearized_at_ == problem_.valueRevision();
-  problem_.save();
-  problem_.applyStep(structure_.offset_of_variable, d.data());
+  move(d);
   try {
     return linearizer_.rss(problem_);
   } catch (...) {
@@ -56,8 +111,7 @@ double System::tryLikelyStep(const Eigen::VectorXd& d) {
   const auto is_numeric = [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; };
   if (std::any_of(pools.begin(), pools.end(), is_numeric)) return tryStep(d);
   saved_is_linearized_ = false;
-  problem_.save();
-  problem_.applyStep(structure_.offset_of_variable, d.data());
+  move(d);
   try {
     return linearize();
   } catch (const Error&) {  // something is not finite there, or threw: found out in the usual way

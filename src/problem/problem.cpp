@@ -1,11 +1,20 @@
 #include "slom/problem/problem.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 namespace slom {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::string text(double x) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.6g", x);
+  return digits;
+}
+std::string text(double lower, double upper) { return "[" + text(lower) + ", " + text(upper) + "]"; }
 }  // namespace
 
 int Problem::reserveVariable() {
@@ -33,7 +42,7 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   if (!store) store.reset(make());
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::move(name)});
+  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::move(name), {}, {}});
   return VariableHandle(store, ref);
 }
 
@@ -88,8 +97,95 @@ void Problem::setValue(int variable, const void* value) {
                                         " degrees of freedom, the new value has " + std::to_string(dof) +
                                         "; insert a new variable instead");
   }
+  checkBounds(variable, value);
   record.store->assign(record.store->valueAt(record.slot), value);
   ++value_revision_;
+}
+
+void Problem::checkBounds(int variable, const void* value) const {
+  const VariableRecord& record = table_[at(variable)];
+  if (record.bounds.empty()) return;
+  std::vector<double> x(at(record.dof));
+  record.store->coordinates(value, x.data());
+  for (const ComponentBound& bound : record.bounds) {
+    const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
+    if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
+    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " + text(x[at(bound.component)]) +
+                                          ", outside of its bound " + text(bound.lower, bound.upper) +
+                                          "; give it a value inside, or another bound");
+  }
+}
+
+std::vector<int> Problem::componentsAt(int variable, const std::string& path) const {
+  const VariableRecord& record = table_[at(variable)];
+  const std::vector<std::string> names = record.store->componentNames(record.slot, "");
+  std::vector<int> found;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (names[c] == path || names[c].rfind(path + ".", 0) == 0) found.push_back(static_cast<int>(c));
+  }
+  if (!found.empty() && !path.empty()) return found;
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  throw Error("slom.no-component", "variable " + variableName(variable) + " has no component \"" + path +
+                                       "\"; it has " + (names.size() == 1 && names[0].empty() ? "but one, without a name" : all));
+}
+
+void Problem::setFixed(int variable, const std::vector<int>& components, bool is_fixed) {
+  VariableRecord& record = table_[at(variable)];
+  std::vector<char> fixed = record.fixed;
+  fixed.resize(at(record.dof), 0);
+  for (const int c : components) fixed[at(c)] = is_fixed ? 1 : 0;
+  if (std::find(fixed.begin(), fixed.end(), 1) == fixed.end()) fixed.clear();
+  record.fixed = std::move(fixed);
+  bookConstraint(variable);
+}
+
+void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
+  VariableRecord& record = table_[at(variable)];
+  if (!(lower <= upper)) {
+    throw Error("slom.bad-bound", "the bound of " + componentNames(variable)[at(components.front())] + " is " + text(lower, upper) +
+                                      "; pass a lower limit that is not above the upper one");
+  }
+  std::vector<double> x(at(record.dof));
+  record.store->coordinates(record.store->valueAt(record.slot), x.data());
+  std::vector<ComponentBound> bounds = record.bounds;
+  for (const int c : components) {
+    if (std::isnan(x[at(c)])) {
+      throw Error("slom.bad-bound", componentNames(variable)[at(c)] + " has no coordinate that could be bounded, as it is part of a "
+                                    "rotation or the like; bound components of vectors, or add a prior");
+    }
+    std::erase_if(bounds, [c](const ComponentBound& bound) { return bound.component == c; });
+    if (std::isfinite(lower) || std::isfinite(upper)) bounds.push_back({c, lower, upper});
+  }
+  std::swap(record.bounds, bounds);
+  try {
+    checkBounds(variable, record.store->valueAt(record.slot));
+  } catch (...) {
+    std::swap(record.bounds, bounds);
+    throw;
+  }
+  bookConstraint(variable);
+}
+
+void Problem::bookConstraint(int variable) {
+  std::erase(constrained_, variable);
+  if (table_[at(variable)].isConstrained()) {
+    constrained_.insert(std::lower_bound(constrained_.begin(), constrained_.end(), variable), variable);
+  }
+  ++structure_revision_;
+  ++value_revision_;
+}
+
+bool Problem::hasBounds() const {
+  return std::any_of(constrained_.begin(), constrained_.end(), [&](int v) { return !table_[at(v)].bounds.empty(); });
+}
+
+int Problem::heldCount() const {
+  int count = 0;
+  for (const int v : constrained_) {
+    for (int c = 0; table_[at(v)].optimize && c < table_[at(v)].dof; ++c) count += table_[at(v)].isHeld(c) ? 1 : 0;
+  }
+  return count;
 }
 
 void Problem::setOptimized(int variable, bool optimize) {
@@ -108,6 +204,7 @@ void Problem::removeVariable(int variable) {
   }
   record.store->release(record.slot);
   record = VariableRecord{};
+  std::erase(constrained_, variable);
   free_.push_back(variable);
   ++structure_revision_;
 }

@@ -92,6 +92,31 @@ void check(const BlockSolverOptions& options) {
   }
 }
 
+/// Blocks of the inverse at the places of H's: eliminated columns, and the others as those of the reduced system.
+class SelectedInverse final : public InverseBlocks {
+ public:
+  SelectedInverse(std::vector<int> position, int count) : position_(std::move(position)), count_(count) {}
+  BlockLower eliminated, kept;
+
+  void block(int a, int b, double* out) const override {
+    const int i = position_[at(a)], j = position_[at(b)], low = std::min(i, j), high = std::max(i, j);
+    const BlockLower& from = low < count_ ? eliminated : kept;
+    const int shift = low < count_ ? 0 : count_, rows = from.dof(high - shift), columns = from.dof(low - shift);
+    const Eigen::Map<const Eigen::MatrixXd> values(from.values(from.find(high - shift, low - shift)), rows, columns);
+    if (i == j) {
+      Eigen::Map<Eigen::MatrixXd>(out, rows, columns) = (values + values.transpose()) / 2;
+    } else if (i > j) {
+      Eigen::Map<Eigen::MatrixXd>(out, rows, columns) = values;
+    } else {
+      Eigen::Map<Eigen::MatrixXd>(out, columns, rows) = values.transpose();
+    }
+  }
+
+ private:
+  std::vector<int> position_;
+  int count_;
+};
+
 }  // namespace
 
 struct BlockSolver::Implementation {
@@ -126,7 +151,7 @@ struct BlockSolver::Implementation {
   SolveStatus factorize(const VectorXd& damping);
   SolveStatus prepare(const VectorXd& damping);
   double forcing();
-  void invertDiagonal(std::vector<double>& blocks);
+  std::unique_ptr<InverseBlocks> invertBlocks();
   SolveStatus solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x);
   VectorXd keptOf(const VectorXd& x) const {
     return x.size() == 0 ? VectorXd() : VectorXd(x(kept));
@@ -259,24 +284,17 @@ SolveStatus BlockSolver::Implementation::solve(const VectorXd& b, double toleran
 }
 
 /// After an exact factorize().
-void BlockSolver::Implementation::invertDiagonal(std::vector<double>& blocks) {
+std::unique_ptr<InverseBlocks> BlockSolver::Implementation::invertBlocks() {
   const BlockLower& H = equations.H();
-  BlockLower Z;  // the inverse at the places of H, or of the reduced system
-  Z.layOutAs(isReduced() ? schur.S() : H);
-  factor.invertSelected(Z);
-  std::vector<std::size_t> start{0};
-  for (int b = 0; b < structure.blockCount(); ++b) start.push_back(start.back() + at(structure.dof(b)) * at(structure.dof(b)));
-  blocks.resize(start.back());
-  const int eliminated_count = isReduced() ? count() : 0;
-  detail::forEachIndex(structure.blockCount(), [&](int b) {
-    double* const to = blocks.data() + start[at(b)];
-    const int position = equations.position(b);
-    if (position < eliminated_count) {
-      schur.eliminated().invert(H, position, Z, to);
-    } else {
-      std::copy_n(Z.values(Z.begin(position - eliminated_count)), start[at(b) + 1] - start[at(b)], to);
-    }
-  });
+  std::vector<int> position(at(structure.blockCount()));
+  for (int b = 0; b < structure.blockCount(); ++b) position[at(b)] = equations.position(b);
+  auto result = std::make_unique<SelectedInverse>(std::move(position), isReduced() ? count() : 0);
+  result->kept.layOutAs(isReduced() ? schur.S() : H);
+  factor.invertSelected(result->kept);
+  if (!isReduced()) return result;
+  result->eliminated.layOutAs(H);
+  detail::forEachIndex(count(), [&](int e) { points().invert(H, e, result->kept, result->eliminated); });
+  return result;
 }
 
 BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(std::make_unique<Implementation>(options)) { check(options); }
@@ -309,8 +327,10 @@ SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
   return status;
 }
 
-SolveStatus BlockSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  SolveStatus status = self_->factorize({});
+SolveStatus BlockSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) { return solveDamped({}, B, X); }
+
+SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
+  SolveStatus status = self_->factorize(damping);
   if (!status.ok) return status;
   Eigen::MatrixXd all(B.rows(), B.cols());
   VectorXd x;
@@ -323,10 +343,10 @@ SolveStatus BlockSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) 
   return status;
 }
 
-SolveStatus BlockSolver::invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks) {
-  if (!self_->is_exact) return LinearSolver::invertDiagonal(structure, blocks);
+SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {
+  if (!self_->is_exact) return LinearSolver::invertBlocks(structure, blocks);
   const SolveStatus status = self_->factorize({});
-  if (status.ok) self_->invertDiagonal(blocks);
+  if (status.ok) blocks = self_->invertBlocks();
   return status;
 }
 

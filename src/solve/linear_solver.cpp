@@ -4,21 +4,31 @@
 
 namespace slom {
 
-/// Column by column.
-SolveStatus LinearSolver::invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks) {
-  std::vector<double> all;
-  Eigen::MatrixXd columns;
-  for (int b = 0; b < structure.blockCount(); ++b) {
-    const int first = structure.offset[static_cast<std::size_t>(b)], dof = structure.dof(b);
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(structure.unknowns(), dof);
-    unit.middleRows(first, dof).setIdentity();
-    const SolveStatus status = solveFor(unit, columns);
-    if (!status.ok) return status;
-    const Eigen::MatrixXd block = columns.middleRows(first, dof);
-    all.insert(all.end(), block.data(), block.data() + block.size());
+namespace {
+
+class WholeInverse final : public InverseBlocks {
+ public:
+  WholeInverse(std::vector<int> offset, Eigen::MatrixXd inverse) : offset_(std::move(offset)), inverse_(std::move(inverse)) {}
+  void block(int a, int b, double* out) const override {
+    for (int j = begin(b); j < begin(b + 1); ++j) {
+      for (int i = begin(a); i < begin(a + 1); ++i) *out++ = (inverse_(i, j) + inverse_(j, i)) / 2;
+    }
   }
-  blocks = std::move(all);
-  return {};
+
+ private:
+  int begin(int block) const { return offset_[static_cast<std::size_t>(block)]; }
+  std::vector<int> offset_;
+  Eigen::MatrixXd inverse_;
+};
+
+}  // namespace
+
+SolveStatus LinearSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {
+  const Eigen::Index n = structure.unknowns();
+  Eigen::MatrixXd inverse;
+  const SolveStatus status = solveFor(Eigen::MatrixXd::Identity(n, n), inverse);
+  if (status.ok) blocks = std::make_unique<WholeInverse>(structure.offset, std::move(inverse));
+  return status;
 }
 
 }  // namespace slom

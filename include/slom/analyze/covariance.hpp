@@ -1,7 +1,7 @@
 /// How sure the estimated values are: blocks of (J^T J)^-1 at the current values, for the stated uncertainties.
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include <Eigen/Core>
 
@@ -10,10 +10,11 @@
 namespace slom {
 
 /// Covariance between two variables (table indices) in their tangent spaces, dof_a x dof_b; 0 where one is fixed.
-/// Throws [slom.rank-deficient] or [slom.unmeasured-variable].
-Eigen::MatrixXd covarianceBlock(System& system, int variable_a, int variable_b);
+/// Throws [slom.free-gauge],
+/// [slom.rank-deficient] or [slom.unmeasured-variable].
+Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, int variable_a, int variable_b);
 
-/// Covariance of each block of unknowns by itself, one after the other. Throws likewise.
-void marginalBlocks(System& system, std::vector<double>& blocks);
+/// All blocks of variables by themselves and of those that meet in a measurement. Throws likewise.
+std::unique_ptr<InverseBlocks> inverseBlocks(System& system, Linearizer& linearizer);
 
 }  // namespace slom

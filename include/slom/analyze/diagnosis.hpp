@@ -1,21 +1,43 @@
-/// What is wrong with a problem, in the user's names.
+/// What a problem determines and what it does not, in sentences with the user's names and a remedy.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
-#include "slom/optimize/system.hpp"
-
 namespace slom {
 
-/// `left2world #3.orient.z`: the component of a variable that an unknown of the linear system is.
-std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown);
+struct Finding {
+  enum class Kind {
+    gauge,                ///< a rigid motion or a scale of everything changes no residual
+    undetermined,         ///< other directions in which variables can move without changing any residual
+    unmeasured_variable,  ///< no measurement depends on it
+    idle_component,       ///< measurements depend on the variable, but not on this component of it
+    weak,                 ///< a direction in which residuals hardly change
+    correlated,           ///< two components that can hardly be told apart
+    disconnected,         ///< groups of variables that no measurement connects
+    idle_measurements,    ///< all of their variables are fixed
+    badly_scaled,         ///< components whose influence differs by many orders of magnitude
+    implausible_sigma,    ///< the residuals of a group contradict its stated uncertainty
+  };
+  Kind kind;
+  bool is_fault;   ///< the fit has no unique solution; otherwise a hint
+  std::string text;
+  std::vector<std::string> names;  ///< of variables, components or groups that it is about, the most important first
+  int dimension = 0;               ///< of directions; 0 for the other kinds
+};
 
-/// Why the linear system could not be solved, as an error with a remedy: [slom.unmeasured-variable] or
-/// [slom.rank-deficient].
-Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status);
+struct Diagnosis {
+  int residuals = 0;
+  int unknowns = 0;
+  int rank = 0;  ///< of J: unknowns less the directions that change no residual
+  std::vector<Finding> findings;
 
-/// A sentence for each optimised variable that no measurement depends on.
-std::vector<std::string> unmeasuredVariables(const Problem& problem);
+  bool isDetermined() const { return rank == unknowns; }
+  /// A line on the rank and one for each finding.
+  std::string text() const;
+};
+
+std::ostream& operator<<(std::ostream& os, const Diagnosis& diagnosis);
 
 }  // namespace slom

@@ -3,8 +3,10 @@
 /// scaled such that J^T r is half its gradient (src/linearize/reweight.hpp). Measurements without one pass as they are.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -57,10 +59,16 @@ class Linearizer {
   /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
   /// naming the measurement, its variables and their values.
   double linearize(Problem& problem, JacobianSink& sink);
+  /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.
+  double gradientOfHeld(int variable, int component) const;
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
   double squaredNormSent() const { return squared_norm_sent_; }
 
  private:
+  struct HeldGradient {
+    int variable, component;
+    double value;
+  };
   struct Chunk {
     int group = 0, first = 0, last = 0;
     int bad = -1;
@@ -69,6 +77,7 @@ class Linearizer {
     std::vector<double> r, J;
     double rss = 0;
     double squared_norm = 0;  ///< of r, as the sink gets it
+    std::vector<HeldGradient> held;
   };
   struct Range {
     int group, first, last;
@@ -77,10 +86,15 @@ class Linearizer {
   std::vector<Range> ranges(const Problem& problem, int per_chunk) const;
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
+  /// Makes the columns of held components 0.
+  static void clearHeld(const Problem& problem, Chunk& chunk);
+  /// The group that says that they do not move.
+  static void sendHeld(const Problem& problem, JacobianSink& sink);
   [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
 
   double widening_ = 1;
   double squared_norm_sent_ = 0;
+  std::map<std::pair<int, int>, double> held_gradient_;
   std::vector<Chunk> chunks_;
 };
 

@@ -23,7 +23,9 @@ struct BlockStructure {
   int dof(int block) const { return offset[static_cast<std::size_t>(block) + 1] - offset[static_cast<std::size_t>(block)]; }
 };
 
-/// The structure of a problem, and the way back from unknowns to variables.
+/// The structure of a problem, and the way back from unknowns to variables. Components that are held keep their place among
+/// the unknowns: their columns of J are 0, and a group behind those of the pools, with a "measurement" for each variable that
+/// has such components, says that they do not move.
 struct ProblemStructure {
   BlockStructure system;
   std::vector<int> variable_of_block;

@@ -11,8 +11,10 @@
 #include "mtk/manifold.hpp"
 #include "mtk/rebind.hpp"
 #include "mtk/stream.hpp"
+#include "slom/model/component.hpp"
 #include "slom/model/type_name.hpp"
 #include "slom/model/value_array.hpp"
+#include "slom/model/world_motion.hpp"
 
 namespace slom {
 
@@ -55,6 +57,10 @@ class VariableStoreBase {
   virtual void magnitudesOf(const void* value, double* out) const = 0;
   /// Writes A (dof x dof, column-major): the perturbation A d on the right does what d does on the left of rotations.
   virtual void leftPerturbation(const void* value, double* A) const = 0;
+  /// Writes the coordinate of each component, NaN where it has none, as rotations.
+  virtual void coordinates(const void* value, double* out) const = 0;
+  /// Writes how the value moves with the world (dof x kWorldMotions, column-major).
+  virtual void worldMotions(const void* value, WorldRole role, double* out) const = 0;
   std::size_t valueSize() const { return value_size_; }
   std::size_t alignment() const { return alignment_; }
 
@@ -115,6 +121,8 @@ class VariableStore final : public VariableStoreBase {
   void boxplus(void* value, const double* d) const override;
   void magnitudesOf(const void* value, double* out) const override;
   void leftPerturbation(const void* value, double* A) const override;
+  void coordinates(const void* value, double* out) const override;
+  void worldMotions(const void* value, WorldRole role, double* out) const override;
 };
 
 template <class T>
@@ -173,6 +181,14 @@ void VariableStore<T>::leftPerturbation(const void* value, double* A) const {
       for (int i = 0; i < 9; ++i) A[(at + i / 3) * n + at + i % 3] = R(i / 3, i % 3);
     }
   });
+}
+template <class T>
+void VariableStore<T>::coordinates(const void* value, double* out) const {
+  slom::coordinates(*static_cast<const T*>(value), out);
+}
+template <class T>
+void VariableStore<T>::worldMotions(const void* value, WorldRole role, double* out) const {
+  slom::worldMotions(*static_cast<const T*>(value), role, out);
 }
 template <class T>
 void VariableStore<T>::magnitudesOf(const void* value, double* out) const {

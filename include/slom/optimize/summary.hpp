@@ -104,9 +104,10 @@ struct Summary {
   int stages = 0;                     ///< begun, of graduated non-convexity; 0: not graduated
   int variables = 0;                  ///< optimised ones
   int measurements = 0;               ///< number of scalar residuals
-  int unknowns = 0;
+  int unknowns = 0;                   ///< those held at a bound are none
   int redundancy = 0;                 ///< measurements - unknowns
   bool sigma_is_estimated = false;    ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
+  std::vector<std::string> active_bounds;  ///< `camera.k3 is at its upper bound 0.5`; covariances hold on that condition
   double initial_rss = 0;
   double final_rss = 0;
   double seconds = 0;

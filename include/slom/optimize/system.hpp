@@ -67,6 +67,12 @@ class System {
   Problem& problem() { return problem_; }
 
  private:
+  template <class F>
+  void forEachBound(const F& f);
+  bool updateActiveBounds();
+  Eigen::VectorXd withinBounds(const Eigen::VectorXd& d);
+  void move(const Eigen::VectorXd& d);
+
   Problem& problem_;
   Linearizer& linearizer_;
   LinearSolver* solver_ = nullptr;

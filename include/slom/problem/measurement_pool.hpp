@@ -21,6 +21,13 @@
 
 namespace slom {
 
+/// Limits of the coordinate of a component.
+struct ComponentBound {
+  int component;
+  double lower, upper;
+  bool is_active = false;  ///< it is at a limit and held there, because the RSS falls beyond
+};
+
 /// A row of the problem's table of variables.
 struct VariableRecord {
   VariableStoreBase* store = nullptr;  ///< null: this row is free
@@ -30,6 +37,18 @@ struct VariableRecord {
   int uses = 0;      ///< measurements that depend on it
   long serial = 0;   ///< running number of insertion
   std::string name;  ///< the user's, may be empty
+  std::vector<char> fixed;             ///< by component; empty: none of them by itself
+  std::vector<ComponentBound> bounds;  ///< at most one for each component
+
+  bool isConstrained() const { return !fixed.empty() || !bounds.empty(); }
+  /// Fixed, or held at a bound.
+  bool isHeld(int component) const {
+    if (!fixed.empty() && fixed[static_cast<std::size_t>(component)] != 0) return true;
+    for (const ComponentBound& bound : bounds) {
+      if (bound.component == component && bound.is_active) return true;
+    }
+    return false;
+  }
 };
 
 /// A user's function threw: which measurement of the pool, and what.

@@ -38,6 +38,17 @@ class Problem {
     setValue(indexOf(id), &value);
   }
   void setOptimized(int variable, bool optimize);
+  /// The components whose names are `path` or begin with it: `pos.z`, `pos`. Throws [slom.no-component], which lists all names.
+  std::vector<int> componentsAt(int variable, const std::string& path) const;
+  void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
+  /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
+  void setBound(int variable, const std::vector<int>& components, double lower, double upper);
+  /// Table indices of variables with fixed or bounded components, ascending.
+  const std::vector<int>& constrained() const { return constrained_; }
+  bool hasBounds() const;
+  /// Number of components of optimised variables that are fixed or at a bound.
+  int heldCount() const;
+  ComponentBound& bound(int variable, std::size_t i) { return table_[static_cast<std::size_t>(variable)].bounds[i]; }
   /// Throws [slom.variable-in-use] when measurements depend on it.
   void removeVariable(int variable);
 
@@ -118,6 +129,8 @@ class Problem {
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
   MeasurementPool& adoptPool(std::type_index type, std::string_view label, std::unique_ptr<MeasurementPool> pool);
+  void bookConstraint(int variable);
+  void checkBounds(int variable, const void* value) const;
   int reserveVariable();
   void bookVariable(int index, VariableRecord record);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
@@ -127,6 +140,7 @@ class Problem {
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
+  std::vector<int> constrained_;
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
   std::unordered_map<std::type_index, std::vector<LabelledPool>> pools_of_type_;

@@ -56,7 +56,9 @@ class BlockSolver final : public LinearSolver {
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   /// By selected inversion of the factor, which takes about as long as two more factorisations.
   ///   source   Takahashi, Fagan and Chen 1973; Campbell and Davis 1995
-  SolveStatus invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks) override;
+  SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) override;
+  /// Solves (H + damping) X = B. `damping`: an entry >= 0 for each unknown.
+  SolveStatus solveDamped(const Eigen::VectorXd& damping, const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
   /// What was chosen, as "reduced system 49 x 9 after elimination of 7776 x 3, dense Cholesky, minimum degree order".
   std::string description() const override;
 

@@ -1,6 +1,7 @@
 /// What every linear solver does: takes linearised measurements, solves for a step.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,14 @@ struct [[nodiscard]] SolveStatus {
 struct SolverSeconds {
   double factorize = 0;
   double solve = 0;
+};
+
+/// Blocks of H^-1. `block` writes that of two blocks of unknowns, dof_a x dof_b, column-major; it is there for every block
+/// with itself and for two that meet in a measurement. May be called by several threads.
+class InverseBlocks {
+ public:
+  virtual ~InverseBlocks() = default;
+  virtual void block(int a, int b, double* out) const = 0;
 };
 
 /// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
@@ -44,9 +53,9 @@ class LinearSolver : public JacobianSink {
   /// Factorises the undamped system and solves H X = B; B has a row for each unknown.
   virtual SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) = 0;
 
-  /// Factorises the undamped system and gives the diagonal blocks of H^-1, each dof x dof, one after the other. The structure
-  /// is that of the last `analyze`.
-  virtual SolveStatus invertDiagonal(const BlockStructure& structure, std::vector<double>& blocks);
+  /// Factorises the undamped system and gives the blocks of H^-1 that InverseBlocks speaks of, by whole columns unless the
+  /// solver knows better. The structure is that of the last `analyze`.
+  virtual SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks);
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;

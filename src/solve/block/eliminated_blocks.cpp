@@ -76,7 +76,7 @@ void EliminatedBlocks::backward(int e, int d, double* b) const {
   }
 }
 
-void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, double* inverse) const {
+void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, BlockLower& inverse) const {
   using Eigen::MatrixXd;
   using Block = Eigen::Map<const MatrixXd>;
   const int d = H.dof(e), first = H.begin(e) + 1, last = H.begin(e + 1);
@@ -87,18 +87,25 @@ void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, d
     }
     return columns;
   };
-  MatrixXd result = solve(MatrixXd::Identity(d, d));
   std::vector<MatrixXd> T;  // V^-1 W^T of each neighbour
   for (int k = first; k < last; ++k) T.push_back(solve(Block(H.values(k), H.dof(H.row(k)), d).transpose()));
+  MatrixXd own = solve(MatrixXd::Identity(d, d));
   for (int k = first; k < last; ++k) {
     const int i = H.row(k) - count_;
-    for (int l = first; l <= k; ++l) {
+    Eigen::Map<MatrixXd> below(inverse.values(k), H.dof(H.row(k)), d);
+    below.setZero();
+    for (int l = first; l < last; ++l) {
       const int j = H.row(l) - count_;
-      const MatrixXd part = T[at(k - first)] * Block(Z.values(Z.find(i, j)), Z.dof(i), Z.dof(j)) * T[at(l - first)].transpose();
-      result += k == l ? part : MatrixXd(part + part.transpose());
+      const Block z(Z.values(Z.find(std::max(i, j), std::min(i, j))), Z.dof(std::max(i, j)), Z.dof(std::min(i, j)));
+      if (i >= j) {
+        below.noalias() -= z * T[at(l - first)].transpose();
+      } else {
+        below.noalias() -= z.transpose() * T[at(l - first)].transpose();
+      }
     }
+    own.noalias() -= T[at(k - first)] * below;
   }
-  Eigen::Map<MatrixXd>(inverse, d, d) = (result + result.transpose()) / 2;
+  Eigen::Map<MatrixXd>(inverse.values(H.begin(e)), d, d) = (own + own.transpose()) / 2;
 }
 
 void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {

@@ -38,9 +38,9 @@ class EliminatedBlocks {
   /// x_e := V^-1 (b_e - W^T x_c), in place; x has b_e and x_c.
   void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const;
 
-  /// The diagonal block of the whole inverse, d x d: V^-1 + (V^-1 W^T) Z (V^-1 W^T)^T with Z the inverse of the reduced
-  /// system, of which all blocks are there that this one meets in pairs.
-  void invert(const BlockLower& H, int e, const BlockLower& Z, double* inverse) const;
+  /// The blocks of the whole inverse in column e of H, into `inverse`: -Z W V^-1 below the diagonal, with Z the inverse of
+  /// the reduced system, of which all blocks are there that this one meets in pairs, and V^-1 + V^-1 W^T Z W V^-1 on it.
+  void invert(const BlockLower& H, int e, const BlockLower& Z, BlockLower& inverse) const;
 
   static SolveStatus status(const Failure& failure, const std::vector<int>& offset);
 

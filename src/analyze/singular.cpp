@@ -1,7 +1,6 @@
-#include "slom/analyze/diagnosis.hpp"
+#include "analyze/singular.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace slom {
 
@@ -12,12 +11,12 @@ int blockOf(const ProblemStructure& structure, int unknown) {
   return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
 }
 
+}  // namespace
+
 std::string unmeasured(const std::string& name) {
   return "no measurement depends on variable " + name +
          ", so nothing determines it; add measurements or fix it with optimizeRV(id, false)";
 }
-
-}  // namespace
 
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
   const int block = blockOf(structure, unknown);

@@ -1,0 +1,57 @@
+/// Components of a variable: which of them a member is, and what their coordinates are.
+#pragma once
+
+#include <limits>
+#include <type_traits>
+#include <typeinfo>
+#include <utility>
+
+#include <Eigen/Core>
+
+#include "mtk/rebind.hpp"
+#include "mtk/types/trafo.hpp"
+
+namespace slom {
+
+namespace detail {
+
+/// The components [first, first + count) that `member`, a part of x at any depth, makes; first < 0 when it is none. `at`: the
+/// first component of x.
+template <class X>
+std::pair<int, int> componentsOf(const X& x, const void* member, const std::type_info& type, int at) {
+  if (static_cast<const void*>(&x) == member && typeid(X) == type) return {at, mtk::dof(x)};
+  std::pair<int, int> found{-1, 0};
+  const auto look = [&](const auto& part) {
+    if (found.first < 0) found = componentsOf(part, member, type, at);
+    at += mtk::dof(part);
+  };
+  if constexpr (mtk::detail::Compound<X>) {
+    auto members = mtk::detail::membersOf(x);
+    std::apply([&](const auto&... part) { (look(part), ...); }, members);
+  } else if constexpr (mtk::detail::StdArray<X>) {
+    for (const auto& part : x) look(part);
+  }
+  return found;
+}
+
+}  // namespace detail
+
+/// Writes the coordinate that each component moves: the number itself for numbers and vectors, NaN for rotations and all
+/// else that is no vector space.
+template <class X>
+void coordinates(const X& x, double* out) {
+  mtk::detail::forEachBasicPart(x, x, 0, [out](const auto& part, const auto&, int at) {
+    using P = std::remove_cvref_t<decltype(part)>;
+    if constexpr (std::is_arithmetic_v<P>) {
+      out[at] = part;
+    } else if constexpr (requires { []<class D>(const Eigen::MatrixBase<D>&) {}(part); }) {
+      for (Eigen::Index i = 0; i < part.size(); ++i) out[at + i] = part[i];
+    } else if constexpr (std::is_convertible_v<P, double> && mtk::DOF_v<P> == 1 && !mtk::detail::is_rotation<P>) {
+      out[at] = static_cast<double>(part);
+    } else {
+      for (int i = 0; i < mtk::dof(part); ++i) out[at + i] = std::numeric_limits<double>::quiet_NaN();
+    }
+  });
+}
+
+}  // namespace slom

@@ -1,0 +1,346 @@
+#include "analyze/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <ostream>
+
+#include <Eigen/SVD>
+
+#include "analyze/gauge.hpp"
+#include "analyze/null_space.hpp"
+#include "analyze/singular.hpp"
+#include "analyze/words.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Kind = Finding::Kind;
+
+/// Influence of a direction, in unknowns scaled by the lengths of their columns of J: below the first it is rounding error
+/// (of numeric derivatives too), below the second a hint is due.
+constexpr double kNone = 1e-8, kWeak = 1e-6;
+/// Entries of a direction that are smaller than this share of the largest are not told.
+constexpr double kSmall = 1e-5;
+/// Correlations from here on are told.
+constexpr double kCorrelated = 0.999;
+/// Of types with more variables, correlations are not looked at: neighbours in a chain are always correlated.
+constexpr int kFew = 20;
+constexpr int kMostDenseUnknowns = 600;
+/// Spread of |J_i| from which on units are worth a thought.
+constexpr double kBadScale = 1e12;
+constexpr std::size_t kMostCorrelations = 5;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What variables of a type are called, in the singular.
+std::string nounOf(const std::string& type) {
+  if (type.rfind("trafo<", 0) == 0) return "pose";
+  if (type == "vect<2>" || type == "vect<3>" || type.rfind("Matrix<double, ", 0) == 0) return "point";
+  return type;
+}
+
+class Examination {
+ public:
+  Examination(System& system, Linearizer& linearizer)
+      : system_(system), linearizer_(linearizer), problem_(system.problem()), structure_(system.structure()) {}
+
+  Diagnosis run() {
+    result_.residuals = structure_.residuals;
+    if (structure_.system.unknowns() > 0) system_.linearize();  // which finds the bounds that are active
+    result_.unknowns = result_.rank = structure_.system.unknowns() - problem_.heldCount();
+    findIdleMeasurements();
+    if (result_.unknowns == 0) return std::move(result_);
+    const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
+    const LeastInfluence least = leastInfluence(jacobian, structure_.system, problem_, linearizer_, kWeak);
+    const Index none = least.countBelow(kNone);
+    result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
+    const std::vector<Part> parts = connectedParts(structure_.system);
+    findIdle(least);
+    for (const Part& part : parts) explain(part, least.direction.leftCols(none), least.scale);
+    describeWeak(least, none);
+    findParts(parts);
+    findBadScales(least);
+    if (result_.isDetermined()) findCorrelations();
+    return std::move(result_);
+  }
+
+ private:
+  void add(Kind kind, bool is_fault, std::string text, std::vector<std::string> names, int dimension = 0) {
+    result_.findings.push_back({kind, is_fault, std::move(text), std::move(names), dimension});
+  }
+  int blockOf(int unknown) const {
+    const auto& offset = structure_.system.offset;
+    return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+  }
+  bool isHeld(int unknown) const {
+    const int block = blockOf(unknown);
+    return recordOf(block).isHeld(unknown - structure_.system.offset[at(block)]);
+  }
+  std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
+  const VariableRecord& recordOf(int block) const {
+    return problem_.variables()[at(structure_.variable_of_block[at(block)])];
+  }
+
+  void findIdleMeasurements() {
+    for (std::size_t g = 0; g < structure_.system.groups.size(); ++g) {
+      const MeasurementGroup& group = structure_.system.groups[g];
+      int idle = 0;
+      for (int m = 0; m < group.size(); ++m) {
+        const auto first = group.blocks.begin() + m * group.arity;
+        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++idle;
+      }
+      if (idle == 0) continue;
+      const std::string& name = problem_.pools()[g]->name();
+      add(Kind::idle_measurements, false,
+          std::to_string(idle) + " of " + counted(group.size(), "measurement") + " " + name +
+              " depend" + (idle == 1 ? "s" : "") + " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
+          {name});
+    }
+  }
+
+  void findIdle(const LeastInfluence& least) {
+    std::map<int, std::vector<std::string>> components_of;  // by block
+    for (const int unknown : least.idle) {
+      components_of[blockOf(unknown)].push_back(nameOf(unknown));
+    }
+    for (const auto& [block, names] : components_of) {
+      const int variable = structure_.variable_of_block[at(block)];
+      if (recordOf(block).uses == 0) {
+        add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)), {problem_.variableName(variable)},
+            static_cast<int>(names.size()));
+      } else {
+        add(Kind::idle_component, true,
+            "no residual changes with " + listed(names) + ", to first order: add measurements that do or a prior, or fix " +
+                (names.size() == 1 ? "it" : "them"),
+            names, static_cast<int>(names.size()));
+      }
+    }
+  }
+
+  void explain(const Part& part, const MatrixXd& none, const VectorXd& scale) {
+    MatrixXd own = none(part.unknowns, Eigen::all);
+    if (own.norm() < 0.5) return;  // a direction of this part would be of unit length
+    const Eigen::JacobiSVD<MatrixXd> svd(own, Eigen::ComputeThinU);
+    own = svd.matrixU().leftCols((svd.singularValues().array() > 0.5).count());
+    const Gauge gauge = part.blocks.size() > 1 ? findGauge(problem_, structure_, part, own, scale) : Gauge();
+    if (gauge.count() > 0) {
+      describe(gauge, part);
+      const MatrixXd rest = own - gauge.directions * (gauge.directions.transpose() * own);
+      const Eigen::JacobiSVD<MatrixXd> rest_svd(rest, Eigen::ComputeThinU);
+      own = rest_svd.matrixU().leftCols(own.cols() - gauge.count());
+    }
+    if (own.cols() > 0) describeUndetermined(part, own, scale);
+  }
+
+  void describe(const Gauge& gauge, const Part& part) {
+    struct Members {
+      std::vector<std::string> names;
+      int of = 0;
+    };
+    std::map<std::string, Members> members_of;  // by noun
+    int row = 0;
+    std::vector<std::string> names;
+    for (const int block : part.blocks) {
+      const int dof = structure_.system.dof(block);
+      Members& members = members_of[nounOf(recordOf(block).store->typeName())];
+      ++members.of;
+      if (gauge.directions.middleRows(row, dof).norm() > kSmall) {
+        members.names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
+        names.push_back(members.names.back());
+      }
+      row += dof;
+    }
+    std::vector<std::string> who;
+    for (const auto& [noun, members] : members_of) {
+      const int count = static_cast<int>(members.names.size());
+      if (count == 0) continue;
+      who.push_back((count == members.of ? "all " : "") + counted(count, noun) + " (" + abridged(members.names) + ")");
+    }
+    std::string text = listed(who) + " can move together (" + gauge.text + ") without changing any residual: ";
+    text[0] = static_cast<char>(std::toupper(text[0]));
+    const bool has_pose = members_of.contains("pose"), is_rigid = gauge.has_translation || gauge.has_rotation;
+    if (is_rigid) text += has_pose ? "fix one pose or add a prior" : "fix as many of them as that takes, or add priors";
+    if (gauge.has_scale) text += std::string(is_rigid ? ", and measure a length" : "measure a length or fix one");
+    add(Kind::gauge, true, text, names, static_cast<int>(gauge.count()));
+  }
+
+  /// A basis of few entries: each direction has 1 where the others have 0.
+  static MatrixXd reduced(MatrixXd basis) {
+    for (Index j = 0; j < basis.cols(); ++j) {
+      Index row = 0, column = 0;
+      basis.rightCols(basis.cols() - j).cwiseAbs().maxCoeff(&row, &column);
+      basis.col(j).swap(basis.col(j + column));
+      basis.col(j) /= basis(row, j);
+      for (Index k = 0; k < basis.cols(); ++k) {
+        if (k != j) basis.col(k) -= basis(row, k) * basis.col(j);
+      }
+    }
+    return basis;
+  }
+
+  /// The components that move along a direction (in scaled unknowns), largest first, with the amounts that they move by
+  /// when the first moves by 1.
+  struct Movement {
+    std::vector<std::string> names, amounts;
+  };
+  Movement movement(const std::vector<int>& unknowns, const VectorXd& direction, const VectorXd& scale) const {
+    std::vector<Index> order;
+    for (Index i = 0; i < direction.size(); ++i) {
+      if (std::abs(direction[i]) > kSmall * direction.cwiseAbs().maxCoeff()) order.push_back(i);
+    }
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+      const double x = std::abs(direction[a]), y = std::abs(direction[b]);
+      return x > y * (1 + 1e-6);
+    });
+    Movement result;
+    for (const Index i : order) {
+      const auto amount = [&](Index k) { return direction[k] / scale[unknowns[static_cast<std::size_t>(k)]]; };
+      const double relative = amount(i) / amount(order.front());
+      result.names.push_back(nameOf(unknowns[static_cast<std::size_t>(i)]));
+      result.amounts.push_back((relative > 0 ? "+" : "") + number(relative));
+    }
+    return result;
+  }
+
+  void describeUndetermined(const Part& part, const MatrixXd& own, const VectorXd& scale) {
+    const MatrixXd basis = reduced(own);
+    for (Index j = 0; j < basis.cols(); ++j) {
+      const Movement moves = movement(part.unknowns, basis.col(j), scale);
+      std::string text;
+      if (moves.names.size() == 1) {
+        text = "nothing determines " + moves.names[0] + ": it can move without changing any residual; add measurements that it "
+               "changes or a prior, or fix it";
+      } else if (moves.names.size() == 2) {
+        text = moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " + moves.amounts[0] + " and " +
+               moves.amounts[1] + " changes no residual; fix one of them, or add a prior or measurements that depend on them in "
+               "another way";
+      } else {
+        text = listed(moves.names) + " can move together (by " + listed(moves.amounts) + ") without changing any residual; fix " +
+               "one of them, or add a prior or measurements that depend on them in another way";
+      }
+      add(Kind::undetermined, true, text, moves.names, 1);
+    }
+  }
+
+  void describeWeak(const LeastInfluence& least, Index none) {
+    std::vector<int> all(at(structure_.system.unknowns()));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+    for (Index k = none; k < least.countBelow(kWeak); ++k) {
+      const VectorXd direction = least.direction.col(k);
+      const Movement moves = movement(all, direction, least.scale);
+      Index largest = 0;
+      direction.cwiseAbs().maxCoeff(&largest);
+      const double deviation = std::abs(direction[largest]) / least.scale[largest] / least.influence[k];
+      add(Kind::weak, false,
+          listed(moves.names) + (moves.names.size() == 1 ? " is" : " are") + " hardly determined: " +
+              (moves.names.size() == 1 ? "" : "moving together (by " + listed(moves.amounts) + "), ") +
+              nameOf(static_cast<int>(largest)) + " has a standard deviation of " + number(deviation),
+          moves.names, 1);
+    }
+  }
+
+  void findParts(const std::vector<Part>& parts) {
+    if (parts.size() < 2) return;
+    std::vector<std::string> who;
+    for (const Part& part : parts) {
+      std::vector<std::string> names;
+      for (const int block : part.blocks) names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
+      who.push_back(abridged(names));
+    }
+    std::string text = "the variables fall into " + std::to_string(parts.size()) + " groups that no measurement connects: ";
+    for (std::size_t p = 0; p < who.size() && p < 3; ++p) text += (p > 0 ? "; " : "") + who[p];
+    if (who.size() > 3) text += "; and " + std::to_string(who.size() - 3) + " more";
+    add(Kind::disconnected, false, text, who);
+  }
+
+  void findBadScales(const LeastInfluence& least) {
+    Index small = -1, large = -1;
+    for (Index i = 0; i < least.scale.size(); ++i) {
+      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) || isHeld(static_cast<int>(i))) continue;
+      if (small < 0 || least.scale[i] < least.scale[small]) small = i;
+      if (large < 0 || least.scale[i] > least.scale[large]) large = i;
+    }
+    if (small < 0 || !(least.scale[large] > kBadScale * least.scale[small])) return;
+    const std::string a = nameOf(static_cast<int>(large)), b = nameOf(static_cast<int>(small));
+    add(Kind::badly_scaled, false,
+        "a unit of " + a + " changes the residuals " + number(least.scale[large] / least.scale[small], 1) + " times as much as a unit of " + b +
+            ": choose units in which both are of a size that can be told apart from 0",
+        {a, b});
+  }
+
+  void findCorrelations() {
+    std::map<const VariableStoreBase*, int> count_of;
+    const int blocks = structure_.system.blockCount();
+    for (int b = 0; b < blocks; ++b) ++count_of[recordOf(b).store];
+    std::vector<int> unknowns;
+    for (int b = 0; b < blocks; ++b) {
+      if (count_of[recordOf(b).store] > kFew) continue;
+      for (int c = 0; c < structure_.system.dof(b); ++c) {
+        if (!recordOf(b).isHeld(c)) unknowns.push_back(structure_.system.offset[at(b)] + c);
+      }
+    }
+    const Index n = static_cast<Index>(unknowns.size());
+    if (n < 2 || n > kMostDenseUnknowns) return;
+    MatrixXd units = MatrixXd::Zero(structure_.system.unknowns(), n), columns;
+    for (Index j = 0; j < n; ++j) units(unknowns[static_cast<std::size_t>(j)], j) = 1;
+    system_.linearize();
+    if (!system_.solver().solveFor(units, columns).ok) return;
+    const MatrixXd C = columns(unknowns, Eigen::all);
+    struct Pair {
+      Index i, j;
+      double correlation;
+    };
+    std::vector<Pair> pairs;
+    for (Index j = 0; j < n; ++j) {
+      for (Index i = 0; i < j; ++i) {
+        const double correlation = C(i, j) / std::sqrt(C(i, i) * C(j, j));
+        if (std::abs(correlation) > kCorrelated) pairs.push_back({i, j, correlation});
+      }
+    }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+    if (pairs.size() > kMostCorrelations) pairs.resize(kMostCorrelations);
+    for (const Pair& pair : pairs) {
+      const std::string a = nameOf(unknowns[static_cast<std::size_t>(pair.i)]), b = nameOf(unknowns[static_cast<std::size_t>(pair.j)]);
+      char text[32];
+      std::snprintf(text, sizeof text, "%.*f", std::abs(pair.correlation) > 0.9999 ? 6 : 4, pair.correlation);
+      add(Kind::correlated, false,
+          a + " and " + b + " can hardly be told apart (correlation " + text +
+              "): add measurements that depend on them in another way or a prior, or fix one of them",
+          {a, b});
+    }
+  }
+
+  System& system_;
+  Linearizer& linearizer_;
+  Problem& problem_;
+  const ProblemStructure& structure_;
+  Diagnosis result_;
+};
+
+}  // namespace
+
+Diagnosis diagnose(System& system, Linearizer& linearizer) { return Examination(system, linearizer).run(); }
+
+Error undeterminedError(System& system, Linearizer& linearizer, const SolveStatus& status) {
+  for (const Finding& finding : diagnose(system, linearizer).findings) {
+    if (finding.kind == Kind::gauge) {
+      return {"slom.free-gauge", "there are no covariances as long as the gauge is free. " + finding.text};
+    }
+  }
+  return singularError(system.problem(), system.structure(), status);
+}
+
+std::string Diagnosis::text() const {
+  std::string all = "rank " + std::to_string(rank) + " of " + counted(unknowns, "unknown") + ", " + counted(residuals, "residual") + "\n";
+  for (const Finding& finding : findings) all += std::string(finding.is_fault ? "  fault: " : "  hint: ") + finding.text + "\n";
+  return all;
+}
+
+std::ostream& operator<<(std::ostream& os, const Diagnosis& diagnosis) { return os << diagnosis.text(); }
+
+}  // namespace slom

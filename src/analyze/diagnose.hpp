@@ -1,0 +1,16 @@
+/// Looks a problem over at its current values: what it determines, what it does not, and why.
+#pragma once
+
+#include "slom/analyze/diagnosis.hpp"
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+/// Sparse: a factorisation and a few solutions with it.
+Diagnosis diagnose(System& system, Linearizer& linearizer);
+
+/// The error of an analysis that needs a full rank: [slom.free-gauge] with the motions that are free or, where that is not
+/// the cause, singularError.
+Error undeterminedError(System& system, Linearizer& linearizer, const SolveStatus& status);
+
+}  // namespace slom

@@ -1,0 +1,208 @@
+#include "analyze/gauge.hpp"
+
+#include <map>
+#include <numeric>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "analyze/words.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kSame = 1e-6;  // of directions, which are of unit length
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Columns of length 1; `length` holds what they had.
+MatrixXd normalized(MatrixXd A, VectorXd& length) {
+  length = A.colwise().norm();
+  for (Index j = 0; j < A.cols(); ++j) A.col(j) /= length[j] > 0 ? length[j] : 1;
+  return A;
+}
+
+MatrixXd orthonormalColumns(const MatrixXd& A) {
+  const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU);
+  return svd.matrixU().leftCols((svd.singularValues().array() > kSame).count());
+}
+
+/// Variables of one type in a part, with the rows of their unknowns in it.
+struct Class {
+  std::vector<int> variables, first_row;
+  Index rows = 0;
+};
+
+/// The variables that take part in the null space, by the store of their type.
+std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, const ProblemStructure& structure, const Part& part,
+                                                    const MatrixXd& null_space) {
+  std::map<const VariableStoreBase*, Class> classes;
+  int row = 0;
+  for (const int block : part.blocks) {
+    const int dof = structure.system.dof(block), variable = structure.variable_of_block[at(block)];
+    if (null_space.middleRows(row, dof).norm() > kSame) {
+      Class& own = classes[problem.variables()[at(variable)].store];
+      own.variables.push_back(variable);
+      own.first_row.push_back(row);
+      own.rows += dof;
+    }
+    row += dof;
+  }
+  return classes;
+}
+
+/// What motions of the world do to the scaled unknowns of the class.
+MatrixXd motionsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role, const VectorXd& scale) {
+  MatrixXd all(own.rows, kWorldMotions);
+  Index row = 0;
+  for (std::size_t i = 0; i < own.variables.size(); ++i) {
+    const VariableRecord& record = problem.variables()[at(own.variables[i])];
+    MatrixXd motions(record.dof, kWorldMotions);
+    record.store->worldMotions(record.store->valueAt(record.slot), role, motions.data());
+    for (int c = 0; c < record.dof; ++c) {
+      all.row(row++) = scale[part.unknowns[at(own.first_row[i] + c)]] * motions.row(c);
+    }
+  }
+  return all;
+}
+
+MatrixXd rowsOf(const MatrixXd& A, const Problem& problem, const Class& own) {
+  MatrixXd rows(own.rows, A.cols());
+  Index row = 0;
+  for (std::size_t i = 0; i < own.variables.size(); ++i) {
+    const int dof = problem.variables()[at(own.variables[i])].dof;
+    rows.middleRows(row, dof) = A.middleRows(own.first_row[i], dof);
+    row += dof;
+  }
+  return rows;
+}
+
+/// The motions of the world that, on this class, lie in the null space.
+Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space) {
+  Gauge result;
+  VectorXd length;
+  const MatrixXd G = normalized(motions, length);
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(G);
+  qr.setThreshold(1e-9);
+  const Eigen::JacobiSVD<MatrixXd> null_svd(null_rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Index rank = qr.rank(), null_rank = (null_svd.singularValues().array() > kSame).count();
+  if (rank == 0 || null_rank == 0 || null_rank == null_rows.rows()) return result;
+  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(G.rows(), rank);
+  const MatrixXd U = null_svd.matrixU().leftCols(null_rank);
+  const Eigen::JacobiSVD<MatrixXd> angles(Q.transpose() * U, Eigen::ComputeThinU);
+  const Index count = (angles.singularValues().array() > 1 - kSame).count();
+  if (count == 0) return result;
+  const MatrixXd common = Q * angles.matrixU().leftCols(count);
+  result.motions = qr.solve(common);
+  result.length = length.unaryExpr([](double l) { return l > 0 ? l : 1.0; });
+  const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
+  result.directions = orthonormalColumns(
+      null_space * (null_svd.matrixV().leftCols(null_rank) * (inverse.asDiagonal() * (U.transpose() * common))));
+  return result;
+}
+
+/// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
+MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
+  const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeFullV);
+  const double limit = kSame * std::max(1e-300, A.norm());
+  const Index rank = (svd.singularValues().array() > limit).count();
+  return A * svd.matrixV().rightCols(A.cols() - rank);
+}
+
+/// `x, y, z` of all three axes, or the vectors that span the columns of A: `x`, `(0.6 0.8 0)`.
+std::string axes(const MatrixXd& A) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
+  qr.setThreshold(kSame);
+  const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(3, qr.rank());
+  std::vector<std::string> names;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (basis.row(axis).norm() > 1 - kSame) names.push_back(std::string(1, "xyz"[axis]));
+  }
+  if (static_cast<Index>(names.size()) < basis.cols()) {
+    names.clear();
+    for (Index j = 0; j < basis.cols(); ++j) {
+      Index largest = 0;
+      basis.col(j).cwiseAbs().maxCoeff(&largest);
+      const Eigen::Vector3d axis = basis.col(j) / (basis(largest, j) > 0 ? 1.0 : -1.0);
+      std::string text = "(";
+      for (int i = 0; i < 3; ++i) text += (i > 0 ? " " : "") + number(std::abs(axis[i]) < kSame ? 0 : axis[i]);
+      names.push_back(text + ")");
+    }
+  }
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Pure translations, what there is beyond them, and the scale.
+void describe(Gauge& gauge) {
+  const MatrixXd& motions = gauge.motions;
+  const auto inUnits = [&](const MatrixXd& A, int first) {
+    return MatrixXd(gauge.length.segment(first, 3).cwiseInverse().asDiagonal() * A.middleRows(first, 3));
+  };
+  const MatrixXd translations = vanishingIn(motions, motions.middleRows(3, 4));
+  gauge.has_scale = motions.bottomRows(1).norm() > kSame * motions.norm();
+  gauge.has_translation = translations.cols() > 0;
+  gauge.has_rotation = motions.cols() - translations.cols() > (gauge.has_scale ? 1 : 0);
+  const auto append = [&](const std::string& part) { gauge.text += (gauge.text.empty() ? "" : "; ") + part; };
+  if (gauge.has_translation) append("translation " + axes(inUnits(translations, 0)));
+  if (gauge.has_rotation) append("rotation about " + axes(inUnits(vanishingIn(motions, motions.bottomRows(1)), 3)));
+  if (gauge.has_scale) append("scale");
+}
+
+}  // namespace
+
+std::vector<Part> connectedParts(const BlockStructure& structure) {
+  std::vector<int> root(at(structure.blockCount()));
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int b) {
+    while (root[at(b)] != b) b = root[at(b)] = root[at(root[at(b)])];
+    return b;
+  };
+  for (const MeasurementGroup& group : structure.groups) {
+    for (int m = 0; m < group.size(); ++m) {
+      int first = -1;
+      for (int k = 0; k < group.arity; ++k) {
+        const int block = group.blocks[at(m * group.arity + k)];
+        if (block < 0) continue;
+        if (first < 0) first = find(block);
+        const int other = find(block);
+        root[at(std::max(first, other))] = std::min(first, other);
+        first = std::min(first, other);
+      }
+    }
+  }
+  std::vector<int> part_of(root.size(), -1);
+  std::vector<Part> parts;
+  for (int b = 0; b < structure.blockCount(); ++b) {
+    int& part = part_of[at(find(b))];
+    if (part < 0) {
+      part = static_cast<int>(parts.size());
+      parts.emplace_back();
+    }
+    parts[at(part)].blocks.push_back(b);
+    for (int c = 0; c < structure.dof(b); ++c) parts[at(part)].unknowns.push_back(structure.offset[at(b)] + c);
+  }
+  return parts;
+}
+
+Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part, const MatrixXd& null_space,
+                const VectorXd& scale) {
+  Gauge best;
+  for (const auto& [store, own] : classesOf(problem, structure, part, null_space)) {
+    const MatrixXd null_rows = rowsOf(null_space, problem, own);
+    for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
+      Gauge found = commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space);
+      if (found.count() > best.count()) best = std::move(found);
+    }
+  }
+  if (best.count() > 0) describe(best);
+  return best;
+}
+
+}  // namespace slom

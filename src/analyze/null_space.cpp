@@ -1,0 +1,94 @@
+#include "analyze/null_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "slom/solve/block_solver.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kDamping = 1e-10;  // of the scaled J^T J, whose diagonal is 1
+constexpr int kIterations = 6;
+constexpr Index kFirstCount = 12, kMostCount = 192;
+
+/// Orthonormal columns that span those of A.
+MatrixXd orthonormal(const MatrixXd& A) {
+  const Eigen::HouseholderQR<MatrixXd> qr(A);
+  return qr.householderQ() * MatrixXd::Identity(A.rows(), A.cols());
+}
+
+/// Numbers that look random and are the same in every run, 0 for idle unknowns.
+MatrixXd startVectors(const VectorXd& diagonal, Index count) {
+  MatrixXd start(diagonal.size(), count);
+  double x = 0.5;
+  for (double& entry : start.reshaped()) {
+    x += 0.6180339887498949 + 0.1 * x * (1 - x);
+    x -= std::floor(x);
+    entry = x - 0.5;
+  }
+  for (Index i = 0; i < start.rows(); ++i) {
+    if (!(diagonal[i] > 0)) start.row(i).setZero();
+  }
+  return start;
+}
+
+/// Turns the columns of `result.direction` into the singular vectors of J among them.
+void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
+  MatrixXd image = jacobian.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
+  if (image.rows() > image.cols()) {
+    const Eigen::HouseholderQR<MatrixXd> qr(image);
+    image = qr.matrixQR().topRows(image.cols()).triangularView<Eigen::Upper>();
+  }
+  const Eigen::JacobiSVD<MatrixXd> svd(image, Eigen::ComputeFullV);
+  const Index count = result.direction.cols();
+  result.influence.setZero(count);
+  for (Index k = 0; k < svd.singularValues().size(); ++k) result.influence[count - 1 - k] = svd.singularValues()[k];
+  result.direction = result.direction * svd.matrixV().rowwise().reverse();
+}
+
+}  // namespace
+
+LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
+                              Linearizer& linearizer, double limit) {
+  LeastInfluence result;
+  const VectorXd diagonal = jacobian.rows().diagonal();
+  result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
+  for (Index i = 0; i < diagonal.size(); ++i) {
+    if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));
+  }
+  const Index dimension = diagonal.size() - static_cast<Index>(result.idle.size());
+  if (dimension == 0) {
+    result.direction.resize(diagonal.size(), 0);
+    return result;
+  }
+  BlockSolver solver(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
+  solver.analyze(structure);
+  linearizer.linearize(problem, solver);
+  const VectorXd damping = kDamping * result.scale.cwiseAbs2();
+  for (Index count = std::min(kFirstCount, dimension);; count = std::min(4 * count, dimension)) {
+    result.direction = orthonormal(startVectors(diagonal, count));
+    for (int i = 0; i < kIterations; ++i) {
+      MatrixXd moved;
+      const SolveStatus status = solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
+      if (!status.ok) break;  // the vectors so far are the best there are
+      result.direction = orthonormal(result.scale.asDiagonal() * moved);
+    }
+    sortByInfluence(jacobian, result);
+    if (count == dimension || !(result.influence[count - 1] < limit)) return result;
+    if (count >= kMostCount) {
+      result.may_miss_some = true;
+      return result;
+    }
+  }
+}
+
+}  // namespace slom

@@ -1,0 +1,24 @@
+/// Why a linear system could not be solved, in the user's names.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+/// `left2world #3.orient.z`: the component of a variable that an unknown of the linear system is.
+std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown);
+
+/// Why the linear system could not be solved, as an error with a remedy: [slom.unmeasured-variable] or
+/// [slom.rank-deficient].
+Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status);
+
+/// The sentence on a variable that no measurement depends on.
+std::string unmeasured(const std::string& name);
+
+/// A sentence for each optimised variable that no measurement depends on.
+std::vector<std::string> unmeasuredVariables(const Problem& problem);
+
+}  // namespace slom

@@ -1,0 +1,39 @@
+#include "analyze/words.hpp"
+
+#include <cstdio>
+
+namespace slom {
+
+std::string counted(int count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string listed(const std::vector<std::string>& items, std::size_t most) {
+  std::vector<std::string> shown = items;
+  if (shown.size() > most) {
+    shown.resize(most - 1);
+    shown.push_back(std::to_string(items.size() - shown.size()) + " more");
+  }
+  std::string text;
+  for (std::size_t i = 0; i < shown.size(); ++i) text += (i == 0 ? "" : i + 1 == shown.size() ? " and " : ", ") + shown[i];
+  return text;
+}
+
+std::string abridged(const std::vector<std::string>& items) {
+  constexpr std::size_t most = 4;
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const bool hidden = items.size() > most && i >= 2 && i + 1 < items.size();
+    if (!hidden) text += (text.empty() ? "" : ", ") + items[i];
+    if (hidden && i == 2) text += ", ...";
+  }
+  return text;
+}
+
+std::string number(double x, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, x);
+  return text;
+}
+
+}  // namespace slom
