@@ -48,7 +48,8 @@ struct Rebind<vect<N, A>, S> {
 template <class A, int R, int C, int O, int MR, int MC, class S>
 struct Rebind<Eigen::Matrix<A, R, C, O, MR, MC>, S> {
   // Columns become mtk's, which do not convert to vectors of doubles.
-  using type = std::conditional_t<C == 1, vect<R, S>, Eigen::Matrix<S, R, C, Eigen::DontAlign | (O & Eigen::RowMajor)>>;
+  using type = std::conditional_t<C == 1, vect<R, S>,
+                                  Eigen::Matrix<S, R, C, detail::plainStorage<S, R, C>() | (O & Eigen::RowMajor)>>;
 };
 template <class T, std::size_t N, class S>
   requires(!std::is_void_v<rebound_t<T, S>>)

@@ -1,6 +1,7 @@
 /// A view of N contiguous scalars as an Eigen column vector; what [+] reads from and [-] writes to.
 #pragma once
 
+#include <cstddef>
 #include <type_traits>
 
 #include <Eigen/Core>
@@ -9,9 +10,22 @@ namespace mtk {
 
 inline constexpr int Dynamic = Eigen::Dynamic;
 
-/// Column vector of N scalars without alignment demands: its layout does not depend on compiler flags.
+namespace detail {
+/// Eigen's option for a matrix whose layout does not depend on compiler flags. Of a size known only at run time it is allocated,
+/// by Eigen's allocator where its scalars (packs, dual numbers) demand more alignment than malloc gives.
+template <class S, int Rows, int Cols>
+constexpr int plainStorage() {
+  if constexpr (Rows == Dynamic || Cols == Dynamic) {
+    return alignof(S) > alignof(std::max_align_t) ? Eigen::AutoAlign : Eigen::DontAlign;
+  } else {
+    return Eigen::DontAlign;
+  }
+}
+}  // namespace detail
+
+/// Column vector of N scalars without alignment demands of its own: its layout does not depend on compiler flags.
 template <class S, int N>
-using PlainVector = Eigen::Matrix<S, N, 1, Eigen::ColMajor | Eigen::DontAlign>;
+using PlainVector = Eigen::Matrix<S, N, 1, Eigen::ColMajor | detail::plainStorage<S, N, 1>()>;
 
 namespace detail {
 template <class S, int N>

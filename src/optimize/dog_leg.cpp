@@ -52,6 +52,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     outcome.trials = 1;
     return outcome;
   }
+  const double promised = system.predictedDecrease(newton, {});
   newton = newton.cwiseProduct(scale);
   const VectorXd gradient = system.solver().gradient().cwiseQuotient(scale);
   const double curvature = system.solver().squaredImage(gradient.cwiseQuotient(scale));
@@ -65,18 +66,23 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     outcome.predicted_decrease = system.predictedDecrease(outcome.step);
     const double rss = system.tryStep(outcome.step);
     const bool finite = std::isfinite(rss);
-    const double rho = finite ? (outcome.rss_before - rss) / outcome.predicted_decrease : -1;
+    const double decrease = outcome.rss_before - rss;
+    const bool is_judged = !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
+    const bool is_better = finite && (decrease > 0 || (!is_judged && system.cameCloser({}, promised)));
+    const double rho = !finite ? -1 : is_judged ? decrease / outcome.predicted_decrease : is_better ? 1 : 0;
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());
     } else if (!(rho >= 0.25)) {
       radius_ = std::min(radius_, scaled.norm()) / 2;
     }
-    if (finite && rss < outcome.rss_before) {
+    if (is_better) {
       outcome.rss_after = rss;
       return outcome;
     }
     system.undo();
-    const bool at_rest = finite && outcome.predicted_decrease <= options.decrease_tolerance * outcome.rss_before;
+    system.linearize();
+    const double little = std::max(options.decrease_tolerance, System::kRounding) * outcome.rss_before;
+    const bool at_rest = finite && outcome.predicted_decrease <= little;
     if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
       outcome.kind = finite ? StepOutcome::Kind::stuck : StepOutcome::Kind::not_finite;
       return outcome;

@@ -59,15 +59,20 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
       const double rss = system.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
-      if (was_finite && decrease > 0 && outcome.predicted_decrease > 0) {
-        const double rho = decrease / outcome.predicted_decrease;
+      const bool is_judged = !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
+      const bool is_better =
+          decrease > 0 || (was_finite && !is_judged && system.cameCloser(damping, outcome.predicted_decrease));
+      if (is_better && outcome.predicted_decrease > 0) {
+        const double rho = is_judged ? decrease / outcome.predicted_decrease : 1;
         mu_ *= std::max(1.0 / 3, 1 - std::pow(2 * rho - 1, 3));
         nu_ = 2;
         outcome.rss_after = rss;
         return outcome;
       }
       system.undo();
-      const bool at_rest = was_finite && outcome.predicted_decrease <= options.decrease_tolerance * outcome.rss_before;
+      system.linearize();
+      const double little = std::max(options.decrease_tolerance, System::kRounding) * outcome.rss_before;
+      const bool at_rest = was_finite && outcome.predicted_decrease <= little;
       if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
         outcome.kind = StepOutcome::Kind::stuck;
         return outcome;

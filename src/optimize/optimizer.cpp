@@ -160,12 +160,12 @@ class Run {
 
   StopReason whyStuck(const StepOutcome& outcome, double gradient) {
     if (gradient <= options_.gradient_tolerance) return StopReason::gradient;
-    if (hasLittleDecrease(outcome)) return StopReason::decrease;
+    if (hasLittleDecrease(outcome, System::kRounding)) return StopReason::decrease;
     return system_.isNegligible(outcome.step, options_.step_tolerance) ? StopReason::step : StopReason::no_progress;
   }
 
-  bool hasLittleDecrease(const StepOutcome& outcome) const {
-    const double little = limits_.decrease_tolerance * outcome.rss_before;
+  bool hasLittleDecrease(const StepOutcome& outcome, double least_tolerance = 0) const {
+    const double little = std::max(limits_.decrease_tolerance, least_tolerance) * outcome.rss_before;
     return std::abs(outcome.rss_before - outcome.rss_after) <= little && outcome.predicted_decrease <= little;
   }
 

@@ -123,6 +123,18 @@ double System::tryLikelyStep(const Eigen::VectorXd& d) {
   }
 }
 
+bool System::cameCloser(const Eigen::VectorXd& damping, double promised) {
+  saved_is_linearized_ = false;
+  try {
+    linearize();
+  } catch (...) {
+    undo();
+    throw;
+  }
+  Eigen::VectorXd next;
+  return solver_->solve(damping, next).ok && predictedDecrease(next, damping) < promised;
+}
+
 void System::undo() {
   problem_.restore();
   linearized_at_ = saved_is_linearized_ ? problem_.valueRevision() : ~std::uint64_t{0};

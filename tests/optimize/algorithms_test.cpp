@@ -86,6 +86,28 @@ void expectSolved(const Classic& problem, const slom::Algorithm& algorithm) {
   }
 }
 
+// Madsen, Nielsen and Tingleff 2004, section 3.1: f = (x + 1, x^2 / 2 + x - 1) is smallest at 0, where Gauss-Newton halves the
+// error and the sum of squares, 2, cannot show the last eight digits of x.
+template <class Algorithm>
+void expectLastDigits(const Algorithm& algorithm) {
+  slom::Estimator est;
+  const auto x = est.insertRV(1.0, "x");
+  est.insertMeasurement([](const auto& v) { return std::array{v + 1.0, 0.5 * v * v + v - 1.0}; }, x);
+  est.changeAlgorithm(algorithm);
+  slom::Options options;
+  options.gradient_tolerance = options.step_tolerance = 1e-15;
+  options.decrease_tolerance = 0;
+  const slom::Summary summary = est.optimize(options);
+  EXPECT_TRUE(summary.converged) << summary;
+  EXPECT_NEAR(*x, 0, 1e-14) << summary;
+  EXPECT_NEAR(summary.final_rss, 2, 1e-14) << summary;
+}
+
+TEST(Algorithms, FindTheDigitsThatTheRssDoesNotShow) {
+  expectLastDigits(slom::LevenbergMarquardt());
+  expectLastDigits(slom::DogLeg());
+}
+
 TEST(Algorithms, LevenbergMarquardtSolvesTheClassics) {
   for (const Classic& problem : kClassics) expectSolved(problem, slom::LevenbergMarquardt());
 }

@@ -62,11 +62,15 @@ class UnknownScales {
   Eigen::VectorXd largest_, scale_;
 };
 
-/// d = -(J^T J + mu D)^-1 J^T r with D the UnknownScales, mu raised until the RSS falls.
+/// d = -(J^T J + mu D)^-1 J^T r with D the UnknownScales, mu raised until the RSS falls. Close to the solution, where the change
+/// of the RSS is rounding error, a step counts as good when g^T (J^T J + mu D)^-1 g is smaller behind it: that is accurate to the
+/// last digits of the unknowns, the RSS to half of them. The dog leg does likewise.
 ///   damping     Marquardt 1963, with the scale of More 1978
 ///   gain ratio and update of mu   Nielsen 1999, as in Madsen, Nielsen and Tingleff, "Methods for non-linear least
 ///               squares problems", 2004, algorithm 3.16: rho = actual / predicted decrease; for rho > 0
 ///               mu *= max(1/3, 1 - (2 rho - 1)^3), nu = 2; otherwise mu *= nu, nu *= 2.
+///   last digits Conn, Gould and Toint, "Trust-region methods", 2000, section 17.4.2 (rho = 1 among rounding errors);
+///               Hager and Zhang, "A new conjugate gradient method", SIAM J. Optim. 16, 2005, section 4 (the gradient decides)
 class LevenbergMarquardt final : public Algorithm {
  public:
   /// `initial_damping` is the first mu. `memory` of the scales, from 0 to 1: the largest so far is the safest, but it holds

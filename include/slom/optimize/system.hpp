@@ -1,6 +1,8 @@
 /// The problem as an algorithm sees it: a point, its linearisation, and steps that can be taken back.
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 #include "slom/linearize/linearize.hpp"
@@ -27,6 +29,10 @@ class System {
   double tryStep(const Eigen::VectorXd& d);
   /// The same for a step that is likely to stay: linearises there at once where derivatives cost little.
   double tryLikelyStep(const Eigen::VectorXd& d);
+  /// Whether the last step led closer to the solution, found out without the RSS: linearises there, and looks whether the step
+  /// that the solver finds with this damping promises less than `promised`, a predictedDecrease from before. Throws as
+  /// linearize, with the step taken back.
+  bool cameCloser(const Eigen::VectorXd& damping, double promised);
   /// Takes the last tried step back; the linearisation is valid again.
   void undo();
 
@@ -49,6 +55,11 @@ class System {
   double predictedDecrease(const Eigen::VectorXd& d) const;
   /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
   double predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const;
+
+  /// Whether a change of the RSS may be rounding error, and that of the residuals is often many times larger than that of
+  /// their sum of squares.
+  bool mayBeRounding(double change) const { return std::abs(change) <= 1e-8 * rss_; }
+  static constexpr double kRounding = 1e-14;  ///< of a sum of squares, relative
 
   /// Where time went since construction.
   PhaseSeconds seconds() const;

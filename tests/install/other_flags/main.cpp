@@ -34,16 +34,19 @@ void fitVectors(bool dense) {
                         slom::StandardDeviation(0.1), slom::Huber(2));
   est.insertMeasurement([](const Eigen::Vector2d& x) { return Eigen::Vector2d(2 * x); }, plane);
   est.insertMeasurement([](const auto& x) { return x; }, pose, slom::measured(Pose()));
+  const auto dual = est.insertRV(Eigen::VectorXd(Eigen::VectorXd::Zero(3)), "dynamic, with exact derivatives");
+  for (int i = 0; i < 3; ++i) est.insertMeasurement([](const auto& x, int component) { return x[component] - component; }, dual, i);
   for (const int threads : {1, 2}) {
     est.setThreads(threads);
     require(est.optimize().converged, "convergence");
   }
   require((*dynamic - long_value).norm() < 1e-9, "dynamic");
+  require((*dual - Eigen::Vector3d(0, 1, 2)).norm() < 1e-9, "dual");
   require((four->array() - 3).matrix().norm() < 1e-9, "four");
   require(plane->norm() < 1e-9, "plane");
   require((est.covariance(dynamic) - covariance).norm() < 1e-9, "covariance");
   require(std::abs(est.standardDeviation(four)[3] - 0.1) < 1e-9, "standard deviation");
-  require(est.residual(id).norm() < 1e-9 && est.residuals().size() == 11 + 4 + 2 + 6, "residuals");
+  require(est.residual(id).norm() < 1e-9 && est.residuals().size() == 11 + 4 + 2 + 6 + 3, "residuals");
   est.reinitRV(dynamic, Eigen::VectorXd(2 * long_value));
   require(std::abs(est.whitenedResidual(id).squaredNorm() - est.getRSS()) < 1e-9, "RSS");
 }

@@ -1,0 +1,209 @@
+// How many certified digits do SLoM and Ceres find? NIST's problems of nonlinear regression, each from its two starts.
+//
+//   bench_nist DATA [--output FILE]   DATA: the folder with the .dat files; prints the page, and writes it to FILE
+//
+// A fit by SLoM's one setting for all that has fewer than 8 digits of a parameter ends the program with status 1.
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/nist/fit.hpp"
+
+#ifdef SLOM_BENCH_CERES
+#include "nist/by_ceres.hpp"
+#endif
+
+namespace {
+
+using namespace slom;
+using testing::nist::digits;
+using testing::nist::Fit;
+using testing::nist::kCautiousDamping;
+using testing::nist::Problem;
+
+struct Method {
+  std::string name, what;
+  std::function<Fit(const Problem&, const Eigen::VectorXd&)> fit;
+};
+
+/// By SLoM, to the last digit.
+template <class A>
+Method bySlom(std::string name, std::string what, const A& algorithm) {
+  return {std::move(name), std::move(what), [algorithm](const Problem& problem, const Eigen::VectorXd& start) {
+            return testing::nist::fitBySlom(problem, start, algorithm, testing::nist::toTheLastDigit());
+          }};
+}
+
+Method asItComes() {
+  return {"SLoM, as it comes", "`LevenbergMarquardt()` with the default options and the default solver",
+          [](const Problem& problem, const Eigen::VectorXd& start) {
+            return testing::nist::fitBySlom(problem, start, LevenbergMarquardt(), Options(), std::make_unique<BlockSolver>());
+          }};
+}
+
+#ifdef SLOM_BENCH_CERES
+Method byCeres(std::string name, std::string what, bench::CeresMethod method, double radius) {
+  return {std::move(name), std::move(what), [=](const Problem& problem, const Eigen::VectorXd& start) {
+            return bench::fitByCeres(problem, start, method, radius);
+          }};
+}
+#endif
+
+/// The first is the one that all problems must be solved by.
+std::vector<Method> methods() {
+  std::vector<Method> all{
+      bySlom("SLoM", "`LevenbergMarquardt(1e3)`: short first steps, as some starts are far off",
+             LevenbergMarquardt(kCautiousDamping)),
+      bySlom("SLoM, default damping", "`LevenbergMarquardt()`", LevenbergMarquardt()),
+      bySlom("SLoM, dog leg", "`DogLeg()`", DogLeg()),
+      bySlom("SLoM, Gauss-Newton", "`GaussNewton()`, which goes on with Levenberg-Marquardt when a step leads uphill",
+             GaussNewton()),
+      asItComes()};
+#ifdef SLOM_BENCH_CERES
+  using enum bench::CeresMethod;
+  all.push_back(
+      byCeres("Ceres", "Levenberg-Marquardt with the default trust region, 1e4", levenberg_marquardt, bench::kCeresRadius));
+  all.push_back(byCeres("Ceres, short steps",
+                        "the same from a trust region of 1e-3, the inverse of SLoM's damping in the first column",
+                        levenberg_marquardt, 1 / kCautiousDamping));
+  all.push_back(
+      byCeres("Ceres, dog leg", "its traditional dog leg with the default trust region", dog_leg, bench::kCeresRadius));
+#endif
+  return all;
+}
+
+struct Score {
+  double parameters = 0, deviations = 0;
+  int iterations = 0;
+};
+
+struct Row {
+  const Problem* problem;
+  int start;
+  std::vector<Score> scores;  ///< by method
+};
+
+std::vector<Row> scoreAll(const std::vector<Problem>& problems, const std::vector<Method>& all) {
+  std::vector<Row> rows;
+  for (const Problem& problem : problems) {
+    for (int s = 0; s < 2; ++s) {
+      Row row{&problem, s + 1, {}};
+      for (const Method& method : all) {
+        const Fit fit = method.fit(problem, problem.starts[static_cast<std::size_t>(s)]);
+        row.scores.push_back(
+            {digits(fit.parameters, problem.parameters), digits(fit.deviations, problem.deviations), fit.iterations});
+      }
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
+std::string text(const char* format, double a, double b, int n) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, format, a, b, n);
+  return buffer;
+}
+
+/// How many fits have at least so many digits of what `member` says.
+int countFrom(const std::vector<Row>& rows, std::size_t method, double Score::*member, double least) {
+  int count = 0;
+  for (const Row& row : rows) count += row.scores[method].*member >= least;
+  return count;
+}
+
+void writeIntroduction(std::ostream& out) {
+  out << "# Certified digits\n\n"
+         "The 27 problems of nonlinear regression of NIST's Statistical Reference Datasets "
+         "(<https://www.itl.nist.gov/div898/strd>), "
+         "each from its two\nstarts: how many digits of the parameters, and of their standard deviations, agree with the "
+         "values that NIST "
+         "certifies to 11 digits. Written by\n\n"
+         "    cmake --preset bench && cmake --build --preset bench --target bench_nist\n"
+         "    build/bench/bench/bench_nist DATA --output docs/nist.md\n\n"
+         "Digits are `-log10(|x - c| / |c|)` for the certified value c, of the parameter with the fewest, 11 at most; 0 is "
+         "another minimum, "
+         "or none.\nWith 4 digits a fit is right for any use of it; more show what the arithmetic loses.\n\n";
+}
+
+void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {
+  out << "| of " << rows.size()
+      << " fits | parameters to 8 digits | to 4 digits | standard deviations to 8 digits | to 4 digits | setting |\n"
+         "| --- | ---: | ---: | ---: | ---: | --- |\n";
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    out << "| " << all[m].name;
+    for (double Score::*member : {&Score::parameters, &Score::deviations}) {
+      for (const double least : {8.0, 4.0}) out << " | " << countFrom(rows, m, member, least);
+    }
+    out << " | " << all[m].what << " |\n";
+  }
+  out << "\nAll but \"as it comes\" go on as long as digits come: " << testing::nist::toTheLastDigit().max_iterations
+      << " iterations at most, tolerances at the machine's precision,\nexact derivatives, dense QR (`slom::DenseQR`, Ceres' "
+         "`DENSE_QR`); "
+         "`est.setSigma(slom::Sigma::estimated)`, in Ceres `Covariance` by `DENSE_SVD`\ntimes RSS / redundancy.\n\n"
+         "Lanczos1 was generated from its model to 14 digits. Its residuals are 1e-13, where the rounding errors of the "
+         "predictions are "
+         "1e-16: of the RSS,\nand so of the standard deviations, double precision can tell 3 digits.\n\n";
+}
+
+void writeTable(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {
+  out << "Digits of the parameters / of the standard deviations (iterations):\n\n| problem | level | start";
+  for (const Method& method : all) out << " | " << method.name;
+  out << " |\n| --- | --- | ---:";
+  for (std::size_t m = 0; m < all.size(); ++m) out << " | ---:";
+  out << " |\n";
+  for (const Row& row : rows) {
+    out << "| " << row.problem->name << " | " << row.problem->difficulty << " | " << row.start;
+    for (const Score& score : row.scores)
+      out << " | " << text("%.1f / %.1f (%d)", score.parameters, score.deviations, score.iterations);
+    out << " |\n";
+  }
+}
+
+int run(const std::string& data, const std::string& output) {
+  const std::vector<Problem> problems = testing::nist::readProblems(data);
+  const std::vector<Method> all = methods();
+  const std::vector<Row> rows = scoreAll(problems, all);
+  std::ostringstream page;
+  writeIntroduction(page);
+  writeSummary(page, all, rows);
+  writeTable(page, all, rows);
+  std::cout << page.str();
+  if (!output.empty()) {
+    std::ofstream file(output);
+    file << page.str();
+    if (!file.flush()) throw std::runtime_error(output + ": cannot be written; name a file in a folder that you may write to");
+  }
+  return countFrom(rows, 0, &Score::parameters, 8) == static_cast<int>(rows.size()) ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string data, output;
+  bool ok = true;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--output" && i + 1 < argc) {
+      output = argv[++i];
+    } else if (data.empty() && argument.rfind("--", 0) != 0) {
+      data = argument;
+    } else {
+      ok = false;
+    }
+  }
+  if (!ok || data.empty()) {
+    std::cerr << "usage: bench_nist DATA [--output FILE], with DATA the folder of NIST's .dat files\n";
+    return 2;
+  }
+  try {
+    return run(data, output);
+  } catch (const std::exception& error) {
+    std::cerr << "bench_nist: " << error.what() << "\n";
+    return 2;
+  }
+}
