@@ -235,5 +235,47 @@ TEST(CalibrateData, OpenCVReadsTheYaml) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(yaml["imu"]["acc_bias"][i][0], result["imu"]["acc_bias"][i]);
 }
 
+TEST(CalibrateParts, AFixedParameterIsTheModelWithoutIt) {
+  const auto folder = sourcePath("data/opencv_stereo");
+  auto options = stereo(folder, "opencv5");
+  options.insert(options.end(), {"--fix", "k3"});
+  const json fixed = calibrated(options), without = calibrated(stereo(folder, "opencv4"));
+  EXPECT_EQ(fixed["unknowns"], without["unknowns"]);
+  EXPECT_NEAR(fixed["rss"], without["rss"].get<double>(), 1e-6 * without["rss"].get<double>());
+  for (const std::string camera : {"left", "right"}) {
+    EXPECT_EQ(fixed["cameras"][camera]["parameters"]["k3"]["value"], 0);
+    EXPECT_EQ(fixed["cameras"][camera]["parameters"]["k3"]["std"], 0);
+    for (const auto& [name, p] : without["cameras"][camera]["parameters"].items()) {
+      const json& own = fixed["cameras"][camera]["parameters"][name];
+      const double std = p["std"];
+      EXPECT_NEAR(own["value"], p["value"].get<double>(), 1e-4 * std) << camera << " " << name;
+      EXPECT_NEAR(own["std"], std, 1e-4 * std) << camera << " " << name;
+    }
+  }
+  EXPECT_TRUE(fixed["active_bounds"].empty());
+}
+
+TEST(CalibrateParts, ABoundHoldsOneCameraAlone) {
+  const auto folder = sourcePath("data/opencv_stereo");
+  const json free = calibrated(stereo(folder, "opencv5"));
+  const double k3 = free["cameras"]["left"]["parameters"]["k3"]["value"];
+  const double limit = k3 - 0.01;
+  auto options = stereo(folder, "opencv5");
+  options.insert(options.end(), {"--bound", "left.k3=-10," + std::to_string(limit)});
+  const json bounded = calibrated(options);
+  EXPECT_NEAR(bounded["cameras"]["left"]["parameters"]["k3"]["value"], limit, 1e-6);
+  EXPECT_EQ(bounded["cameras"]["left"]["parameters"]["k3"]["std"], 0);
+  EXPECT_GT(bounded["cameras"]["right"]["parameters"]["k3"]["std"], 0);
+  EXPECT_GT(bounded["rss"], free["rss"]);
+  EXPECT_EQ(bounded["unknowns"], free["unknowns"].get<int>() - 1);
+  ASSERT_EQ(bounded["active_bounds"].size(), 1u);
+  EXPECT_EQ(bounded["active_bounds"][0].get<std::string>().substr(0, 30), "left.k3 is at its upper bound ");
+  // Far enough away it does nothing.
+  options.back() = "left.k3=-10,10";
+  const json same = calibrated(options);
+  EXPECT_NEAR(same["rss"], free["rss"].get<double>(), 1e-9 * free["rss"].get<double>());
+  EXPECT_TRUE(same["active_bounds"].empty());
+}
+
 }  // namespace
 }  // namespace slom::app::calib

@@ -55,8 +55,16 @@ TEST(CalibrateFaults, Fix) {
     options.insert(options.end(), more.begin(), more.end());
     return options;
   };
-  expectRefused(Files(), with({"--fix", "k3"}),
-                "--fix k3: nothing is called \"k3\"; what can be fixed is acc_bias and gravity");
+  expectRefused(Files(), with({"--fix", "k4"}),
+                "--fix k4: nothing is called \"k4\"; what can be fixed is acc_bias, gravity and cameras' parameters, f, fx, fy, cx, cy, "
+                "k1, k2, p1, p2, k3");
+  expectRefused(Files(), with({"--fix", "k3", "--intrinsics", "opencv4"}),
+                "--fix k3: the model opencv4 has no k3; its parameters are fx, fy, cx, cy, k1, k2, p1, p2");
+  expectRefused(Files(), with({"--fix", "cx"}), "--fix cx: say at which value [px], as in --fix cx=320");
+  expectRefused(Files(), with({"--fix", "top.k3"}),
+                "--fix top.k3: there is no camera top; give it by --camera, or leave the name out for all cameras");
+  expectRefused(Files(), with({"--fix", "k3", "--bound", "left.k3=-1,1"}),
+                "--bound left.k3=-1,1: --fix k3 is about the same parameter; give one of them");
   expectRefused(
       Files(), with({"--fix", "gravity=-9.81"}),
       "--fix gravity=-9.81: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
@@ -71,6 +79,19 @@ TEST(CalibrateFaults, Fix) {
                 "--fix acc_bias: acc_bias is fixed already; give it once");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--fix", "gravity"},
                 "--fix gravity: there is no IMU to fix it for; add --imu FILE, or leave out --fix");
+}
+TEST(CalibrateFaults, Bound) {
+  const auto with = [](const std::string& bound) {
+    std::vector<std::string> options = usual();
+    options.insert(options.end(), {"--bound", bound});
+    return options;
+  };
+  const std::string how = ": write PARAMETER=LOWER,UPPER with a camera's parameter (f, fx, fy, cx, cy, k1, k2, p1, p2, k3), as in "
+                          "--bound k3=-1,1 or --bound left.fx=400,600";
+  expectRefused(Files(), with("gravity=9,10"), "--bound gravity=9,10" + how);
+  expectRefused(Files(), with("k3"), "--bound k3" + how);
+  expectRefused(Files(), with("k3=1"), "--bound k3=1: the value must be 2 numbers separated by commas");
+  expectRefused(Files(), with("k3=1,-1"), "--bound k3=1,-1: the lower limit must be below the upper one");
 }
 TEST(CalibrateFaults, UnknownOption) {
   expectRefused(

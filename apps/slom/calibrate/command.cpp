@@ -111,9 +111,14 @@ void addCalibrateCommand(CLI::App& app) {
       ->capture_default_str();
   command
       .add_option("--fix", raw->fixed,
-                  "hold a value instead of estimating it [m/s^2]; may be repeated:\n"
-                  "acc_bias (0,0,0) or acc_bias=X,Y,Z; gravity (9.80665) or gravity=MAGNITUDE")
+                  "hold a value instead of estimating it; may be repeated:\n"
+                  "acc_bias (0,0,0) or acc_bias=X,Y,Z; gravity (9.80665) or gravity=MAGNITUDE [m/s^2];\n"
+                  "a parameter of all cameras or one, k3 (0), left.k3 (0), cx=320")
       ->type_name("NAME[=VALUE]")
+      ->allow_extra_args(false);
+  command
+      .add_option("--bound", raw->bounded, "keep a camera's parameter between two values, k3=-1,1 or left.fx=400,600; may be repeated")
+      ->type_name("NAME=LOWER,UPPER")
       ->allow_extra_args(false);
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")

@@ -1,5 +1,6 @@
 #include "calibrate/settings.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -94,20 +95,102 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
-Fixed parseFixed(const std::vector<std::string>& texts) {
+const std::vector<std::string> lens_parameters{"f", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+
+/// `k3` or `left.k3`; nothing where it is no camera's parameter.
+std::optional<LensConstraint> parseLensName(const std::string& option, const std::string& name) {
+  const auto dot = name.rfind('.');
+  LensConstraint constraint;
+  constraint.option = option;
+  if (dot != std::string::npos) constraint.camera = name.substr(0, dot);
+  constraint.parameter = dot == std::string::npos ? name : name.substr(dot + 1);
+  if (std::find(lens_parameters.begin(), lens_parameters.end(), constraint.parameter) == lens_parameters.end()) return {};
+  return constraint;
+}
+
+/// Distortion is held at 0 unless the option says where.
+LensConstraint fixLens(LensConstraint constraint, const std::string* value) {
+  const char first = constraint.parameter[0];
+  if (value == nullptr && first != 'k' && first != 'p') {
+    throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
+  }
+  constraint.lower = constraint.upper = value ? parseNumbers(constraint.option, *value, 1)[0] : 0;
+  return constraint;
+}
+
+std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
+  std::vector<LensConstraint> bounds;
+  for (const std::string& text : texts) {
+    const std::string option = "--bound " + text;
+    const auto equals = text.find('=');
+    auto constraint = parseLensName(option, text.substr(0, equals));
+    if (!constraint || equals == std::string::npos) {
+      throw UserError(fmt::format("{}: write PARAMETER=LOWER,UPPER with a camera's parameter ({}), as in --bound k3=-1,1 or "
+                                  "--bound left.fx=400,600",
+                                  option, fmt::join(lens_parameters, ", ")));
+    }
+    const std::vector<double> limits = parseNumbers(option, text.substr(equals + 1), 2);
+    if (!(limits[0] < limits[1])) throw UserError(fmt::format("{}: the lower limit must be below the upper one", option));
+    constraint->lower = limits[0];
+    constraint->upper = limits[1];
+    bounds.push_back(*constraint);
+  }
+  return bounds;
+}
+
+std::vector<std::string> parametersOf(Model model) {
+  switch (model) {
+    case Model::opencv5:
+      return {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+    case Model::opencv4:
+      return {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+    case Model::radial1:
+      break;
+  }
+  return {"f", "cx", "cy", "k1"};
+}
+
+/// Each is about a parameter and a camera that there are, and no two about the same.
+void checkLens(const Settings& settings) {
+  const std::vector<std::string> parameters = parametersOf(settings.model);
+  for (std::size_t i = 0; i < settings.lens.size(); ++i) {
+    const LensConstraint& one = settings.lens[i];
+    if (std::find(parameters.begin(), parameters.end(), one.parameter) == parameters.end()) {
+      throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option, toString(settings.model),
+                                  one.parameter, fmt::join(parameters, ", ")));
+    }
+    const auto is_named = [&](const CameraFile& camera) { return camera.name == one.camera; };
+    if (!one.camera.empty() && std::none_of(settings.cameras.begin(), settings.cameras.end(), is_named)) {
+      throw UserError(fmt::format("{}: there is no camera {}; give it by --camera, or leave the name out for all cameras", one.option,
+                                  one.camera));
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const LensConstraint& other = settings.lens[j];
+      if (other.parameter != one.parameter || (!other.camera.empty() && !one.camera.empty() && other.camera != one.camera)) continue;
+      throw UserError(fmt::format("{}: {} is about the same parameter; give one of them", one.option, other.option));
+    }
+  }
+}
+
+Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensConstraint>& lens) {
   Fixed fixed;
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     const std::string name = text.substr(0, equals), option = "--fix " + text;
+    const std::string value = equals == std::string::npos ? "" : text.substr(equals + 1);
+    const std::string* const given = equals == std::string::npos ? nullptr : &value;
+    if (const auto constraint = parseLensName(option, name)) {
+      lens.push_back(fixLens(*constraint, given));
+      continue;
+    }
     const auto fixer = fixers.find(name);
     if (fixer == fixers.end()) {
       std::vector<std::string> names;
       for (const auto& [known, unused] : fixers) names.push_back(known);
-      throw UserError(fmt::format("{}: nothing is called \"{}\"; what can be fixed is {}", option, name,
-                                  fmt::join(names, " and ")));
+      throw UserError(fmt::format("{}: nothing is called \"{}\"; what can be fixed is {} and cameras' parameters, {}", option, name,
+                                  fmt::join(names, ", "), fmt::join(lens_parameters, ", ")));
     }
-    const std::string value = equals == std::string::npos ? "" : text.substr(equals + 1);
-    fixer->second(option, equals == std::string::npos ? nullptr : &value, fixed);
+    fixer->second(option, given, fixed);
   }
   return fixed;
 }
@@ -148,8 +231,10 @@ const char* toString(Model model) {
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;
   settings.cameras = parseCameras(raw.cameras);
-  settings.fixed = parseFixed(raw.fixed);
+  settings.fixed = parseFixed(raw.fixed, settings.lens);
+  for (const LensConstraint& bound : parseBounds(raw.bounded)) settings.lens.push_back(bound);
   settings.model = parseModel(raw.model);
+  checkLens(settings);
   requirePositive("--sigma-px", settings.sigma_px);
   requirePositive("--sigma-acc", settings.sigma_acc);
   if (settings.max_iterations < 1) {

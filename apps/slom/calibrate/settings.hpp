@@ -24,6 +24,17 @@ struct Fixed {
   std::optional<double> gravity;  ///< magnitude [m/s^2]; the sign is found from the data
 };
 
+/// A parameter of one camera or of all that --fix holds or --bound keeps between two values.
+struct LensConstraint {
+  std::string option;  ///< as the user wrote it
+  std::string camera;  ///< empty: all
+  std::string parameter;
+  double lower = 0, upper = 0;
+
+  bool isFixed() const { return lower == upper; }
+  bool concerns(const std::string& name) const { return camera.empty() || camera == name; }
+};
+
 struct Settings {
   std::vector<CameraFile> cameras;
   std::string imu_file;  ///< empty: no IMU
@@ -31,6 +42,7 @@ struct Settings {
   double sigma_px = 0.25;   ///< of u and of v [px]
   double sigma_acc = 0.05;  ///< of each axis [m/s^2]
   Fixed fixed;
+  std::vector<LensConstraint> lens;
   int max_iterations = 100;
   std::string json_file;  ///< empty: none
   std::string yaml_file;  ///< empty: none
@@ -40,7 +52,7 @@ struct Settings {
 /// The options as text, as CLI11 hands them over.
 struct RawOptions {
   std::vector<std::string> cameras;
-  std::vector<std::string> fixed;
+  std::vector<std::string> fixed, bounded;
   std::string model = "opencv5";
   Settings rest;
 };

@@ -6,6 +6,7 @@
 
 #include <slom/slom.hpp>
 
+#include "calibrate/fit/lens_constraints.hpp"
 #include "calibrate/fit/measurements.hpp"
 #include "calibrate/result.hpp"
 #include "calibrate/start/intrinsics.hpp"
@@ -47,7 +48,9 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
     est.insertMeasurement(corner_in_left, camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
   }
   try {
-    est.optimize();
+    Options options;
+    options.most_parameters = 0;
+    est.optimize(options);
   } catch (const slom::Error&) {  // a corner on the camera's plane: the start is better
     return world2camera;
   }
@@ -68,10 +71,11 @@ SE3 fitPoseOfEitherTilt(const Camera& camera, const SE3& world2camera, const Vie
 
 /// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is no better.
 template <class Camera>
-void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, int max_iterations) {
+void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings& settings) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
   const auto camera = est.insertRV(fit.camera, true, data.name);
+  constrain(est, camera, data.name, settings);
   std::map<int, VarID<SE3>> poses;
   for (const View& view : data.views) {
     const auto pose = est.insertRV(fit.world2camera.at(view.image).inverse(), true,
@@ -82,7 +86,8 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, int max_iterat
     }
   }
   Options options;
-  options.max_iterations = max_iterations;
+  options.max_iterations = settings.max_iterations;
+  options.most_parameters = 0;  // its statistics are not looked at
   const Summary summary = est.optimize(options);
   fit.iterations += summary.iterations;
   ViewPoses world2camera;
@@ -100,11 +105,11 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, int max_iterat
 
 /// From nothing: start values, better poses, then all together. A fit that fails leaves the start values.
 template <class Camera>
-FitAlone<Camera> fitAlone(const CameraData& data, int max_iterations) {
+FitAlone<Camera> fitAlone(const CameraData& data, const Settings& settings) {
   const std::vector<PlaneView> planes = planeViews(data);
   const IntrinsicsStart start = startIntrinsics(planes);
   FitAlone<Camera> fit;
-  fit.camera = Camera::fromPinhole(start.pinhole);
+  fit.camera = constrained(Camera::fromPinhole(start.pinhole), data.name, settings);
   fit.start = start.source;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const SE3 rough = poseFromHomography(planes[i], start.pinhole);
@@ -113,7 +118,7 @@ FitAlone<Camera> fitAlone(const CameraData& data, int max_iterations) {
   const bool is_determined = 2 * data.cornerCount() >= std::size_t(Camera::DOF) + 6 * data.views.size();
   if (!is_determined) return fit;
   try {
-    fitIntrinsics(data, fit, max_iterations);
+    fitIntrinsics(data, fit, settings);
   } catch (const slom::Error&) {  // not determined by this camera alone; the others may help
   }
   return fit;

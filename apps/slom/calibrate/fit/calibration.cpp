@@ -17,7 +17,9 @@ void requireEnoughMeasurements(const Dataset& data, const Settings& settings, in
   std::size_t measured = 0;
   for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
   const std::size_t cameras = data.cameras.size();
-  const std::size_t unknowns = cameras * parameters_per_camera + 6 * (cameras - 1) + 6 * data.images().size();
+  std::size_t fixed = 0;
+  for (const LensConstraint& constraint : settings.lens) fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
+  const std::size_t unknowns = cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
   throw UserError(
       fmt::format("{}:2: the corners give {} numbers for {} unknowns of the model {}; add images or "
@@ -52,7 +54,7 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   std::vector<ViewPoses> world2camera;
   std::vector<double> rms_px_alone;
   for (const CameraData& camera : data.cameras) {
-    const auto fit = fitAlone<Camera>(camera, settings.max_iterations);
+    const auto fit = fitAlone<Camera>(camera, settings);
     cameras.push_back(fit.camera);
     world2camera.push_back(fit.world2camera);
     rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);

@@ -61,7 +61,8 @@ JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings
   const std::string reference = data.cameras.front().name;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const std::string& name = data.cameras[c].name;
-    cameras_.push_back(est_.insertRV(cameras[c], true, name));
+    cameras_.push_back(est_.insertRV(constrained(cameras[c], name, settings), true, name));
+    constrain(est_, cameras_.back(), name, settings);
     left2camera_.push_back(c == 0 ? VarID<SE3>()
                                   : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
   }
@@ -194,6 +195,7 @@ Result JointProblem<Camera>::result(const Summary& summary) {
   result.unknowns = summary.unknowns;
   result.redundancy = summary.redundancy;
   result.rss = summary.final_rss;
+  result.active_bounds = summary.active_bounds;
   result.sigma_px = settings_.sigma_px;
   result.sigma_acc = settings_.sigma_acc;
   for (std::size_t c = 0; c < cameras_.size(); ++c) result.cameras.push_back(cameraResult(c));

@@ -99,6 +99,7 @@ std::string toJson(const Result& result) {
                      {"unknowns", result.unknowns},
                      {"redundancy", result.redundancy},
                      {"rss", result.rss},
+                     {"active_bounds", result.active_bounds},
                      {"chi2_per_dof", result.chi2PerDof()},
                      {"sigma_px", result.sigma_px},
                      {"sigma_acc", result.sigma_acc},

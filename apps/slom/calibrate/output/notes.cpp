@@ -26,6 +26,12 @@ void noteDetermination(const Result& result, std::vector<std::string>& notes) {
                   result.undetermined));
 }
 
+void noteBounds(const Result& result, std::vector<std::string>& notes) {
+  for (const std::string& bound : result.active_bounds) {
+    notes.push_back(fmt::format("{}, which --bound sets; the standard deviations hold on that condition.", bound));
+  }
+}
+
 /// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
 void noteSigma(const char* what, const char* option, double stated, double squares, double residuals,
                double unknowns, std::vector<std::string>& notes) {
@@ -111,6 +117,7 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
 std::vector<std::string> notes(const Result& result) {
   std::vector<std::string> notes;
   noteDetermination(result, notes);
+  noteBounds(result, notes);
   noteStrays(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
