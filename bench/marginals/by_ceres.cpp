@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 
 #include "fit/ceres_problem.hpp"
 #include "fit/stopwatch.hpp"
@@ -92,6 +93,10 @@ template Marginals marginalsByCeres(const app::graph::PoseGraph<Pose3>&);
 
 Marginals marginalsByCeres(const app::bundle::Scene& scene) {
   const auto problem = ceresProblemOf(scene, 0);
+  for (double* const point : problem->eliminated_first) {
+    const ceres::Matrix weight = ceres::Matrix::Identity(3, 3) / kPointSigma;
+    problem->problem.AddResidualBlock(new ceres::NormalPrior(weight, Eigen::Vector3d(point)), nullptr, point);
+  }
   problem->problem.SetParameterBlockConstant(const_cast<double*>(problem->blocks[0][0]));
   problem->problem.SetParameterBlockConstant(problem->eliminated_first[0]);
   std::vector<MatrixXd> steps;

@@ -56,6 +56,9 @@ Marginals marginalsBySlom(app::bundle::Scene& scene) {
   fit.estimator().optimizeRV(fit.points()[0], false);
   fit.optimize({});
   fit.writeTo(scene);
+  for (const auto& point : fit.points()) {
+    fit.estimator().insertMeasurement([](const auto& p) { return p; }, point, measured(*point), StandardDeviation(kPointSigma));
+  }
   std::vector<char> is_held(scene.cameras.size(), 0);
   is_held[0] = 1;
   return timedMarginals(fit.estimator(), fit.cameras(), is_held);

@@ -16,6 +16,10 @@ struct Marginals {
   std::vector<Eigen::MatrixXd> blocks;
 };
 
+/// Of a prior on each point of a scene, at its fitted value [units of the scene]: some points are seen along nearly one ray, and
+/// nothing else says how far away they are.
+inline constexpr double kPointSigma = 100;
+
 /// Fits on one thread, writes the values back, and computes the marginals of all variables. The best time of three.
 template <class Pose>
 Marginals marginalsBySlom(app::graph::PoseGraph<Pose>& graph);
