@@ -30,6 +30,7 @@ class BundleProblem final : public CeresProblem {
           cameras_[static_cast<std::size_t>(seen.camera)].data(), points_[static_cast<std::size_t>(seen.point)].data());
     }
     for (auto& point : points_) eliminated_first.push_back(point.data());
+    for (const auto& camera : cameras_) blocks.push_back({camera.data()});
   }
 
  private:
@@ -39,9 +40,13 @@ class BundleProblem final : public CeresProblem {
 
 }  // namespace
 
+std::unique_ptr<CeresProblem> ceresProblemOf(const app::bundle::Scene& scene, double huber) {
+  return std::make_unique<BundleProblem>(scene, huber);
+}
+
 Run fitByCeres(const app::bundle::Scene& scene, Schur schur, const Limits& limits) {
-  std::unique_ptr<BundleProblem> problem;
-  const double build = secondsOf([&] { problem = std::make_unique<BundleProblem>(scene, limits.huber); });
+  std::unique_ptr<CeresProblem> problem;
+  const double build = secondsOf([&] { problem = ceresProblemOf(scene, limits.huber); });
   const ceres::LinearSolverType solver = schur == Schur::dense    ? ceres::DENSE_SCHUR
                                          : schur == Schur::sparse ? ceres::SPARSE_SCHUR
                                                                   : ceres::ITERATIVE_SCHUR;

@@ -21,7 +21,8 @@ class CeresProblem {
   virtual ~CeresProblem() = default;
 
   ceres::Problem problem{sharedParts()};
-  std::vector<double*> eliminated_first;  ///< none: Ceres finds an order
+  std::vector<double*> eliminated_first;           ///< none: Ceres finds an order
+  std::vector<std::vector<const double*>> blocks;  ///< of each pose or camera
 
  protected:
   ceres::LossFunction* loss() const { return loss_.get(); }
@@ -38,6 +39,7 @@ class CeresProblem {
 
 template <class Pose>
 std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph, double huber);
+std::unique_ptr<CeresProblem> ceresProblemOf(const app::bundle::Scene& scene, double huber);
 
 /// Levenberg-Marquardt.
 Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Limits& limits);

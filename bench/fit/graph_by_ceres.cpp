@@ -127,6 +127,7 @@ class GraphProblem final : public CeresProblem {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       problem.AddParameterBlock(blocks_[i].position, Blocks<Pose>::position_size);
       problem.AddParameterBlock(blocks_[i].rotation, Blocks<Pose>::rotation_size, manifold_.get());
+      this->blocks.push_back({blocks_[i].position, blocks_[i].rotation});
       if (!graph.poses[i].held) continue;
       problem.SetParameterBlockConstant(blocks_[i].position);
       problem.SetParameterBlockConstant(blocks_[i].rotation);

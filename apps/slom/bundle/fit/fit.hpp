@@ -19,6 +19,10 @@ class BundleFit {
   BundleFit(const Scene& scene, const FitOptions& options);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
+  Estimator& estimator() { return est_; }
+  /// In the order of the scene's.
+  const std::vector<VarID<Camera<>>>& cameras() const { return cameras_; }
+  const std::vector<VarID<mtk::vect<3>>>& points() const { return points_; }
   /// Writes the values into the cameras and points of the scene.
   void writeTo(Scene& scene) const;
 

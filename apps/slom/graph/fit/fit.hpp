@@ -19,6 +19,9 @@ class GraphFit {
   GraphFit(const PoseGraph<Pose>& graph, const Settings& settings);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
+  Estimator& estimator() { return est_; }
+  /// In the order of the graph's.
+  const std::vector<VarID<Pose>>& poses() const { return poses_; }
   /// Writes the values into the nodes of the graph.
   void writeTo(PoseGraph<Pose>& graph) const;
 

@@ -1,0 +1,37 @@
+/// Marginal covariances, as the benchmark compares them.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bundle/scene.hpp"
+#include "graph/pose_graph.hpp"
+
+namespace slom::bench {
+
+struct Marginals {
+  double seconds = 0;  ///< of processor time, from the values: derivatives, order, factorisation, inversion
+  /// Of each pose or camera, in the tangent space of SLoM; empty for one that is held.
+  std::vector<Eigen::MatrixXd> blocks;
+};
+
+/// Of a prior on each point of a scene, at its fitted value [units of the scene]: some points are seen along nearly one ray, and
+/// nothing else says how far away they are.
+inline constexpr double kPointSigma = 100;
+
+/// Fits on one thread, writes the values back, and computes the marginals of all variables. The best time of three.
+template <class Pose>
+Marginals marginalsBySlom(app::graph::PoseGraph<Pose>& graph);
+/// The same with camera 0 and point 0 held, as nothing else says where the scene is and how large.
+Marginals marginalsBySlom(app::bundle::Scene& scene);
+
+#ifdef SLOM_BENCH_CERES
+/// ceres::Covariance by SPARSE_QR on one thread, at the values of the graph: the blocks of all poses.
+template <class Pose>
+Marginals marginalsByCeres(const app::graph::PoseGraph<Pose>& graph);
+/// The blocks of all cameras, with the same ones held.
+Marginals marginalsByCeres(const app::bundle::Scene& scene);
+#endif
+
+}  // namespace slom::bench
