@@ -84,6 +84,7 @@ MatrixXd rowsOf(const MatrixXd& A, const Problem& problem, const Class& own) {
 
 /// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
 MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
+  if (rows.rows() == 0) return A;
   const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeFullV);
   const double limit = kSame * std::max(1e-300, A.norm());
   const Index rank = (svd.singularValues().array() > limit).count();
@@ -121,7 +122,8 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   const MatrixXd U = null_svd.matrixU().leftCols(null_rank);
   const Eigen::JacobiSVD<MatrixXd> angles(Q.transpose() * U, Eigen::ComputeThinU);
   const Index count = (angles.singularValues().array() > 1 - kSame).count();
-  if (count == 0) return result;
+  // Two spaces that fill more than all there is have that much in common by necessity.
+  if (count <= std::max<Index>(0, rank + null_rank - null_rows.rows())) return result;
   const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
   const MatrixXd coefficients = null_svd.matrixV().leftCols(null_rank) * inverse.asDiagonal() * U.transpose();
   MatrixXd common = Q * angles.matrixU().leftCols(count);

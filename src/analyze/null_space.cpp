@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 
 #include "slom/solve/block_solver.hpp"
+#include "solve/rounding_columns.hpp"
 
 namespace slom {
 
@@ -60,7 +61,10 @@ void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
 LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
                               Linearizer& linearizer, double limit) {
   LeastInfluence result;
-  const VectorXd diagonal = jacobian.rows().diagonal();
+  VectorXd diagonal = jacobian.rows().diagonal();
+  forEachRoundingColumn(structure, diagonal, [&](int block, int component) {
+    diagonal[structure.offset[static_cast<std::size_t>(block)] + component] = 0;
+  });
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));
@@ -73,13 +77,15 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
   BlockSolver solver(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
   solver.analyze(structure);
   linearizer.linearize(problem, solver);
-  const VectorXd damping = kDamping * result.scale.cwiseAbs2();
+  VectorXd damping = kDamping * result.scale.cwiseAbs2();
+  for (const int i : result.idle) damping[i] = 1;
   for (Index count = std::min(kFirstCount, dimension);; count = std::min(4 * count, dimension)) {
     result.direction = orthonormal(startVectors(diagonal, count));
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
       const SolveStatus status = solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
+      for (const int i : result.idle) moved.row(i).setZero();
       result.direction = orthonormal(result.scale.asDiagonal() * moved);
     }
     sortByInfluence(jacobian, result);

@@ -128,7 +128,7 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::size_t per_wave = at(kChunksPerThread * tbb::this_task_arena::max_concurrency());
   chunks_.resize(std::min(all.size(), per_wave));
   std::vector<JacobianBatch> batches;
-  held_gradient_.clear();
+  held_.clear();
   sink.beginLinearization();
   for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
     const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
@@ -151,7 +151,11 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
       rss_of_pool[at(chunk.group)] += chunk.rss;
       squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
-      for (const HeldGradient& held : chunk.held) held_gradient_[{held.variable, held.component}] += held.value;
+      for (const HeldColumn& part : chunk.held) {
+        HeldColumn& whole = held_.try_emplace({part.variable, part.component}, HeldColumn{}).first->second;
+        whole.gradient += part.gradient;
+        whole.squared_norm += part.squared_norm;
+      }
       batches.push_back({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(),
                          chunk.r.data(), chunk.J.data()});
     }
@@ -175,9 +179,12 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
       const VariableRecord& record = problem.variables()[at(variable)];
       for (int c = 0; c < record.dof; ++c, J += rows) {
         if (!record.optimize || !record.isConstrained() || !record.isHeld(c)) continue;
-        double gradient = 0;
-        for (int row = 0; row < rows; ++row) gradient += J[row] * r[row];
-        chunk.held.push_back({variable, c, gradient});
+        HeldColumn column{variable, c, 0, 0};
+        for (int row = 0; row < rows; ++row) {
+          column.gradient += J[row] * r[row];
+          column.squared_norm += J[row] * J[row];
+        }
+        chunk.held.push_back(column);
         std::fill_n(J, rows, 0.0);
       }
     }
@@ -185,8 +192,8 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
   }
 }
 
-void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) {
-  constexpr double faint = 1e-60;  // enough to make them determined, too little to count beside any real derivative
+/// With the lengths of the columns that were cleared, so that scales stay what they are.
+void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;
   for (const int variable : problem.constrained()) {
@@ -194,14 +201,18 @@ void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) {
     if (!record.optimize || record.dof == 0) continue;
     const Eigen::VectorXd r = Eigen::VectorXd::Zero(record.dof);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(record.dof, record.dof);
-    for (int c = 0; c < record.dof; ++c) J(c, c) = record.isHeld(c) ? faint : 0;
+    for (int c = 0; c < record.dof; ++c) {
+      const auto column = held_.find({variable, c});
+      const bool has_length = column != held_.end() && column->second.squared_norm > 0;
+      if (record.isHeld(c)) J(c, c) = has_length ? std::sqrt(column->second.squared_norm) : 1;
+    }
     sink.add({group, index++, 1, &record.dof, &record.dof, r.data(), J.data()});
   }
 }
 
 double Linearizer::gradientOfHeld(int variable, int component) const {
-  const auto found = held_gradient_.find({variable, component});
-  return found == held_gradient_.end() ? 0 : found->second;
+  const auto found = held_.find({variable, component});
+  return found == held_.end() ? 0 : found->second.gradient;
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {

@@ -433,7 +433,10 @@ TEST(Report, SaysItAll) {
             "  measurement    count  residuals     RSS before      RSS after  derivatives\n"
             "  Samples            1          4            396            1.2  numeric\n"
             "  all                           4            396            1.2\n"
-            "  chi-square / dof = 0.6; standard deviations are taken as stated\n");
+            "  chi-square / dof = 0.6; standard deviations are taken as stated\n"
+            "  parameter          value   standard deviation\n"
+            "  line.x               0.8                0.418\n"
+            "  line.y               2.3                0.224\n");
   std::ostringstream os;
   os << summary;
   EXPECT_EQ(os.str(), slom::report(summary));

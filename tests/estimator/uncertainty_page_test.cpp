@@ -10,6 +10,7 @@
 
 #include "support/documentation.hpp"
 #include "support/paths.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace {
 

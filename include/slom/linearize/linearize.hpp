@@ -65,9 +65,9 @@ class Linearizer {
   double squaredNormSent() const { return squared_norm_sent_; }
 
  private:
-  struct HeldGradient {
+  struct HeldColumn {
     int variable, component;
-    double value;
+    double gradient, squared_norm;
   };
   struct Chunk {
     int group = 0, first = 0, last = 0;
@@ -77,7 +77,7 @@ class Linearizer {
     std::vector<double> r, J;
     double rss = 0;
     double squared_norm = 0;  ///< of r, as the sink gets it
-    std::vector<HeldGradient> held;
+    std::vector<HeldColumn> held;
   };
   struct Range {
     int group, first, last;
@@ -89,12 +89,12 @@ class Linearizer {
   /// Makes the columns of held components 0.
   static void clearHeld(const Problem& problem, Chunk& chunk);
   /// The group that says that they do not move.
-  static void sendHeld(const Problem& problem, JacobianSink& sink);
+  void sendHeld(const Problem& problem, JacobianSink& sink) const;
   [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
 
   double widening_ = 1;
   double squared_norm_sent_ = 0;
-  std::map<std::pair<int, int>, double> held_gradient_;
+  std::map<std::pair<int, int>, HeldColumn> held_;  // by variable and component
   std::vector<Chunk> chunks_;
 };
 
