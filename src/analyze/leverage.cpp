@@ -28,7 +28,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 class GroupExamination {
  public:
   GroupExamination(System& system, const InverseBlocks& inverse, std::size_t group, double variance_factor)
-      : problem_(system.problem()), structure_(system.structure()), inverse_(inverse), group_(group),
+      : problem_(system.problem()), structure_(system.structure()), inverse_(inverse),
         pool_(*problem_.pools()[group]), variance_factor_(variance_factor) {}
 
   struct Result {
@@ -117,7 +117,6 @@ class GroupExamination {
   Problem& problem_;
   const ProblemStructure& structure_;
   const InverseBlocks& inverse_;
-  std::size_t group_;
   MeasurementPool& pool_;
   double variance_factor_;
 };
