@@ -7,7 +7,6 @@
 #include <Eigen/SVD>
 
 #include "slom/solve/block_solver.hpp"
-#include "solve/rounding_columns.hpp"
 
 namespace slom {
 
@@ -20,6 +19,19 @@ using Eigen::VectorXd;
 constexpr double kDamping = 1e-10;  // of the scaled J^T J, whose diagonal is 1
 constexpr int kIterations = 6;
 constexpr Index kFirstCount = 12, kMostCount = 192;
+
+/// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,
+/// whose components may differ in unit, but hardly by this. A component that no residual depends on often has such a column, as the
+/// translation t in (R - I) t along the axis of R.
+VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
+  constexpr double rounding = 1e-14;
+  for (int b = 0; b < structure.blockCount(); ++b) {
+    auto own = diagonal.segment(structure.offset[static_cast<std::size_t>(b)], structure.dof(b));
+    const double limit = rounding * rounding * own.maxCoeff();
+    for (double& h : own) h = h < limit ? 0 : h;
+  }
+  return diagonal;
+}
 
 /// Orthonormal columns that span those of A.
 MatrixXd orthonormal(const MatrixXd& A) {
@@ -61,10 +73,7 @@ void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
 LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
                               Linearizer& linearizer, double limit) {
   LeastInfluence result;
-  VectorXd diagonal = jacobian.rows().diagonal();
-  forEachRoundingColumn(structure, diagonal, [&](int block, int component) {
-    diagonal[structure.offset[static_cast<std::size_t>(block)] + component] = 0;
-  });
+  const VectorXd diagonal = withoutRounding(jacobian.rows().diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));

@@ -70,7 +70,7 @@ std::string parameterTable(const Summary& summary) {
 /// Groups whose chi-square is told apart from that of all.
 std::string groupChiSquares(const Summary& summary) {
   std::string text;
-  if (summary.groups.size() < 2) return text;
+  if (summary.groups.size() < 2 || summary.hasLosses()) return text;
   for (const GroupSummary& group : summary.groups) {
     if (group.redundancy > 0.5 && group.losses.empty()) {
       text += format("  %s: chi-square / dof = %.6g / %.4g = %.6g\n", group.name.c_str(), group.final_rss, group.redundancy,

@@ -11,7 +11,6 @@
 #include "linearize/parallel.hpp"
 #include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
-#include "rounding_columns.hpp"
 #include "symbolic/ordering.hpp"
 
 namespace slom {
@@ -312,14 +311,7 @@ void BlockSolver::beginLinearization() {
 }
 void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
 void BlockSolver::addAll(std::span<const JacobianBatch> batches) { self_->equations.add(batches); }
-void BlockSolver::endLinearization() {
-  VectorXd& diagonal = self_->diagonal;
-  diagonal = self_->equations.diagonal();
-  forEachRoundingColumn(self_->structure, diagonal, [&](int block, int component) {
-    self_->equations.clearUnknown(block, component);
-    diagonal[self_->structure.offset[at(block)] + component] = 0;
-  });
-}
+void BlockSolver::endLinearization() { self_->diagonal = self_->equations.diagonal(); }
 
 SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
   {

@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 
 #include "linearize/stopwatch.hpp"
-#include "solve/rounding_columns.hpp"
 
 namespace slom {
 
@@ -76,13 +75,8 @@ void DenseQR::endLinearization() {
   const Eigen::Index m = static_cast<Eigen::Index>(residual_.size()), n = structure_.unknowns();
   r_ = Eigen::Map<const VectorXd>(residual_.data(), m);
   J_ = Eigen::Map<const MatrixXd>(rows_.data(), n, m).transpose();
-  diagonal_ = J_.colwise().squaredNorm();
-  forEachRoundingColumn(structure_, diagonal_, [&](int block, int component) {
-    const int unknown = structure_.offset[static_cast<std::size_t>(block)] + component;
-    J_.col(unknown).setZero();
-    diagonal_[unknown] = 0;
-  });
   gradient_ = J_.transpose() * r_;
+  diagonal_ = J_.colwise().squaredNorm();
 }
 
 SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {

@@ -58,13 +58,12 @@ TEST(CalibrateFaults, Fix) {
   expectRefused(Files(), with({"--fix", "k4"}),
                 "--fix k4: nothing is called \"k4\"; what can be fixed is acc_bias, gravity and cameras' parameters, f, fx, fy, cx, cy, "
                 "k1, k2, p1, p2, k3");
-  expectRefused(Files(), with({"--fix", "k3", "--intrinsics", "opencv4"}),
-                "--fix k3: the model opencv4 has no k3; its parameters are fx, fy, cx, cy, k1, k2, p1, p2");
+  expectRefused(Files(), with({"--fix", "k3"}), "--fix k3: the model radial1 has no k3; its parameters are f, cx, cy, k1");
   expectRefused(Files(), with({"--fix", "cx"}), "--fix cx: say at which value [px], as in --fix cx=320");
-  expectRefused(Files(), with({"--fix", "top.k3"}),
-                "--fix top.k3: there is no camera top; give it by --camera, or leave the name out for all cameras");
-  expectRefused(Files(), with({"--fix", "k3", "--bound", "left.k3=-1,1"}),
-                "--bound left.k3=-1,1: --fix k3 is about the same parameter; give one of them");
+  expectRefused(Files(), with({"--fix", "top.k1"}),
+                "--fix top.k1: there is no camera top; give it by --camera, or leave the name out for all cameras");
+  expectRefused(Files(), with({"--fix", "k1", "--bound", "left.k1=-1,1"}),
+                "--bound left.k1=-1,1: --fix k1 is about the same parameter; give one of them");
   expectRefused(
       Files(), with({"--fix", "gravity=-9.81"}),
       "--fix gravity=-9.81: give the magnitude of gravity, a positive number in m/s^2; its sign is found "

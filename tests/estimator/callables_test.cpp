@@ -272,7 +272,7 @@ TEST(Insertion, OfAMillionMeasurementsAllocatesForNoneOfThem) {
   slom::Estimator est;
   const auto x = est.insertRV(1.0, "x"), y = est.insertRV(1.0, "y");
   const auto f = [](const auto& a, const auto& b, double z) { return a * z + b; };
-  const std::size_t before = allocations();
+  [[maybe_unused]] const std::size_t before = allocations();
   for (int i = 0; i < 1'000'000; ++i) est.insertMeasurement(f, x, y, i * 1e-6, slom::StandardDeviation(0.1));
 #if !defined(__SANITIZE_ADDRESS__)
   EXPECT_LT(allocations() - before, 1000u);  // arrays that double their size

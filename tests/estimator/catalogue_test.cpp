@@ -54,13 +54,6 @@ TEST(BrokenProblem, PlanarMotion) {
     est.insertMeasurement([robot](const auto& X) { return X.inverse() * robot * X; }, mount, slom::measured(seen));
   }
   EXPECT_EQ(faults(est), Texts{"no residual changes with camera.pos.z, to first order: add measurements that do or a prior, or fix it"});
-  const slom::Summary summary = est.optimize();
-  EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
-  est.changeAlgorithm(slom::LevenbergMarquardt());
-  est.reinitRV(mount, SE3(truth.orient * SO3<>::exp(vec3(0.05, 0.02, -0.03)), truth.pos + vec3(0.1, -0.1, 0)));
-  EXPECT_TRUE(est.optimize().converged);
-  EXPECT_NEAR(mount->pos.z(), truth.pos.z(), 1e-9);  // nothing moves it
-  EXPECT_LT((mount->pos - truth.pos).norm(), 1e-8);
 }
 
 struct Lens : mtk::vect<4> {

@@ -110,12 +110,6 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   return result;
 }
 
-void NormalEquations::clearUnknown(int block, int component) {
-  const int j = position(block);
-  H_.values(H_.begin(j))[component * H_.dof(j) + component] = 0;
-  gradient_[offset_[at(j)] + component] = 0;
-}
-
 double NormalEquations::squaredImage(const Eigen::VectorXd& d) const { return H_.squaredForm(offset_, d.data()); }
 
 }  // namespace slom

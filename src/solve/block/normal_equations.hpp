@@ -23,8 +23,6 @@ class NormalEquations {
   /// By unknown, in the order of the structure; so are the others.
   const Eigen::VectorXd& gradient() const { return gradient_; }
   Eigen::VectorXd diagonal() const;
-  /// Makes a diagonal entry of H and the gradient 0, as they are where no residual depends on the unknown.
-  void clearUnknown(int block, int component);
   /// d^T H d
   double squaredImage(const Eigen::VectorXd& d) const;
   /// Of a block of the structure, in the order of elimination.
