@@ -127,11 +127,11 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
   const MatrixXd coefficients = null_svd.matrixV().leftCols(null_rank) * inverse.asDiagonal() * U.transpose();
   MatrixXd common = Q * angles.matrixU().leftCols(count);
-  common = vanishingIn(common, elsewhere * coefficients * common);
+  common = vanishingIn(common, elsewhere * (coefficients * common));
   if (common.cols() == 0) return result;
   result.motions = qr.solve(common);
   result.length = length.unaryExpr([](double l) { return l > 0 ? l : 1.0; });
-  result.directions = orthonormalColumns(null_space * coefficients * common);
+  result.directions = orthonormalColumns(null_space * (coefficients * common));
   return result;
 }
 

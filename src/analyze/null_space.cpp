@@ -18,6 +18,9 @@ using Eigen::VectorXd;
 
 constexpr double kDamping = 1e-10;  // of the scaled J^T J, whose diagonal is 1
 constexpr int kIterations = 6;
+/// The iteration tells directions apart whose squared influence differs by more than the damping: a long chain has many that are
+/// nearly free.
+constexpr double kSeparated = 3e-5;
 constexpr Index kFirstCount = 12, kMostCount = 192;
 
 /// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,
@@ -98,7 +101,7 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
       result.direction = orthonormal(result.scale.asDiagonal() * moved);
     }
     sortByInfluence(jacobian, result);
-    if (count == dimension || !(result.influence[count - 1] < limit)) return result;
+    if (count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated))) return result;
     if (count >= kMostCount) {
       result.may_miss_some = true;
       return result;
