@@ -9,6 +9,7 @@
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
+#include "analyze/jacobian.hpp"
 #include "analyze/leverage.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
@@ -17,7 +18,6 @@
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
-#include "slom/solve/dense_qr.hpp"
 
 namespace slom {
 
@@ -51,8 +51,6 @@ double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
   return r.squaredNorm();
 }
-
-constexpr double kAtMinimum = 1e-4;  // cosine of gradients
 
 /// Rows and columns of held components in the covariance of two variables.
 void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
@@ -340,10 +338,12 @@ Marginals Estimator::marginals() const {
 
 /// Whitened, residuals x unknowns, column-major.
 void Estimator::writeJacobian(double* J) const {
-  DenseQR rows;
-  rows.analyze(state_->system.structure().system);
-  state_->run([&] { state_->linearizer.linearize(problem(), rows); });
-  std::copy_n(rows.jacobian().data(), rows.jacobian().size(), J);
+  const BlockStructure& structure = state_->system.structure().system;
+  const Eigen::Index n = structure.unknowns();
+  const Eigen::MatrixXd all = state_->run([&] {
+    return StoredJacobian(problem(), state_->linearizer, structure).times(Eigen::MatrixXd::Identity(n, n));
+  });
+  std::copy_n(all.data(), all.size(), J);
 }
 
 void Estimator::setFreeGauge(FreeGauge gauge) { state_->gauge = gauge; }

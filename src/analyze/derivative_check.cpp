@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 #include <Eigen/Core>
+
+#include "analyze/words.hpp"
 
 namespace slom {
 
@@ -17,12 +18,6 @@ using Block = Eigen::Map<const Eigen::MatrixXd>;
 double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const double scale = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
   return scale > 0 ? (a - b).cwiseAbs().maxCoeff() / scale : 0;
-}
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
 }
 
 /// What would turn `reference` into `used`. `left`: what turns perturbations on the left into such on the right.
@@ -48,7 +43,7 @@ std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& refer
   const double factor = used.cwiseProduct(reference).sum() / reference.squaredNorm();
   if (std::abs(factor) > 0 && distance(used, factor * reference) < same) {
     constexpr double degrees = 57.29577951308232;
-    std::string text = "it is too large by the factor " + number(factor);
+    std::string text = "it is too large by the factor " + number(factor, 6);
     if (std::abs(factor / degrees - 1) < same || std::abs(factor * degrees - 1) < same) text += ": degrees instead of radians, or the other way round";
     return text;
   }
@@ -143,7 +138,7 @@ std::string DerivativeCheck::text() const {
     all += g.group + ": " + toString(g.source) + " derivatives of " + std::to_string(g.measurements) +
            (g.measurements == 1 ? " measurement " : " measurements ") + (agrees ? "agree" : "do NOT agree") +
            " with differences; worst: d residual[" + std::to_string(g.row) + "] / d " + g.component + " of " + g.measurement +
-           " is " + number(g.used) + ", by differences " + number(g.reference) + "\n";
+           " is " + number(g.used, 6) + ", by differences " + number(g.reference, 6) + "\n";
     if (!agrees) all += "  guess: " + g.guess + "\n";
   }
   return all;

@@ -22,9 +22,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = Finding::Kind;
 
-/// Influence of a direction, in unknowns scaled by the lengths of their columns of J: below the first it is rounding error
-/// (of numeric derivatives too), below the second a hint is due.
-constexpr double kNone = 1e-8, kWeak = 1e-6;
+/// Below this influence of a direction, in scaled unknowns, a hint is due.
+constexpr double kWeak = 1e-6;
 /// Entries of a direction that are smaller than this share of the largest are not told.
 constexpr double kSmall = 1e-5;
 /// Correlations from here on are told.
@@ -37,7 +36,6 @@ constexpr double kBadScale = 1e12;
 constexpr std::size_t kMostCorrelations = 5;
 /// Of a group's chi-square; and the factor of its sigma from which on it is told.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
-constexpr double kAtMinimum = 1e-4;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -61,7 +59,7 @@ class Examination {
     if (result_.unknowns == 0) return std::move(result_);
     const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
     const LeastInfluence least = leastInfluence(jacobian, structure_.system, problem_, linearizer_, kWeak);
-    const Index none = least.countBelow(kNone);
+    const Index none = least.countBelow(kNoInfluence);
     result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
     const std::vector<Part> parts = connectedParts(structure_.system);
     findIdle(least);
@@ -79,12 +77,8 @@ class Examination {
   void add(Kind kind, bool is_fault, std::string text, std::vector<std::string> names, int dimension = 0) {
     result_.findings.push_back({kind, is_fault, std::move(text), std::move(names), dimension});
   }
-  int blockOf(int unknown) const {
-    const auto& offset = structure_.system.offset;
-    return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
-  }
   bool isHeld(int unknown) const {
-    const int block = blockOf(unknown);
+    const int block = blockOf(structure_, unknown);
     return recordOf(block).isHeld(unknown - structure_.system.offset[at(block)]);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
@@ -112,7 +106,7 @@ class Examination {
   void findIdle(const LeastInfluence& least) {
     std::map<int, std::vector<std::string>> components_of;  // by block
     for (const int unknown : least.idle) {
-      components_of[blockOf(unknown)].push_back(nameOf(unknown));
+      components_of[blockOf(structure_, unknown)].push_back(nameOf(unknown));
     }
     for (const auto& [block, names] : components_of) {
       const int variable = structure_.variable_of_block[at(block)];

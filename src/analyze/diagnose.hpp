@@ -6,6 +6,9 @@
 
 namespace slom {
 
+/// Values count as a minimum from this System::gradientCosine() down, for statements that hold at one alone.
+inline constexpr double kAtMinimum = 1e-4;
+
 /// Sparse: a factorisation and a few solutions with it.
 Diagnosis diagnose(System& system, Linearizer& linearizer);
 

@@ -9,18 +9,14 @@ namespace slom {
 
 using Eigen::MatrixXd;
 
-namespace {
-constexpr double kNone = 1e-8;  // influence of a direction of the null space, in scaled unknowns
-}  // namespace
-
 FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
     : structure_(system.structure().system), solver_(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky}) {
   for (const Finding& finding : diagnose(system, linearizer).findings) {
     if (finding.is_fault && finding.kind != Finding::Kind::gauge) throw Error("slom.rank-deficient", finding.text);
   }
   const StoredJacobian jacobian(system.problem(), linearizer, structure_);
-  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, kNone);
-  const MatrixXd null_space = least.direction.leftCols(least.countBelow(kNone));
+  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, kNoInfluence);
+  const MatrixXd null_space = least.direction.leftCols(least.countBelow(kNoInfluence));
   damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
   N_ = MatrixXd(structure_.unknowns(), 0);
   if (null_space.cols() > 0) {

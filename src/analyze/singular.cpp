@@ -4,14 +4,10 @@
 
 namespace slom {
 
-namespace {
-
 int blockOf(const ProblemStructure& structure, int unknown) {
   const auto& offset = structure.system.offset;
   return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
 }
-
-}  // namespace
 
 std::string unmeasured(const std::string& name) {
   return "no measurement depends on variable " + name +
