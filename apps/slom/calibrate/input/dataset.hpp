@@ -21,12 +21,19 @@ struct Corner {
 struct View {
   int image = 0;
   std::vector<Corner> corners;
+  std::string photo;  ///< file of the photograph that the corners were found in; empty: unknown
+};
+
+/// Of all images of a camera [px].
+struct ImageSize {
+  int width = 0, height = 0;
 };
 
 struct CameraData {
   std::string name;
   std::string file;
-  std::vector<View> views;  ///< by rising image number, none empty
+  std::vector<View> views;              ///< by rising image number, none empty
+  std::optional<ImageSize> image_size;  ///< nullopt: unknown
 
   std::size_t cornerCount() const;
   /// The view of an image, or nullptr.
