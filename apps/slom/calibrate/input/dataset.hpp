@@ -33,7 +33,7 @@ struct CameraData {
   std::string name;
   std::string file;
   std::vector<View> views;              ///< by rising image number, none empty
-  std::optional<ImageSize> image_size;  ///< nullopt: unknown
+  std::optional<ImageSize> image_size{};  ///< nullopt: unknown
 
   std::size_t cornerCount() const;
   /// The view of an image, or nullptr.
