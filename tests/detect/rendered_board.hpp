@@ -1,0 +1,96 @@
+// Photographs of boards at known places, drawn by following each pixel's ray to the board: the truth for detectors.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrate/camera_models.hpp"
+#include "calibrate/detect/board.hpp"
+#include "calibrate/detect/photograph.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace slom::app::calib::testing {
+
+/// Brightness of the board's plane at (x, y) [m], 0 to 1.
+using Picture = std::function<double(double x, double y)>;
+
+/// White paper with a margin of one square; grey beyond it.
+inline Picture chessboardPicture(const Board& board, bool dark_first = true) {
+  return [=](double x, double y) {
+    const int column = int(std::floor(x / board.square_m)), row = int(std::floor(y / board.square_m));
+    if (column < -2 || row < -2 || column > board.columns || row > board.rows) return 0.5;
+    if (column < -1 || row < -1 || column > board.columns - 1 || row > board.rows - 1) return 0.95;
+    return ((column + row) % 2 == 0) == dark_first ? 0.05 : 0.95;
+  };
+}
+
+/// A pinhole without distortion, or an equidistant fisheye.
+struct Viewer {
+  Pinhole camera{700, 700, 322, 236};
+  ImageSize size{640, 480};
+  bool is_equidistant = false;
+
+  vec2 project(const SE3& board2camera, const vec3& point) const {
+    const vec3 p = board2camera * point;
+    if (is_equidistant) return Fisheye<>::fromPinhole(camera).project(p);
+    return vec2(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy);
+  }
+
+  /// Direction of the ray of a pixel.
+  vec3 ray(double u, double v) const {
+    const double x = (u - camera.cx) / camera.fx, y = (v - camera.cy) / camera.fy, angle = std::hypot(x, y);
+    if (!is_equidistant || angle == 0) return vec3(x, y, 1.);
+    return vec3(x / angle * std::sin(angle), y / angle * std::sin(angle), std::cos(angle));
+  }
+
+  /// Averaged over 5 x 5 rays for each pixel, with a little noise.
+  Photograph photograph(const SE3& board2camera, const Picture& picture, unsigned seed = 1) const {
+    constexpr int rays = 5;
+    std::mt19937 random(seed);
+    std::normal_distribution<> noise(0, 1.5);
+    const SE3 camera2board = board2camera.inverse();
+    Photograph photo{size, std::vector<std::uint8_t>(std::size_t(size.width) * size.height)};
+    for (int v = 0; v < size.height; ++v) {
+      for (int u = 0; u < size.width; ++u) {
+        double sum = 0;
+        for (int k = 0; k < rays * rays; ++k) {
+          const vec3 direction(camera2board.orient * ray(u + (k % rays + 0.5) / rays - 0.5, v + (k / rays + 0.5) / rays - 0.5));
+          const double distance = -camera2board.pos.z() / direction.z();
+          const vec3 at(camera2board.pos + distance * direction);
+          sum += distance > 0 ? picture(at.x(), at.y()) : 0.5;
+        }
+        const double grey = 20 + 200 * sum / (rays * rays) + noise(random);
+        photo.grey[std::size_t(v) * size.width + u] = std::uint8_t(std::clamp(grey, 0.0, 255.0));
+      }
+    }
+    return photo;
+  }
+};
+
+/// The board before the camera: its centre at (x, y, z) [m], tilted about the camera's x and y axes, turned about its own normal.
+inline SE3 placed(const Board& board, const vec3& centre, double tilt_x, double tilt_y, double turn) {
+  const vec3 last = board.corner(board.cornerCount() - 1);
+  const SO3 orient = SO3::exp(vec3(tilt_x, 0., 0.)) * SO3::exp(vec3(0., tilt_y, 0.)) * SO3::exp(vec3(0., 0., turn));
+  return SE3(orient, vec3(centre - orient * vec3(last / 2)));
+}
+
+inline void writePgm(const std::filesystem::path& path, const Photograph& photo) {
+  slom::testing::writeFile(path, fmt::format("P5\n{} {}\n255\n", photo.size.width, photo.size.height) +
+                                     std::string(photo.grey.begin(), photo.grey.end()));
+}
+
+inline Board chessboard(int columns, int rows, double square_m = 0.03) {
+  Board board;
+  board.columns = columns;
+  board.rows = rows;
+  board.square_m = square_m;
+  return board;
+}
+
+}  // namespace slom::app::calib::testing
