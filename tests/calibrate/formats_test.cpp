@@ -14,7 +14,8 @@ using slom::testing::TemporaryFolder;
 /// What YAML means, as JSON; null without Python's yaml.
 json readYaml(const std::filesystem::path& file) {
   const auto result = slom::testing::runCommand(
-      {"/usr/bin/python3", "-c", "import json, sys, yaml; print(json.dumps(yaml.safe_load(open(sys.argv[1]))))", file.string()});
+      {"/usr/bin/python3", "-c",
+       "import json, sys, yaml; print(json.dumps(yaml.safe_load(open(sys.argv[1]))))", file.string()});
   return result.exit_code == 0 ? json::parse(result.output) : json();
 }
 
@@ -22,15 +23,17 @@ json readYaml(const std::filesystem::path& file) {
 json calibrated(const TemporaryFolder& folder, const std::string& model, const std::string& output) {
   const auto data = sourcePath("data/opencv_stereo");
   const auto result = testing::runCalibrate(
-      {"--camera", "left=" + (data / "left_corners.csv").string(), "--camera", "right=" + (data / "right_corners.csv").string(), "--intrinsics",
-       model, "--image-size", "640x480", "--output", (folder / output).string(), "--json", (folder / "result.json").string(), "--quiet"});
+      {"--camera", "left=" + (data / "left_corners.csv").string(), "--camera",
+       "right=" + (data / "right_corners.csv").string(), "--intrinsics", model, "--image-size", "640x480",
+       "--output", (folder / output).string(), "--json", (folder / "result.json").string(), "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   return json::parse(slom::testing::readFile(folder / "result.json"));
 }
 
 json parameters(const json& result, const std::string& camera, const std::vector<std::string>& names) {
   json values = json::array();
-  for (const std::string& name : names) values.push_back(name == "0" ? json(0) : result["cameras"][camera]["parameters"][name]["value"]);
+  for (const std::string& name : names)
+    values.push_back(name == "0" ? json(0) : result["cameras"][camera]["parameters"][name]["value"]);
   return values;
 }
 
@@ -50,18 +53,23 @@ TEST(RosFormat, HasWhatCameraInfoHas) {
       EXPECT_EQ(yaml["image_height"], 480);
       EXPECT_EQ(yaml["camera_name"], camera);
       EXPECT_EQ(yaml["distortion_model"], ros_model);
-      EXPECT_EQ(yaml["distortion_coefficients"], json({{"rows", 1}, {"cols", names.size()}, {"data", parameters(result, camera, names)}}));
+      EXPECT_EQ(yaml["distortion_coefficients"],
+                json({{"rows", 1}, {"cols", names.size()}, {"data", parameters(result, camera, names)}}));
       const json p = parameters(result, camera, {"fx", "fy", "cx", "cy"});
-      EXPECT_EQ(yaml["camera_matrix"], json({{"rows", 3}, {"cols", 3}, {"data", {p[0], 0, p[2], 0, p[1], p[3], 0, 0, 1}}}));
-      EXPECT_EQ(yaml["rectification_matrix"], json({{"rows", 3}, {"cols", 3}, {"data", {1, 0, 0, 0, 1, 0, 0, 0, 1}}}));
-      EXPECT_EQ(yaml["projection_matrix"], json({{"rows", 3}, {"cols", 4}, {"data", {p[0], 0, p[2], 0, 0, p[1], p[3], 0, 0, 0, 1, 0}}}));
+      EXPECT_EQ(yaml["camera_matrix"],
+                json({{"rows", 3}, {"cols", 3}, {"data", {p[0], 0, p[2], 0, p[1], p[3], 0, 0, 1}}}));
+      EXPECT_EQ(yaml["rectification_matrix"],
+                json({{"rows", 3}, {"cols", 3}, {"data", {1, 0, 0, 0, 1, 0, 0, 0, 1}}}));
+      EXPECT_EQ(yaml["projection_matrix"],
+                json({{"rows", 3}, {"cols", 4}, {"data", {p[0], 0, p[2], 0, 0, p[1], p[3], 0, 0, 0, 1, 0}}}));
     }
   }
 }
 
 TEST(KalibrFormat, IsACamchain) {
   for (const auto& [model, kalibr_model, names] :
-       {std::tuple("opencv4", "radtan", std::vector<std::string>{"k1", "k2", "p1", "p2"}), {"fisheye", "equidistant", {"k1", "k2", "k3", "k4"}}}) {
+       {std::tuple("opencv4", "radtan", std::vector<std::string>{"k1", "k2", "p1", "p2"}),
+        {"fisheye", "equidistant", {"k1", "k2", "k3", "k4"}}}) {
     const TemporaryFolder folder;
     const json result = calibrated(folder, model, "camchain.yaml");
     const json yaml = readYaml(folder / "camchain.yaml");

@@ -1,4 +1,5 @@
-// The camera models, what a calibration makes of data that one of them produced, and which one --compare chooses.
+// The camera models, what a calibration makes of data that one of them produced, and which one --compare
+// chooses.
 #include <functional>
 #include <random>
 
@@ -20,13 +21,16 @@ const std::vector<vec3> points{{0.1, -0.2, 1.},   {-0.5, 0.3, 0.8}, {0.02, 0.01,
 
 /// Written down once more, from OpenCV's documentation: g divided, tangential part, focal lengths.
 vec2 rationalPixel(const Eigen::VectorXd& c, const vec3& p) {
-  const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = std::pow(std::hypot(x, y), 2), r4 = r2 * r2, r6 = r4 * r2;
+  const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = std::pow(std::hypot(x, y), 2), r4 = r2 * r2,
+               r6 = r4 * r2;
   const double g = (1 + c[4] * r2 + c[5] * r4 + c[8] * r6) / (1 + c[9] * r2 + c[10] * r4 + c[11] * r6);
   return vec2(c[0] * (x * g + 2 * c[6] * x * y + c[7] * (r2 + 2 * x * x)) + c[2],
               c[1] * (y * g + c[6] * (r2 + 2 * y * y) + 2 * c[7] * x * y) + c[3]);
 }
 
-Eigen::VectorXd numbers(const std::vector<double>& values) { return Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size())); }
+Eigen::VectorXd numbers(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size()));
+}
 
 /// Exact derivatives by all parameters and the point against central differences.
 template <template <class> class Model>
@@ -49,7 +53,8 @@ void checkDerivatives(const Model<double>& camera, const std::vector<vec3>& at) 
       const double step = 1e-6 * std::max(1.0, i < n ? std::abs(camera[i]) : 0.0);
       const vec2 difference((moved(step) - moved(-step)) / (2 * step));
       for (int row = 0; row < 2; ++row)
-        EXPECT_NEAR(pixel[row].partial(i), difference[row], 1e-5 * (1 + difference.norm())) << "parameter " << i << " at " << point.transpose();
+        EXPECT_NEAR(pixel[row].partial(i), difference[row], 1e-5 * (1 + difference.norm()))
+            << "parameter " << i << " at " << point.transpose();
     }
   }
 }
@@ -60,11 +65,20 @@ TEST(CameraModels, AgreeWithTheirFormulas) {
   for (const vec3& p : points) {
     EXPECT_LT((vec2(rational.project(p)) - rationalPixel(rational, p)).norm(), 1e-10);
     const Opencv5<> five{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002, 0.02};
-    EXPECT_LT((vec2(five.project(p)) - rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0, 0, 0}), p)).norm(), 1e-10);
+    EXPECT_LT((vec2(five.project(p)) -
+               rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0, 0, 0}), p))
+                  .norm(),
+              1e-10);
     const Opencv4<> four{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002};
-    EXPECT_LT((vec2(four.project(p)) - rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0, 0, 0, 0}), p)).norm(), 1e-10);
+    EXPECT_LT((vec2(four.project(p)) -
+               rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0, 0, 0, 0}), p))
+                  .norm(),
+              1e-10);
     const Radial1<> one{500., 320., 240., -0.2};
-    EXPECT_LT((vec2(one.project(p)) - rationalPixel(numbers({500, 500, 320, 240, -0.2, 0, 0, 0, 0, 0, 0, 0}), p)).norm(), 1e-10);
+    EXPECT_LT(
+        (vec2(one.project(p)) - rationalPixel(numbers({500, 500, 320, 240, -0.2, 0, 0, 0, 0, 0, 0, 0}), p))
+            .norm(),
+        1e-10);
   }
 }
 
@@ -93,7 +107,9 @@ struct Scene {
 template <class Camera>
 Dataset simulated(const Camera& lens, const Scene& scene, unsigned seed) {
   std::mt19937_64 random(seed);
-  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<>(low, high)(random); };
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
   std::normal_distribution<> normal;
   CameraData camera;
   camera.name = "cam";
@@ -111,7 +127,8 @@ Dataset simulated(const Camera& lens, const Scene& scene, unsigned seed) {
       const vec3 world(scene.square_m * (k % scene.columns), scene.square_m * (k / scene.columns), 0.);
       const vec3 point(orient * vec3(world - middle) + centre);
       const vec2 pixel(vec2(lens.project(point)) + scene.sigma_px * vec2(normal(random), normal(random)));
-      const bool inside = pixel.x() > 0 && pixel.y() > 0 && pixel.x() < scene.width && pixel.y() < scene.height;
+      const bool inside =
+          pixel.x() > 0 && pixel.y() > 0 && pixel.x() < scene.width && pixel.y() < scene.height;
       if (point.z() > 0.02 && inside) view.corners.push_back({k + 1, world, pixel, ++line});
     }
     if (view.corners.size() >= 12) camera.views.push_back(view);
@@ -132,7 +149,8 @@ void expectTruth(const Camera& truth, Model model, const Scene& scene, unsigned 
   ASSERT_EQ(parameters.size(), std::size_t(Camera::DOF));
   for (int i = 0; i < Camera::DOF; ++i) {
     const Parameter& p = parameters[std::size_t(i)];
-    EXPECT_NEAR(p.value, truth[i], scene.sigma_px > 0 ? 4.5 * p.std : 1e-4 * p.std + 1e-7) << p.name << " seed " << seed;
+    EXPECT_NEAR(p.value, truth[i], scene.sigma_px > 0 ? 4.5 * p.std : 1e-4 * p.std + 1e-7)
+        << p.name << " seed " << seed;
   }
   if (scene.sigma_px > 0) EXPECT_NEAR(result.chi2PerDof(), 1, 0.2);
 }
@@ -165,19 +183,22 @@ TEST(Fisheye, FindsItsTruthOnARig) {
 TEST(Opencv8, FindsItsTruth) {
   Scene scene;
   scene.images = 20;
-  expectTruth(Opencv8<>{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01}, Model::opencv8, scene, 1);
+  expectTruth(Opencv8<>{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01},
+              Model::opencv8, scene, 1);
 }
 
 Comparison compared(const Dataset& data) {
   Settings settings;
   settings.sigma_px = 0.2;
-  return compareModels(data, settings, {Model::radial1, Model::opencv4, Model::opencv5, Model::opencv8, Model::fisheye});
+  return compareModels(data, settings,
+                       {Model::radial1, Model::opencv4, Model::opencv5, Model::opencv8, Model::fisheye});
 }
 
 TEST(Comparison, ChoosesTheModelThatMadeTheData) {
   int too_large = 0;
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const Dataset data = simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, seed);
+    const Dataset data =
+        simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, seed);
     const Comparison comparison = compared(data);
     ASSERT_TRUE(comparison.chosen);
     EXPECT_EQ(comparison.chosenTrial().model, Model::opencv4) << seed;
@@ -215,17 +236,24 @@ TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
   EXPECT_EQ(comparison.best, 2u);
   EXPECT_EQ(comparison.chosen, 1u);
   EXPECT_EQ(comparison.standard_errors[2], 0);
-  EXPECT_NEAR(comparison.standard_errors[1], 0.05 / (0.1 / 2), 1e-9);  // differences -0.1 0.1 0.1 0.1: mean 0.05, sd 0.1
+  EXPECT_NEAR(comparison.standard_errors[1], 0.05 / (0.1 / 2),
+              1e-9);  // differences -0.1 0.1 0.1 0.1: mean 0.05, sd 0.1
   EXPECT_TRUE(std::isnan(comparison.standard_errors[3]));
 }
 
 TEST(Comparison, IsPrintedAndStored) {
   const slom::testing::TemporaryFolder folder;
-  slom::testing::writeFile(folder / "cam.csv", testing::cornerFile(simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, 1).cameras[0]));
-  const std::string camera = "cam=" + (folder / "cam.csv").string(), json_file = (folder / "result.json").string();
-  auto result = testing::runCalibrate({"--camera", camera, "--sigma-px", "0.2", "--compare", "--json", json_file});
+  slom::testing::writeFile(
+      folder / "cam.csv",
+      testing::cornerFile(
+          simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, 1).cameras[0]));
+  const std::string camera = "cam=" + (folder / "cam.csv").string(),
+                    json_file = (folder / "result.json").string();
+  auto result =
+      testing::runCalibrate({"--camera", camera, "--sigma-px", "0.2", "--compare", "--json", json_file});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_NE(result.output.find("\nmodels compared\n  model     parameters  unknowns          RSS   RSS/dof    RMS px  predicted px  behind best [se]\n"),
+  EXPECT_NE(result.output.find("\nmodels compared\n  model     parameters  unknowns          RSS   RSS/dof   "
+                               " RMS px  predicted px  behind best [se]\n"),
             std::string::npos)
       << result.output;
   EXPECT_NE(result.output.find("  * The data carry opencv4: "), std::string::npos) << result.output;
@@ -235,14 +263,16 @@ TEST(Comparison, IsPrintedAndStored) {
   EXPECT_EQ(stored["comparison"]["models"].size(), 5u);
   EXPECT_EQ(stored["cameras"]["cam"]["model"], "opencv4");
 
-  result = testing::runCalibrate({"--camera", camera, "--compare", "radial1,opencv4", "--intrinsics", "opencv5", "--json", json_file, "--quiet"});
+  result = testing::runCalibrate({"--camera", camera, "--compare", "radial1,opencv4", "--intrinsics",
+                                  "opencv5", "--json", json_file, "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   const json other = json::parse(slom::testing::readFile(folder / "result.json"));
   EXPECT_EQ(other["comparison"]["models"].size(), 2u);
   EXPECT_EQ(other["cameras"]["cam"]["model"], "opencv5");
 
   result = testing::runCalibrate({"--camera", camera, "--compare", "opencv4,pinhole"});
-  EXPECT_EQ(result.errors, "slom: --compare pinhole: the models are opencv4, opencv5, opencv8, fisheye and radial1\n");
+  EXPECT_EQ(result.errors,
+            "slom: --compare pinhole: the models are opencv4, opencv5, opencv8, fisheye and radial1\n");
 }
 
 }  // namespace

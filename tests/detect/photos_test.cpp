@@ -1,7 +1,8 @@
 // Which photographs belong together, by their names.
+#include "calibrate/detect/photos.hpp"
+
 #include <gtest/gtest.h>
 
-#include "calibrate/detect/photos.hpp"
 #include "error.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -26,7 +27,8 @@ struct Photos : ::testing::Test {
   std::string found(const CameraFile& camera) const {
     std::string text;
     for (const Photo& photo : findPhotos({camera})[0].photos)
-      text += (text.empty() ? "" : " ") + std::to_string(photo.image) + ":" + std::filesystem::path(photo.file).filename().string();
+      text += (text.empty() ? "" : " ") + std::to_string(photo.image) + ":" +
+              std::filesystem::path(photo.file).filename().string();
     return text;
   }
   std::string refusal(const std::vector<CameraFile>& cameras) const {
@@ -62,7 +64,8 @@ TEST_F(Photos, MayBeListedOneByOneAndTwice) {
 }
 
 TEST_F(Photos, TimeStampsAreCountedOverAllCameras) {
-  make({"l/1403715273262142976.png", "l/1403715273312143104.png", "r/1403715273312143104.png", "r/1403715273362142976.png"});
+  make({"l/1403715273262142976.png", "l/1403715273312143104.png", "r/1403715273312143104.png",
+        "r/1403715273362142976.png"});
   const auto photos = findPhotos({camera("l", {"l/*.png"}), camera("r", {"r/*.png"})});
   EXPECT_EQ(photos[0].photos[0].image, 1);
   EXPECT_EQ(photos[0].photos[1].image, 2);
@@ -73,11 +76,14 @@ TEST_F(Photos, TimeStampsAreCountedOverAllCameras) {
 TEST_F(Photos, FaultsAreNamed) {
   make({"left1.jpg", "left01.jpg", "other/left1.jpg", "plain.jpg"});
   EXPECT_EQ(refusal({camera("left", {"*.png"})}),
-            "--images left=*.png: no file matches this; check the folder and the pattern, and quote it so that the shell leaves it alone");
+            "--images left=*.png: no file matches this; check the folder and the pattern, and quote it so "
+            "that the shell leaves it alone");
   EXPECT_EQ(refusal({camera("left", {"plain.jpg"})}),
-            "plain.jpg: there is no number in its name, by which photographs of the same moment are found; rename it, as in left07.jpg");
+            "plain.jpg: there is no number in its name, by which photographs of the same moment are found; "
+            "rename it, as in left07.jpg");
   EXPECT_EQ(refusal({camera("left", {"left01.jpg", "left1.jpg"})}),
-            "left1.jpg: camera left has image 1 already, left01.jpg; the last number in the name must tell its photographs apart");
+            "left1.jpg: camera left has image 1 already, left01.jpg; the last number in the name must tell "
+            "its photographs apart");
   EXPECT_EQ(refusal({camera("left", {"left1.jpg"}), camera("right", {"left1.jpg"})}),
             "left1.jpg: camera left and camera right both have this photograph; correct the patterns");
 }

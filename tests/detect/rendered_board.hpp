@@ -1,4 +1,5 @@
-// Photographs of boards at known places, drawn by following each pixel's ray to the board: the truth for detectors.
+// Photographs of boards at known places, drawn by following each pixel's ray to the board: the truth for
+// detectors.
 #pragma once
 
 #include <algorithm>
@@ -60,7 +61,8 @@ struct Viewer {
       for (int u = 0; u < size.width; ++u) {
         double sum = 0;
         for (int k = 0; k < rays * rays; ++k) {
-          const vec3 direction(camera2board.orient * ray(u + (k % rays + 0.5) / rays - 0.5, v + (k / rays + 0.5) / rays - 0.5));
+          const vec3 direction(camera2board.orient *
+                               ray(u + (k % rays + 0.5) / rays - 0.5, v + (k / rays + 0.5) / rays - 0.5));
           const double distance = -camera2board.pos.z() / direction.z();
           const vec3 at(camera2board.pos + distance * direction);
           sum += distance > 0 ? picture(at.x(), at.y()) : 0.5;
@@ -73,10 +75,12 @@ struct Viewer {
   }
 };
 
-/// The board before the camera: its centre at (x, y, z) [m], tilted about the camera's x and y axes, turned about its own normal.
+/// The board before the camera: its centre at (x, y, z) [m], tilted about the camera's x and y axes, turned
+/// about its own normal.
 inline SE3 placed(const Board& board, const vec3& centre, double tilt_x, double tilt_y, double turn) {
   const vec3 last = board.corner(board.cornerCount() - 1);
-  const SO3 orient = SO3::exp(vec3(tilt_x, 0., 0.)) * SO3::exp(vec3(0., tilt_y, 0.)) * SO3::exp(vec3(0., 0., turn));
+  const SO3 orient =
+      SO3::exp(vec3(tilt_x, 0., 0.)) * SO3::exp(vec3(0., tilt_y, 0.)) * SO3::exp(vec3(0., 0., turn));
   return SE3(orient, vec3(centre - orient * vec3(last / 2)));
 }
 

@@ -51,7 +51,8 @@ Model parseModel(const std::string& option, const std::string& name) {
   for (const Model model : all_models) {
     if (name == toString(model)) return model;
   }
-  throw UserError(fmt::format("{} {}: the models are opencv4, opencv5, opencv8, fisheye and radial1", option, name));
+  throw UserError(
+      fmt::format("{} {}: the models are opencv4, opencv5, opencv8, fisheye and radial1", option, name));
 }
 
 }  // namespace slom::app::calib

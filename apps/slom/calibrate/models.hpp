@@ -9,7 +9,8 @@ namespace slom::app::calib {
 enum class Model { radial1, opencv4, opencv5, opencv8, fisheye };
 
 /// All of them, by rising number of parameters.
-inline constexpr Model all_models[] = {Model::radial1, Model::opencv4, Model::fisheye, Model::opencv5, Model::opencv8};
+inline constexpr Model all_models[] = {Model::radial1, Model::opencv4, Model::fisheye, Model::opencv5,
+                                       Model::opencv8};
 
 const char* toString(Model model);
 

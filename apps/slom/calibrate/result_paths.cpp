@@ -20,15 +20,20 @@ std::string fileOf(const std::string& output, const std::string& camera) {
 
 OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras) {
   const bool has_placeholder = file.find(placeholder) != std::string::npos;
-  const bool is_camchain = std::filesystem::path(file).filename().string().find("camchain") != std::string::npos;
-  if (!format.empty() && file.empty()) throw UserError(fmt::format("--format {}: of which file? add --output FILE, or leave it out", format));
+  const bool is_camchain =
+      std::filesystem::path(file).filename().string().find("camchain") != std::string::npos;
+  if (!format.empty() && file.empty())
+    throw UserError(fmt::format("--format {}: of which file? add --output FILE, or leave it out", format));
   if (format == "opencv" || (format.empty() && !has_placeholder && !is_camchain)) return OutputFormat::opencv;
   if (format == "kalibr" || (format.empty() && is_camchain)) return OutputFormat::kalibr;
-  if (format != "ros" && !format.empty()) throw UserError(fmt::format("--format {}: the formats are opencv, ros and kalibr", format));
+  if (format != "ros" && !format.empty())
+    throw UserError(fmt::format("--format {}: the formats are opencv, ros and kalibr", format));
   if (cameras > 1 && !has_placeholder) {
-    throw UserError(fmt::format("--output {}: ROS has one file for each camera; write {{name}} where the camera's name is to stand, as in "
-                                "--output '{{name}}.yaml'",
-                                file));
+    throw UserError(
+        fmt::format("--output {}: ROS has one file for each camera; write {{name}} where the camera's name "
+                    "is to stand, as in "
+                    "--output '{{name}}.yaml'",
+                    file));
   }
   return OutputFormat::ros;
 }

@@ -6,8 +6,8 @@
 
 namespace slom::app::calib {
 
-/// By the text of --format, or where that is empty by the file: Kalibr's are called camchain, ROS wants one for each camera, whose
-/// place in the name is `{name}`.
+/// By the text of --format, or where that is empty by the file: Kalibr's are called camchain, ROS wants one
+/// for each camera, whose place in the name is `{name}`.
 OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras);
 
 /// Of --output: one, or one for each camera; none where none is wanted.

@@ -43,7 +43,8 @@ std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     cameras.push_back(parseNamed("--camera", text, "NAME=FILE, as in --camera left=left_corners.csv"));
     if (names.insert(cameras.back().name).second) continue;
-    throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text, cameras.back().name));
+    throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text,
+                                cameras.back().name));
   }
   return cameras;
 }
@@ -58,7 +59,8 @@ std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
       continue;
     }
     const CameraFile camera = parseNamed("--images", word, "NAME=PATTERN, as in --images left='left*.jpg'");
-    const auto known = std::find_if(cameras.begin(), cameras.end(), [&](const CameraFile& c) { return c.name == camera.name; });
+    const auto known = std::find_if(cameras.begin(), cameras.end(),
+                                    [&](const CameraFile& c) { return c.name == camera.name; });
     current = std::size_t(known - cameras.begin());
     if (known == cameras.end()) cameras.push_back({camera.name, "", {}});
     cameras[current].patterns.push_back(camera.file);
@@ -71,22 +73,26 @@ std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
 
 void parseSources(const RawOptions& raw, Settings& settings) {
   if (!raw.cameras.empty() && !raw.images.empty()) {
-    throw UserError(fmt::format("--images {}: give --images or --camera, not both; --corners-out makes corner files of photographs",
-                                raw.images.front()));
+    throw UserError(fmt::format(
+        "--images {}: give --images or --camera, not both; --corners-out makes corner files of photographs",
+        raw.images.front()));
   }
   if (raw.cameras.empty() && raw.images.empty()) {
-    throw UserError("no --camera; give at least one, as in --camera left=left_corners.csv, or photographs by --images");
+    throw UserError(
+        "no --camera; give at least one, as in --camera left=left_corners.csv, or photographs by --images");
   }
   settings.cameras = raw.images.empty() ? parseCameras(raw.cameras) : parseImages(raw.images);
   if (!raw.images.empty()) {
     settings.board = parseBoard(raw.board);
   } else if (!raw.board.board.empty() || !settings.corners_folder.empty()) {
-    throw UserError(fmt::format("{}: it is about photographs, and there are none; add --images, or leave it out",
-                                raw.board.board.empty() ? "--corners-out " + settings.corners_folder : "--board " + raw.board.board));
+    throw UserError(fmt::format(
+        "{}: it is about photographs, and there are none; add --images, or leave it out",
+        raw.board.board.empty() ? "--corners-out " + settings.corners_folder : "--board " + raw.board.board));
   }
 }
 
-std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts, const std::vector<CameraFile>& cameras) {
+std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
+                                                 const std::vector<CameraFile>& cameras) {
   std::map<std::string, ImageSize> sizes;
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
@@ -94,16 +100,21 @@ std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>&
     const std::string numbers = text.substr(equals == std::string::npos ? 0 : equals + 1);
     const auto x = numbers.find('x');
     ImageSize size;
-    const bool is_read = x != std::string::npos && parseNumber(std::string_view(numbers).substr(0, x), size.width) &&
-                         parseNumber(std::string_view(numbers).substr(x + 1), size.height) && size.width > 0 && size.height > 0;
-    if (!is_read) throw UserError(fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480", text));
+    const bool is_read = x != std::string::npos &&
+                         parseNumber(std::string_view(numbers).substr(0, x), size.width) &&
+                         parseNumber(std::string_view(numbers).substr(x + 1), size.height) &&
+                         size.width > 0 && size.height > 0;
+    if (!is_read)
+      throw UserError(
+          fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480", text));
     bool is_known = false;
     for (const CameraFile& camera : cameras) {
       if (!name.empty() && camera.name != name) continue;
       is_known = true;
       sizes[camera.name] = size;
     }
-    if (!is_known) throw UserError(fmt::format("--image-size {}: there is no camera {}; correct the name", text, name));
+    if (!is_known)
+      throw UserError(fmt::format("--image-size {}: there is no camera {}; correct the name", text, name));
   }
   return sizes;
 }

@@ -35,11 +35,13 @@ std::string adviceOnSize(const Board& board, const std::vector<std::string>& pho
     for (const auto& [columns, rows] : neighbours) {
       const Board other = resized(board, columns, rows);
       if (other.columns < 3 || other.rows < 3 || !shows(other, photos[i])) continue;
-      return fmt::format("{} shows one of {}: count the inner corners, where four squares meet, and give --board {}", photos[i],
-                         toString(other), toString(other));
+      return fmt::format(
+          "{} shows one of {}: count the inner corners, where four squares meet, and give --board {}",
+          photos[i], toString(other), toString(other));
     }
   }
-  return "count its inner corners, where four squares meet, and see whether all of them are in the photographs";
+  return "count its inner corners, where four squares meet, and see whether all of them are in the "
+         "photographs";
 }
 
 void requireWholeBoard(const Board& board, const std::vector<std::string>& photos) {
@@ -49,9 +51,11 @@ void requireWholeBoard(const Board& board, const std::vector<std::string>& photo
     const Board larger = resized(board, columns, rows);
     for (std::size_t i = 0; i < tried && shows(larger, photos[i]); ++i) {
       if (i + 1 < tried) continue;
-      throw UserError(fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them are meant; give "
-                                  "--board {}",
-                                  photos.front(), toString(larger), toString(board), toString(larger)));
+      throw UserError(
+          fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them "
+                      "are meant; give "
+                      "--board {}",
+                      photos.front(), toString(larger), toString(board), toString(larger)));
     }
   }
 }

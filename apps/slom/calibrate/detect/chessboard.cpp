@@ -38,8 +38,9 @@ double darknessOfFirst(const Grid& grid, const Photograph& photo) {
   double sum = 0;
   for (int row = 0; row + 1 < grid.rows; ++row) {
     for (int column = 0; column + 1 < grid.columns; ++column) {
-      const Eigen::Vector2d centre =
-          (grid.at(column, row) + grid.at(column + 1, row) + grid.at(column, row + 1) + grid.at(column + 1, row + 1)) / 4;
+      const Eigen::Vector2d centre = (grid.at(column, row) + grid.at(column + 1, row) +
+                                      grid.at(column, row + 1) + grid.at(column + 1, row + 1)) /
+                                     4;
       sum += ((column + row) % 2 == 0 ? -1 : 1) * brightness(photo, centre);
     }
   }
@@ -73,13 +74,16 @@ std::vector<vec2> inBoardOrder(const Board& board, std::vector<vec2> corners, co
     }
   }
   std::vector<Grid> turned{grid, halfTurned(grid)};
-  if (board.columns == board.rows) turned.push_back(quarterTurned(turned[0])), turned.push_back(quarterTurned(turned[1]));
-  const bool colours_tell = std::any_of(turned.begin(), turned.end(), [&](const Grid& g) { return darknessOfFirst(g, photo) > 0; });
+  if (board.columns == board.rows)
+    turned.push_back(quarterTurned(turned[0])), turned.push_back(quarterTurned(turned[1]));
+  const bool colours_tell =
+      std::any_of(turned.begin(), turned.end(), [&](const Grid& g) { return darknessOfFirst(g, photo) > 0; });
   const auto rank = [&](const Grid& g) {
     const bool is_wrong = colours_tell && darknessOfFirst(g, photo) <= 0;
     return std::pair(is_wrong, g.corners[0].sum());
   };
-  const auto best = std::min_element(turned.begin(), turned.end(), [&](const Grid& a, const Grid& b) { return rank(a) < rank(b); });
+  const auto best = std::min_element(turned.begin(), turned.end(),
+                                     [&](const Grid& a, const Grid& b) { return rank(a) < rank(b); });
   return best->corners;
 }
 

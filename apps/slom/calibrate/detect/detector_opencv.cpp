@@ -16,7 +16,8 @@ namespace {
 
 using Points = std::vector<cv::Point2f>;
 
-constexpr int longest_side = 1600;  // of the image that a board is looked for in [px]; corners are refined in the whole one
+constexpr int longest_side =
+    1600;  // of the image that a board is looked for in [px]; corners are refined in the whole one
 
 /// Distance from each corner to the nearest of its neighbours on the board [px].
 std::vector<double> nearest(const Points& corners, const cv::Size& size) {
@@ -35,15 +36,17 @@ std::vector<double> nearest(const Points& corners, const cv::Size& size) {
   return distances;
 }
 
-/// Each corner within a window of half a square, large enough to average noise and too small for other edges of a
-/// tilted board. On the sample images of OpenCV this calibrates to 0.18 px; one small window for all to 0.20 px, windows that
-/// reach 0.35 of the way to the next corner to 0.23 px with outliers of 3.5 px, findChessboardCornersSB alone to 0.26 px.
+/// Each corner within a window of half a square, large enough to average noise and too small for other edges
+/// of a tilted board. On the sample images of OpenCV this calibrates to 0.18 px; one small window for all to
+/// 0.20 px, windows that reach 0.35 of the way to the next corner to 0.23 px with outliers of 3.5 px,
+/// findChessboardCornersSB alone to 0.26 px.
 void refine(const cv::Mat& image, const cv::Size& size, Points& corners) {
   const std::vector<double> distances = nearest(corners, size);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const int half = std::max(2, int(std::lround(0.25 * distances[i])));
     Points one{corners[i]};
-    cv::cornerSubPix(image, one, {half, half}, {-1, -1}, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4});
+    cv::cornerSubPix(image, one, {half, half}, {-1, -1},
+                     {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4});
     corners[i] = one[0];
   }
 }
@@ -54,8 +57,10 @@ Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   cv::Mat small = image;
   if (scale < 1) cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
   Points corners;
-  const bool is_found = cv::findChessboardCorners(small, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) ||
-                        cv::findChessboardCornersSB(small, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
+  const bool is_found =
+      cv::findChessboardCorners(small, size, corners,
+                                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) ||
+      cv::findChessboardCornersSB(small, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
   if (!is_found) return {};
   for (cv::Point2f& p : corners) p = {float((p.x + 0.5) / scale - 0.5), float((p.y + 0.5) / scale - 0.5)};
   refine(image, size, corners);
@@ -73,7 +78,8 @@ bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   return found.size() >= least && !onLineButOne(on_board, 1e-4) && !onLineButOne(in_image, 2e-3);
 }
 
-/// Threads of our own look at photographs side by side; OpenCV's within them would hold more of them in memory.
+/// Threads of our own look at photographs side by side; OpenCV's within them would hold more of them in
+/// memory.
 void keepToOneThread() {
   static std::once_flag once;
   std::call_once(once, [] { cv::setNumThreads(0); });
@@ -85,15 +91,18 @@ std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo) 
   keepToOneThread();
   std::vector<FoundCorner> found;
   if (board.kind == BoardKind::chessboard) {
-    const cv::Mat image(photo.size.height, photo.size.width, CV_8UC1, const_cast<std::uint8_t*>(photo.grey.data()));
+    const cv::Mat image(photo.size.height, photo.size.width, CV_8UC1,
+                        const_cast<std::uint8_t*>(photo.grey.data()));
     std::vector<vec2> corners;
-    for (const cv::Point2f& p : findChessboard(image, {board.columns, board.rows})) corners.emplace_back(p.x, p.y);
+    for (const cv::Point2f& p : findChessboard(image, {board.columns, board.rows}))
+      corners.emplace_back(p.x, p.y);
     if (corners.empty()) return found;
     corners = inBoardOrder(board, std::move(corners), photo);
     for (std::size_t i = 0; i < corners.size(); ++i) found.push_back({int(i), corners[i]});
   } else {
     found = findMarkers(board, photo);
-    std::sort(found.begin(), found.end(), [](const FoundCorner& a, const FoundCorner& b) { return a.index < b.index; });
+    std::sort(found.begin(), found.end(),
+              [](const FoundCorner& a, const FoundCorner& b) { return a.index < b.index; });
   }
   if (!givePose(board, found)) found.clear();
   return found;

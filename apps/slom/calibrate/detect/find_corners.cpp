@@ -33,7 +33,8 @@ Seen look(const Board& board, const std::string& file) {
 }
 
 /// By camera and photograph.
-std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board, bool with_progress) {
+std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board,
+                                         bool with_progress) {
   std::vector<std::vector<Seen>> seen;
   std::vector<std::pair<std::size_t, std::size_t>> jobs;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -67,11 +68,12 @@ ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) 
   }
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!seen[i].size || std::pair(seen[i].size->width, seen[i].size->height) == common) continue;
-    throw UserError(fmt::format("{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; all photographs of a camera must have one "
-                                "size, so leave it out, or scale none of them",
-                                camera.photos[i].file, seen[i].size->width, seen[i].size->height,
-                                plural(most, "other photograph"), camera.name, most == 1 ? "has" : "have", common.first,
-                                common.second));
+    throw UserError(fmt::format(
+        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; all photographs of a camera must have "
+        "one "
+        "size, so leave it out, or scale none of them",
+        camera.photos[i].file, seen[i].size->width, seen[i].size->height, plural(most, "other photograph"),
+        camera.name, most == 1 ? "has" : "have", common.first, common.second));
   }
   return {common.first, common.second};
 }
@@ -80,7 +82,8 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
   View view;
   view.image = photo.image;
   view.photo = photo.file;
-  for (const FoundCorner& corner : corners) view.corners.push_back({corner.index + 1, board.corner(corner.index), corner.pixel});
+  for (const FoundCorner& corner : corners)
+    view.corners.push_back({corner.index + 1, board.corner(corner.index), corner.pixel});
   return view;
 }
 
@@ -90,17 +93,19 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
     if (seen[i].size) readable.push_back(camera.photos[i].file);
   }
   if (readable.empty()) {
-    throw UserError(fmt::format("{}: the file {}, and so it is with all photographs of camera {}; check the pattern",
-                                camera.photos.front().file, seen.front().reason, camera.name));
+    throw UserError(
+        fmt::format("{}: the file {}, and so it is with all photographs of camera {}; check the pattern",
+                    camera.photos.front().file, seen.front().reason, camera.name));
   }
-  throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(), camera.name, toString(board),
-                              adviceOnSize(board, readable)));
+  throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(),
+                              camera.name, toString(board), adviceOnSize(board, readable)));
 }
 
 }  // namespace
 
-std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras, const std::vector<CameraPhotos>& photos,
-                                    const Board& board, bool with_progress) {
+std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
+                                    const std::vector<CameraPhotos>& photos, const Board& board,
+                                    bool with_progress) {
   const auto seen = lookAtAll(photos, board, with_progress);
   std::vector<CameraData> result;
   for (std::size_t c = 0; c < cameras.size(); ++c) {

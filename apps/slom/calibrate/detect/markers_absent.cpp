@@ -11,9 +11,11 @@ const bool has_markers = false;
 std::vector<FoundCorner> findMarkers(const Board&, const Photograph&) { return {}; }
 
 void requireDictionary(const Board& board) {
-  throw UserError(fmt::format("--board {}: this slom was built without OpenCV's markers; install libopencv-contrib-dev and build slom "
-                              "again, or use a chessboard",
-                              toString(board)));
+  throw UserError(
+      fmt::format("--board {}: this slom was built without OpenCV's markers; install libopencv-contrib-dev "
+                  "and build slom "
+                  "again, or use a chessboard",
+                  toString(board)));
 }
 
 }  // namespace slom::app::calib

@@ -25,16 +25,23 @@ struct Dictionary {
 };
 
 /// By bits along a side and number of markers.
-const std::map<std::string, Dictionary> dictionaries{
-    {"4x4_50", {aruco::DICT_4X4_50, 50}},       {"4x4_100", {aruco::DICT_4X4_100, 100}},
-    {"4x4_250", {aruco::DICT_4X4_250, 250}},    {"4x4_1000", {aruco::DICT_4X4_1000, 1000}},
-    {"5x5_50", {aruco::DICT_5X5_50, 50}},       {"5x5_100", {aruco::DICT_5X5_100, 100}},
-    {"5x5_250", {aruco::DICT_5X5_250, 250}},    {"5x5_1000", {aruco::DICT_5X5_1000, 1000}},
-    {"6x6_50", {aruco::DICT_6X6_50, 50}},       {"6x6_100", {aruco::DICT_6X6_100, 100}},
-    {"6x6_250", {aruco::DICT_6X6_250, 250}},    {"6x6_1000", {aruco::DICT_6X6_1000, 1000}},
-    {"7x7_50", {aruco::DICT_7X7_50, 50}},       {"7x7_100", {aruco::DICT_7X7_100, 100}},
-    {"7x7_250", {aruco::DICT_7X7_250, 250}},    {"7x7_1000", {aruco::DICT_7X7_1000, 1000}},
-    {"original", {aruco::DICT_ARUCO_ORIGINAL, 1024}}};
+const std::map<std::string, Dictionary> dictionaries{{"4x4_50", {aruco::DICT_4X4_50, 50}},
+                                                     {"4x4_100", {aruco::DICT_4X4_100, 100}},
+                                                     {"4x4_250", {aruco::DICT_4X4_250, 250}},
+                                                     {"4x4_1000", {aruco::DICT_4X4_1000, 1000}},
+                                                     {"5x5_50", {aruco::DICT_5X5_50, 50}},
+                                                     {"5x5_100", {aruco::DICT_5X5_100, 100}},
+                                                     {"5x5_250", {aruco::DICT_5X5_250, 250}},
+                                                     {"5x5_1000", {aruco::DICT_5X5_1000, 1000}},
+                                                     {"6x6_50", {aruco::DICT_6X6_50, 50}},
+                                                     {"6x6_100", {aruco::DICT_6X6_100, 100}},
+                                                     {"6x6_250", {aruco::DICT_6X6_250, 250}},
+                                                     {"6x6_1000", {aruco::DICT_6X6_1000, 1000}},
+                                                     {"7x7_50", {aruco::DICT_7X7_50, 50}},
+                                                     {"7x7_100", {aruco::DICT_7X7_100, 100}},
+                                                     {"7x7_250", {aruco::DICT_7X7_250, 250}},
+                                                     {"7x7_1000", {aruco::DICT_7X7_1000, 1000}},
+                                                     {"original", {aruco::DICT_ARUCO_ORIGINAL, 1024}}};
 
 constexpr int markers_of_36h11 = 587;
 constexpr int border_of_aprilgrid = 2;  // black bits around a tag; ArUco and newer AprilTags have one
@@ -52,7 +59,8 @@ Markers detect(const cv::Mat& image, int dictionary, int border) {
   auto parameters = aruco::DetectorParameters::create();
   parameters->markerBorderBits = border;
   Markers markers;
-  aruco::detectMarkers(image, aruco::getPredefinedDictionary(dictionary), markers.corners, markers.ids, parameters);
+  aruco::detectMarkers(image, aruco::getPredefinedDictionary(dictionary), markers.corners, markers.ids,
+                       parameters);
   return markers;
 }
 
@@ -61,8 +69,9 @@ std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
   const Markers markers = detect(image, name, 1);
   std::vector<FoundCorner> found;
   if (markers.ids.empty()) return found;
-  const auto charuco = aruco::CharucoBoard::create(board.columns, board.rows, float(board.square_m), float(board.marker_m),
-                                                   aruco::getPredefinedDictionary(name));
+  const auto charuco =
+      aruco::CharucoBoard::create(board.columns, board.rows, float(board.square_m), float(board.marker_m),
+                                  aruco::getPredefinedDictionary(name));
   std::vector<cv::Point2f> corners;
   std::vector<int> ids;
   aruco::interpolateCornersCharuco(markers.corners, markers.ids, image, charuco, corners, ids);
@@ -72,7 +81,8 @@ std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
 
 /// Corners of a tag, clockwise as a detector lists them, begun at its `first`.
 std::array<int, 4> gridIndices(const Board& board, int tag, int first) {
-  const int column = 2 * (tag % board.columns), row = 2 * (tag / board.columns), width = board.cornerColumns();
+  const int column = 2 * (tag % board.columns), row = 2 * (tag / board.columns),
+            width = board.cornerColumns();
   const int lower = row * width + column, upper = lower + width;
   std::array<int, 4> clockwise{upper, upper + 1, lower + 1, lower};
   std::rotate(clockwise.begin(), clockwise.begin() + first, clockwise.end());
@@ -84,7 +94,8 @@ std::vector<FoundCorner> asGrid(const Board& board, const Markers& tags, int fir
   for (std::size_t i = 0; i < tags.ids.size(); ++i) {
     if (tags.ids[i] >= board.columns * board.rows) continue;  // some other tag
     const std::array<int, 4> indices = gridIndices(board, tags.ids[i], first);
-    for (std::size_t k = 0; k < 4; ++k) found.push_back({indices[k], vec2(tags.corners[i][k].x, tags.corners[i][k].y)});
+    for (std::size_t k = 0; k < 4; ++k)
+      found.push_back({indices[k], vec2(tags.corners[i][k].x, tags.corners[i][k].y)});
   }
   return found;
 }
@@ -98,22 +109,27 @@ double bend(const Board& board, const std::vector<FoundCorner>& found) {
   }
   const Eigen::Matrix3d H = findHomography(on_board, pixels);
   double sum = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) sum += ((H * on_board[i].homogeneous()).hnormalized() - pixels[i]).squaredNorm();
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    sum += ((H * on_board[i].homogeneous()).hnormalized() - pixels[i]).squaredNorm();
   return sum;
 }
 
-/// Refines to where the black of a tag meets that of the square between tags. A corner that runs away, to another one or
-/// into a tag, is left out.
-std::vector<FoundCorner> refined(const Board& board, const Markers& tags, std::vector<FoundCorner> found, const cv::Mat& image) {
+/// Refines to where the black of a tag meets that of the square between tags. A corner that runs away, to
+/// another one or into a tag, is left out.
+std::vector<FoundCorner> refined(const Board& board, const Markers& tags, std::vector<FoundCorner> found,
+                                 const cv::Mat& image) {
   double side = std::numeric_limits<double>::infinity();
   for (const auto& tag : tags.corners) {
     for (std::size_t k = 0; k < 4; ++k) side = std::min(side, cv::norm(tag[k] - tag[(k + 1) % 4]));
   }
-  const double clear = std::min(board.spacing, 0.2) * side;  // up to the next edge: of the square, or of the tag's code
+  const double clear =
+      std::min(board.spacing, 0.2) * side;  // up to the next edge: of the square, or of the tag's code
   const int half = std::clamp(int(0.7 * clear), 2, 10);
   std::vector<cv::Point2f> points;
-  for (const FoundCorner& corner : found) points.emplace_back(float(corner.pixel.x()), float(corner.pixel.y()));
-  cv::cornerSubPix(image, points, {half, half}, {-1, -1}, {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-3});
+  for (const FoundCorner& corner : found)
+    points.emplace_back(float(corner.pixel.x()), float(corner.pixel.y()));
+  cv::cornerSubPix(image, points, {half, half}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-3});
   for (std::size_t i = 0; i < found.size(); ++i) {
     const vec2 pixel(points[i].x, points[i].y);
     if ((pixel - found[i].pixel).norm() > std::max(2.0, 0.5 * clear)) found[i].index = -1;
@@ -123,7 +139,8 @@ std::vector<FoundCorner> refined(const Board& board, const Markers& tags, std::v
   return found;
 }
 
-/// Printed tags may be turned by quarters against OpenCV's: that turn is chosen by which the corners lie on a plane.
+/// Printed tags may be turned by quarters against OpenCV's: that turn is chosen by which the corners lie on a
+/// plane.
 std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image) {
   const Markers tags = detect(image, aruco::DICT_APRILTAG_36h11, border_of_aprilgrid);
   std::vector<FoundCorner> best;
@@ -150,14 +167,15 @@ void requireDictionary(const Board& board) {
   if (is_charuco && dictionary == dictionaries.end()) {
     std::vector<std::string> names;
     for (const auto& [name, unused] : dictionaries) names.push_back(name);
-    throw UserError(fmt::format("--board {}: there is no dictionary {}; there are {}", toString(board), board.dictionary,
-                                fmt::join(names, ", ")));
+    throw UserError(fmt::format("--board {}: there is no dictionary {}; there are {}", toString(board),
+                                board.dictionary, fmt::join(names, ", ")));
   }
   const int needed = is_charuco ? board.columns * board.rows / 2 : board.columns * board.rows;
   const int markers = is_charuco ? dictionary->second.markers : markers_of_36h11;
   if (needed <= markers) return;
-  throw UserError(fmt::format("--board {}: its {} markers are more than the {} of the dictionary; correct the size{}", toString(board),
-                              needed, markers, is_charuco ? " or the dictionary" : ""));
+  throw UserError(
+      fmt::format("--board {}: its {} markers are more than the {} of the dictionary; correct the size{}",
+                  toString(board), needed, markers, is_charuco ? " or the dictionary" : ""));
 }
 
 }  // namespace slom::app::calib

@@ -19,7 +19,8 @@ using Pixels = std::unique_ptr<T, decltype(&stbi_image_free)>;
 std::optional<Photograph> readDeep(std::FILE* stream) {
   ImageSize size;
   int channels = 0;
-  const Pixels<stbi_us> pixels(stbi_load_from_file_16(stream, &size.width, &size.height, &channels, 1), stbi_image_free);
+  const Pixels<stbi_us> pixels(stbi_load_from_file_16(stream, &size.width, &size.height, &channels, 1),
+                               stbi_image_free);
   if (!pixels) return {};
   const std::size_t count = std::size_t(size.width) * size.height;
   const double brightest = std::max<stbi_us>(1, *std::max_element(pixels.get(), pixels.get() + count));
@@ -32,7 +33,8 @@ std::optional<Photograph> readDeep(std::FILE* stream) {
 std::optional<Photograph> readShallow(std::FILE* stream) {
   ImageSize size;
   int channels = 0;
-  const Pixels<stbi_uc> pixels(stbi_load_from_file(stream, &size.width, &size.height, &channels, 1), stbi_image_free);
+  const Pixels<stbi_uc> pixels(stbi_load_from_file(stream, &size.width, &size.height, &channels, 1),
+                               stbi_image_free);
   if (!pixels) return {};
   return Photograph{size, {pixels.get(), pixels.get() + std::size_t(size.width) * size.height}};
 }
@@ -67,20 +69,23 @@ std::string photoPatch(const std::string& file, const vec2& pixel, int radius, i
   std::string reason;
   const auto photo = readPhotograph(file, reason);
   if (!photo) return {};
-  const int width = 2 * radius + 1, left = int(std::lround(pixel.x())) - radius, top = int(std::lround(pixel.y())) - radius;
+  const int width = 2 * radius + 1, left = int(std::lround(pixel.x())) - radius,
+            top = int(std::lround(pixel.y())) - radius;
   const auto [columns, rows] = photo->size;
   std::vector<std::uint8_t> patch(std::size_t(width * scale) * (width * scale), 0);
   for (int v = 0; v < width * scale; ++v) {
     for (int u = 0; u < width * scale; ++u) {
       const int column = left + u / scale, row = top + v / scale;
       const bool inside = column >= 0 && row >= 0 && column < columns && row < rows;
-      if (inside) patch[std::size_t(v) * (width * scale) + u] = photo->grey[std::size_t(row) * columns + column];
+      if (inside)
+        patch[std::size_t(v) * (width * scale) + u] = photo->grey[std::size_t(row) * columns + column];
     }
   }
   std::vector<unsigned char> png;
   const auto append = [](void* to, void* bytes, int size) {
     const auto* first = static_cast<unsigned char*>(bytes);
-    static_cast<std::vector<unsigned char>*>(to)->insert(static_cast<std::vector<unsigned char>*>(to)->end(), first, first + size);
+    static_cast<std::vector<unsigned char>*>(to)->insert(static_cast<std::vector<unsigned char>*>(to)->end(),
+                                                         first, first + size);
   };
   const int side = width * scale;
   if (stbi_write_png_to_func(append, &png, side, side, 1, patch.data(), side) == 0) return {};

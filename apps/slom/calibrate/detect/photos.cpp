@@ -16,7 +16,8 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Files that one pattern stands for, in alphabetical order. A file whose name looks like a pattern stands for itself.
+/// Files that one pattern stands for, in alphabetical order. A file whose name looks like a pattern stands
+/// for itself.
 std::vector<std::string> expanded(const std::string& camera, const std::string& pattern) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
@@ -30,9 +31,10 @@ std::vector<std::string> expanded(const std::string& camera, const std::string& 
   }
   ::globfree(&found);
   if (!files.empty()) return files;
-  throw UserError(fmt::format("--images {}={}: no file matches this; check the folder and the pattern, and quote it so that the "
-                              "shell leaves it alone",
-                              camera, pattern));
+  throw UserError(fmt::format(
+      "--images {}={}: no file matches this; check the folder and the pattern, and quote it so that the "
+      "shell leaves it alone",
+      camera, pattern));
 }
 
 /// By value: shorter ones first.
@@ -50,15 +52,17 @@ FilesByNumber numbered(const CameraFile& camera) {
     for (const std::string& file : expanded(camera.name, pattern)) {
       const std::string number = numberInName(file);
       if (number.empty()) {
-        throw UserError(fmt::format("{}: there is no number in its name, by which photographs of the same moment are found; rename "
-                                    "it, as in {}07.jpg",
-                                    file, camera.name));
+        throw UserError(fmt::format(
+            "{}: there is no number in its name, by which photographs of the same moment are found; rename "
+            "it, as in {}07.jpg",
+            file, camera.name));
       }
       const auto [known, is_new] = files.emplace(number, file);
       if (is_new || known->second == file) continue;
-      throw UserError(fmt::format("{}: camera {} has image {} already, {}; the last number in the name must tell its photographs "
-                                  "apart",
-                                  file, camera.name, number, known->second));
+      throw UserError(fmt::format(
+          "{}: camera {} has image {} already, {}; the last number in the name must tell its photographs "
+          "apart",
+          file, camera.name, number, known->second));
     }
   }
   return files;
@@ -70,8 +74,9 @@ void requireOneCamera(const std::vector<CameraFile>& cameras, const std::vector<
     for (const auto& [number, file] : files[c]) {
       const auto [known, is_new] = camera_of.emplace(file, cameras[c].name);
       if (is_new) continue;
-      throw UserError(fmt::format("{}: camera {} and camera {} both have this photograph; correct the patterns", file, known->second,
-                                  cameras[c].name));
+      throw UserError(
+          fmt::format("{}: camera {} and camera {} both have this photograph; correct the patterns", file,
+                      known->second, cameras[c].name));
     }
   }
 }

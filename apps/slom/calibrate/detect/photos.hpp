@@ -18,13 +18,13 @@ struct CameraPhotos {
   std::vector<Photo> photos;  ///< by rising number
 };
 
-/// The last number in a file's name, folders and extension left aside: 7 of `run2/left07.jpg`. It is text, without leading
-/// zeros, because time stamps may have any length. Empty: there is none.
+/// The last number in a file's name, folders and extension left aside: 7 of `run2/left07.jpg`. It is text,
+/// without leading zeros, because time stamps may have any length. Empty: there is none.
 std::string numberInName(const std::string& file);
 
-/// The photographs of each camera. Where a number is too large for an image number, as time stamps are, images are
-/// counted from 1 by rising number over all cameras. UserError for a pattern that matches nothing, a name without a number, a
-/// number that a camera has twice, and a photograph that two cameras have.
+/// The photographs of each camera. Where a number is too large for an image number, as time stamps are,
+/// images are counted from 1 by rising number over all cameras. UserError for a pattern that matches nothing,
+/// a name without a number, a number that a camera has twice, and a photograph that two cameras have.
 std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras);
 
 }  // namespace slom::app::calib

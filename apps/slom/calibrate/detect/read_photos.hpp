@@ -6,8 +6,8 @@
 
 namespace slom::app::calib {
 
-/// Finds the board in the photographs of all cameras and writes the corner files that are asked for, so that they are there
-/// whatever becomes of the fit. `settings.board` must be given.
+/// Finds the board in the photographs of all cameras and writes the corner files that are asked for, so that
+/// they are there whatever becomes of the fit. `settings.board` must be given.
 std::vector<CameraData> readPhotos(const Settings& settings);
 
 }  // namespace slom::app::calib

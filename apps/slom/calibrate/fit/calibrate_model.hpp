@@ -1,4 +1,5 @@
-// The way from data to result for one camera model. Each model is compiled in a file of its own, in fit/models.
+// The way from data to result for one camera model. Each model is compiled in a file of its own, in
+// fit/models.
 #pragma once
 
 #include <algorithm>
@@ -16,18 +17,21 @@
 namespace slom::app::calib {
 
 /// Fewer numbers measured than unknown: nothing to fit.
-inline void requireEnoughMeasurements(const Dataset& data, const Settings& settings, int parameters_per_camera) {
+inline void requireEnoughMeasurements(const Dataset& data, const Settings& settings,
+                                      int parameters_per_camera) {
   std::size_t measured = 0;
   for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
   const std::size_t cameras = data.cameras.size();
   std::size_t fixed = 0;
-  for (const LensConstraint& constraint : settings.lens) fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
-  const std::size_t unknowns = cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
+  for (const LensConstraint& constraint : settings.lens)
+    fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
+  const std::size_t unknowns =
+      cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
-  throw UserError(
-      fmt::format("{}{}: the corners give {} numbers for {} unknowns of the model {}; add images or "
-                  "corners, or choose a model with fewer parameters by --intrinsics",
-                  data.cameras.front().file, settings.board ? "" : ":2", measured, unknowns, toString(settings.model)));
+  throw UserError(fmt::format(
+      "{}{}: the corners give {} numbers for {} unknowns of the model {}; add images or "
+      "corners, or choose a model with fewer parameters by --intrinsics",
+      data.cameras.front().file, settings.board ? "" : ":2", measured, unknowns, toString(settings.model)));
 }
 
 /// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
@@ -119,7 +123,8 @@ ModelTrial tryModel(const Dataset& data, const Settings& settings) {
     trial.rms_px = settings.sigma_px * std::sqrt(summary.final_rss / double(corners));
     if (!summary.converged) return trial.failure = summary.message, trial;
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig());
-    if (!std::isfinite(trial.heldOutRms())) trial.failure = "corners that it was not fitted to have no image in it";
+    if (!std::isfinite(trial.heldOutRms()))
+      trial.failure = "corners that it was not fitted to have no image in it";
   } catch (const slom::Error& error) {
     trial.failure = sentenceOf(error);
   } catch (const UserError& error) {

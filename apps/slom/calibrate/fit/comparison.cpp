@@ -51,7 +51,8 @@ void judge(Comparison& comparison) {
   const auto& trials = comparison.trials;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (!trials[i].failure.empty()) continue;
-    if (!comparison.best || trials[i].heldOutRms() < trials[*comparison.best].heldOutRms()) comparison.best = i;
+    if (!comparison.best || trials[i].heldOutRms() < trials[*comparison.best].heldOutRms())
+      comparison.best = i;
   }
   comparison.standard_errors.assign(trials.size(), std::numeric_limits<double>::quiet_NaN());
   if (!comparison.best) return;

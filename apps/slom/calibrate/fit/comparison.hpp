@@ -1,10 +1,10 @@
 // Several camera models on the same data: which one they carry.
 //
-// A model with more parameters always fits better; whether it also predicts better is seen on images that it was not fitted
-// to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to the images of the others, and
-// held. In each image of the fold the pose of the board is fitted to every other corner, and the remaining corners are
-// predicted; then the other way round. So every corner is predicted once, by values that it had no part in. The IMU is
-// left out.
+// A model with more parameters always fits better; whether it also predicts better is seen on images that it
+// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
+// the images of the others, and held. In each image of the fold the pose of the board is fitted to every
+// other corner, and the remaining corners are predicted; then the other way round. So every corner is
+// predicted once, by values that it had no part in. The IMU is left out.
 #pragma once
 
 #include <optional>
@@ -31,10 +31,12 @@ struct ModelTrial {
 };
 
 struct Comparison {
-  std::vector<ModelTrial> trials;       ///< as they were asked for
-  std::optional<std::size_t> best;      ///< predicts best
-  std::optional<std::size_t> chosen;    ///< has the fewest parameters of those that the best is not clearly better than
-  std::vector<double> standard_errors;  ///< by how many standard errors each predicts worse than the best; NaN without a fit
+  std::vector<ModelTrial> trials;   ///< as they were asked for
+  std::optional<std::size_t> best;  ///< predicts best
+  std::optional<std::size_t>
+      chosen;  ///< has the fewest parameters of those that the best is not clearly better than
+  std::vector<double>
+      standard_errors;  ///< by how many standard errors each predicts worse than the best; NaN without a fit
 
   const ModelTrial& chosenTrial() const { return trials.at(*chosen); }
 };
@@ -42,8 +44,9 @@ struct Comparison {
 /// Fits each model. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 
-/// From the trials: best, standard errors and choice. The difference to the best is averaged over images, and its standard error
-/// follows from how much that varies between images; a model is clearly worse when it is so by more than one of them.
+/// From the trials: best, standard errors and choice. The difference to the best is averaged over images, and
+/// its standard error follows from how much that varies between images; a model is clearly worse when it is
+/// so by more than one of them.
 void judge(Comparison& comparison);
 
 /// Defined in calibrate_model.hpp.

@@ -1,4 +1,5 @@
-// How well a camera model predicts corners that it was not fitted to; comparison.hpp says how that is defined.
+// How well a camera model predicts corners that it was not fitted to; comparison.hpp says how that is
+// defined.
 #pragma once
 
 #include <map>
@@ -14,14 +15,16 @@ template <class Predicate>
 Dataset withImages(const Dataset& data, const Predicate& is_wanted) {
   Dataset part;
   part.cameras = data.cameras;
-  for (CameraData& camera : part.cameras) std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
+  for (CameraData& camera : part.cameras)
+    std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
   return part;
 }
 
-/// Sum of squared distances between the corners of one image whose place in their view is odd or even, as `fitted` says not,
-/// and where the rig puts them when its pose is fitted to the others [px^2].
+/// Sum of squared distances between the corners of one image whose place in their view is odd or even, as
+/// `fitted` says not, and where the rig puts them when its pose is fitted to the others [px^2].
 template <class Camera>
-double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig, int image, std::size_t fitted) {
+double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig,
+                       int image, std::size_t fitted) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
   const auto pose = est.insertRV(rig.left2world.at(image), true, "left2world");
@@ -32,7 +35,8 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
     const auto left2camera = est.insertRV(rig.left2camera[c], false, "left2" + data.cameras[c].name);
     for (std::size_t i = fitted; i < view->corners.size(); i += 2) {
       const Corner& corner = view->corners[i];
-      est.insertMeasurement(corner_in_other, camera, left2camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
+      est.insertMeasurement(corner_in_other, camera, left2camera, pose, corner.world, corner.pixel,
+                            StandardDeviation(1.0));
     }
   }
   Options options;
@@ -50,11 +54,12 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
   return sum;
 }
 
-/// Mean squared distance of the predicted corners, by image [px^2]. `cameras` and `rig` are those of a fit to all images: where
-/// the fits to the folds, and poses in them, start. slom::Error when a fold determines too little.
+/// Mean squared distance of the predicted corners, by image [px^2]. `cameras` and `rig` are those of a fit to
+/// all images: where the fits to the folds, and poses in them, start. slom::Error when a fold determines too
+/// little.
 template <class Camera>
-std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
-                                   const RigStart& rig) {
+std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings,
+                                   const std::vector<Camera>& cameras, const RigStart& rig) {
   const std::vector<int> images = data.images();
   std::map<int, double> squares;
   const std::size_t folds = std::min<std::size_t>(most_folds, images.size());
@@ -76,9 +81,12 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
     for (const int image : images) {
       if (!is_held_out[image]) continue;
       std::size_t corners = 0;
-      for (const CameraData& camera : data.cameras) corners += camera.find(image) ? camera.find(image)->corners.size() : 0;
+      for (const CameraData& camera : data.cameras)
+        corners += camera.find(image) ? camera.find(image)->corners.size() : 0;
       const std::vector<Camera> lenses = problem.cameras();
-      squares[image] = (predictedSquare(data, lenses, fitted, image, 0) + predictedSquare(data, lenses, fitted, image, 1)) / double(corners);
+      squares[image] = (predictedSquare(data, lenses, fitted, image, 0) +
+                        predictedSquare(data, lenses, fitted, image, 1)) /
+                       double(corners);
     }
   }
   std::vector<double> result;

@@ -26,14 +26,18 @@ void requireFormat(const Settings& settings, const std::vector<CameraData>& came
   if (settings.yaml_file.empty() || settings.format == OutputFormat::opencv) return;
   const bool is_kalibr = settings.format == OutputFormat::kalibr;
   if (is_kalibr && (settings.model == Model::opencv5 || settings.model == Model::opencv8)) {
-    throw UserError(fmt::format("--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics opencv4 (its radtan) or "
-                                "fisheye (its equidistant)",
-                                settings.yaml_file, toString(settings.model)));
+    throw UserError(
+        fmt::format("--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics "
+                    "opencv4 (its radtan) or "
+                    "fisheye (its equidistant)",
+                    settings.yaml_file, toString(settings.model)));
   }
   for (const CameraData& camera : cameras) {
     if (camera.image_size) continue;
-    throw UserError(fmt::format("--output {}: {} stores the size of the images, which {} does not say; give it as in --image-size {}=640x480",
-                                settings.yaml_file, is_kalibr ? "a camchain" : "camera_info", camera.file, camera.name));
+    throw UserError(
+        fmt::format("--output {}: {} stores the size of the images, which {} does not say; give it as in "
+                    "--image-size {}=640x480",
+                    settings.yaml_file, is_kalibr ? "a camchain" : "camera_info", camera.file, camera.name));
   }
 }
 

@@ -17,7 +17,8 @@ struct OutputText {
 /// The files of --output.
 std::vector<OutputText> outputTexts(const Result& result, const Settings& settings);
 
-/// UserError when the format cannot say what is to be found: a model that its readers do not know, or images of unknown size.
+/// UserError when the format cannot say what is to be found: a model that its readers do not know, or images
+/// of unknown size.
 void requireFormat(const Settings& settings, const std::vector<CameraData>& cameras);
 
 /// ROS camera_info of one camera.

@@ -12,8 +12,9 @@ const char* rosModel(const std::string& model) {
 }
 
 void addMatrix(YAML::Emitter& yaml, const char* key, const Eigen::MatrixXd& matrix) {
-  yaml << YAML::Key << key << YAML::Value << YAML::BeginMap << YAML::Key << "rows" << YAML::Value << matrix.rows() << YAML::Key << "cols"
-       << YAML::Value << matrix.cols() << YAML::Key << "data" << YAML::Value << numbers(matrix.reshaped<Eigen::RowMajor>());
+  yaml << YAML::Key << key << YAML::Value << YAML::BeginMap << YAML::Key << "rows" << YAML::Value
+       << matrix.rows() << YAML::Key << "cols" << YAML::Value << matrix.cols() << YAML::Key << "data"
+       << YAML::Value << numbers(matrix.reshaped<Eigen::RowMajor>());
   yaml << YAML::EndMap;
 }
 
@@ -23,8 +24,9 @@ std::string toRosYaml(const CameraResult& camera) {
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = camera.camera_matrix;
   YAML::Emitter yaml;
-  yaml << YAML::BeginMap << YAML::Key << "image_width" << YAML::Value << camera.image_size->width << YAML::Key << "image_height"
-       << YAML::Value << camera.image_size->height << YAML::Key << "camera_name" << YAML::Value << camera.name;
+  yaml << YAML::BeginMap << YAML::Key << "image_width" << YAML::Value << camera.image_size->width << YAML::Key
+       << "image_height" << YAML::Value << camera.image_size->height << YAML::Key << "camera_name"
+       << YAML::Value << camera.name;
   addMatrix(yaml, "camera_matrix", camera.camera_matrix);
   yaml << YAML::Key << "distortion_model" << YAML::Value << rosModel(camera.model);
   addMatrix(yaml, "distortion_coefficients", camera.distortion.transpose());

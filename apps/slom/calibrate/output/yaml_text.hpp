@@ -1,10 +1,9 @@
 // Numbers in YAML.
 #pragma once
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
-
-#include <Eigen/Core>
 
 namespace slom::app::calib {
 

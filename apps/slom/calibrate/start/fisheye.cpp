@@ -11,7 +11,8 @@
 namespace slom::app::calib {
 namespace {
 
-constexpr double widest_angle = 80 * std::numbers::pi / 180;  // where a plane before the camera is still of a size to work with
+constexpr double widest_angle =
+    80 * std::numbers::pi / 180;  // where a plane before the camera is still of a size to work with
 constexpr std::size_t least_corners = 4;
 
 PlaneView flattened(const PlaneView& view, const Pinhole& lens) {
@@ -65,7 +66,8 @@ IntrinsicsStart startFisheye(const std::vector<PlaneView>& views) {
   }
   const Eigen::Vector2d centre = (low + high) / 2;
   const double extent = (high - low).maxCoeff();
-  IntrinsicsStart best{{extent, extent, centre.x(), centre.y()}, "f found by trying, centre amid the corners"};
+  IntrinsicsStart best{{extent, extent, centre.x(), centre.y()},
+                       "f found by trying, centre amid the corners"};
   double least = std::numeric_limits<double>::infinity();
   for (double f = 0.2 * extent; f < 20 * extent; f *= 1.1) {
     const Pinhole guess{f, f, centre.x(), centre.y()};
