@@ -152,7 +152,9 @@ void expectTruth(const Camera& truth, Model model, const Scene& scene, unsigned 
     EXPECT_NEAR(p.value, truth[i], scene.sigma_px > 0 ? 4.5 * p.std : 1e-4 * p.std + 1e-7)
         << p.name << " seed " << seed;
   }
-  if (scene.sigma_px > 0) EXPECT_NEAR(result.chi2PerDof(), 1, 0.2);
+  if (scene.sigma_px > 0) {
+    EXPECT_NEAR(result.chi2PerDof(), 1, 0.2);
+  }
 }
 
 const Fisheye<> fisheye{230., 232., 322., 243., 0.03, -0.012, 0.004, -0.0008};

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -50,25 +51,48 @@ struct Viewer {
     return vec3(x / angle * std::sin(angle), y / angle * std::sin(angle), std::cos(angle));
   }
 
-  /// Averaged over 5 x 5 rays for each pixel, with a little noise.
+  /// Each pixel is averaged over rays around it, as many of them as a blur of half a pixel spreads, with a
+  /// little noise. Where nothing changes within two pixels, one ray does.
   Photograph photograph(const SE3& board2camera, const Picture& picture, unsigned seed = 1) const {
-    constexpr int rays = 5;
     std::mt19937 random(seed);
     std::normal_distribution<> noise(0, 1.5);
+    constexpr int rings = 8, around = 16, rays = rings * around;
+    std::vector<vec2> offsets;  // as many inside of each ring, so that no direction has more of them
+    for (int ring = 0; ring < rings; ++ring) {
+      const double radius = 0.5 * std::sqrt(-2 * std::log(1 - (ring + 0.5) / rings));
+      for (int k = 0; k < around; ++k) {
+        const double angle = 2 * std::numbers::pi * (k + ring * 0.618) / around;
+        offsets.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+      }
+    }
     const SE3 camera2board = board2camera.inverse();
+    const auto brightness = [&](double u, double v) {
+      const vec3 direction(camera2board.orient * ray(u, v));
+      const double distance = -camera2board.pos.z() / direction.z();
+      return distance > 0 ? picture(camera2board.pos.x() + distance * direction.x(),
+                                    camera2board.pos.y() + distance * direction.y())
+                          : 0.5;
+    };
+    const int columns = size.width + 4, rows = size.height + 4;  // two more on each side
+    std::vector<double> coarse(std::size_t(columns) * rows);
+    for (int i = 0; i < columns * rows; ++i)
+      coarse[std::size_t(i)] = brightness(i % columns - 2, i / columns - 2);
     Photograph photo{size, std::vector<std::uint8_t>(std::size_t(size.width) * size.height)};
     for (int v = 0; v < size.height; ++v) {
       for (int u = 0; u < size.width; ++u) {
-        double sum = 0;
-        for (int k = 0; k < rays * rays; ++k) {
-          const vec3 direction(camera2board.orient *
-                               ray(u + (k % rays + 0.5) / rays - 0.5, v + (k / rays + 0.5) / rays - 0.5));
-          const double distance = -camera2board.pos.z() / direction.z();
-          const vec3 at(camera2board.pos + distance * direction);
-          sum += distance > 0 ? picture(at.x(), at.y()) : 0.5;
+        const std::size_t middle = std::size_t(v + 2) * columns + u + 2;
+        double sum = rays * coarse[middle];
+        bool is_flat = true;
+        for (const int row : {-2, -1, 0, 1, 2}) {
+          for (const int column : {-2, -1, 0, 1, 2})
+            is_flat = is_flat && coarse[middle + std::size_t(row * columns + column)] == coarse[middle];
         }
-        const double grey = 20 + 200 * sum / (rays * rays) + noise(random);
-        photo.grey[std::size_t(v) * size.width + u] = std::uint8_t(std::clamp(grey, 0.0, 255.0));
+        if (!is_flat) {
+          sum = 0;
+          for (const vec2& offset : offsets) sum += brightness(u + offset.x(), v + offset.y());
+        }
+        photo.grey[std::size_t(v) * size.width + u] =
+            std::uint8_t(std::clamp(20 + 200 * sum / rays + noise(random), 0.0, 255.0));
       }
     }
     return photo;

@@ -64,7 +64,7 @@ struct WorstCorner {
   std::size_t camera = 0;  ///< index into Result::cameras
   int number = 0, line = 0;
   double error_px = 0;
-  std::string place;  ///< CameraData::place
+  std::string place{};  ///< CameraData::place
 };
 
 struct ImageResult {
@@ -84,7 +84,7 @@ struct Stray {
   std::string camera;
   int image = 0;
   double error_px = 0;  ///< root mean square distance of its corners before the joint fit
-  std::string photo;    ///< where it is known
+  std::string photo{};  ///< where it is known
 };
 
 struct Result {

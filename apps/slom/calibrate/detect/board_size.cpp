@@ -16,7 +16,7 @@ constexpr std::size_t photos_to_try = 3;
 bool shows(const Board& board, const std::string& file) {
   std::string reason;
   const auto photo = readPhotograph(file, reason);
-  return photo && !findBoard(board, *photo).empty();
+  return photo && showsChessboard(board, *photo);
 }
 
 Board resized(Board board, int more_columns, int more_rows) {

@@ -12,6 +12,8 @@ std::string photoPatch(const std::string&, const vec2&, int, int) { return {}; }
 
 std::vector<FoundCorner> findBoard(const Board&, const Photograph&) { return {}; }
 
+bool showsChessboard(const Board&, const Photograph&) { return false; }
+
 void requireDetector(const Board&) {
   throw UserError(
       "--images: this slom was built without OpenCV; install libopencv-calib3d-dev and libstb-dev and build "

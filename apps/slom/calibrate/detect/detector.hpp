@@ -20,6 +20,10 @@ struct FoundCorner {
 /// left of the photograph.
 std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo);
 
+/// Whether a chessboard of this size is seen at once; findBoard looks harder, and takes ten times as long
+/// where there is none.
+bool showsChessboard(const Board& board, const Photograph& photo);
+
 /// Whether findBoard can find such boards at all; UserError, which says what to install, where it cannot.
 void requireDetector(const Board& board);
 

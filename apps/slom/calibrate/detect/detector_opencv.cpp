@@ -16,6 +16,10 @@ namespace {
 
 using Points = std::vector<cv::Point2f>;
 
+cv::Mat matrixOf(const Photograph& photo) {
+  return {photo.size.height, photo.size.width, CV_8UC1, const_cast<std::uint8_t*>(photo.grey.data())};
+}
+
 constexpr int longest_side =
     1600;  // of the image that a board is looked for in [px]; corners are refined in the whole one
 
@@ -51,16 +55,24 @@ void refine(const cv::Mat& image, const cv::Size& size, Points& corners) {
   }
 }
 
+/// At a size at which looking for a board does not take long.
+cv::Mat reduced(const cv::Mat& image, double& scale) {
+  scale = std::min(1.0, double(longest_side) / std::max(image.cols, image.rows));
+  if (scale == 1) return image;
+  cv::Mat small;
+  cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
+  return small;
+}
+
 /// Corners row by row from any end; none where there is no board.
 Points findChessboard(const cv::Mat& image, const cv::Size& size) {
-  const double scale = std::min(1.0, double(longest_side) / std::max(image.cols, image.rows));
-  cv::Mat small = image;
-  if (scale < 1) cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
+  double scale = 1;
+  const cv::Mat small = reduced(image, scale);
   Points corners;
-  const bool is_found =
-      cv::findChessboardCorners(small, size, corners,
-                                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) ||
-      cv::findChessboardCornersSB(small, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
+  // Without the fast check, noise that is blown up to full contrast keeps it busy for many seconds.
+  constexpr int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
+  const bool is_found = cv::findChessboardCorners(small, size, corners, flags) ||
+                        cv::findChessboardCornersSB(small, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
   if (!is_found) return {};
   for (cv::Point2f& p : corners) p = {float((p.x + 0.5) / scale - 0.5), float((p.y + 0.5) / scale - 0.5)};
   refine(image, size, corners);
@@ -91,10 +103,8 @@ std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo) 
   keepToOneThread();
   std::vector<FoundCorner> found;
   if (board.kind == BoardKind::chessboard) {
-    const cv::Mat image(photo.size.height, photo.size.width, CV_8UC1,
-                        const_cast<std::uint8_t*>(photo.grey.data()));
     std::vector<vec2> corners;
-    for (const cv::Point2f& p : findChessboard(image, {board.columns, board.rows}))
+    for (const cv::Point2f& p : findChessboard(matrixOf(photo), {board.columns, board.rows}))
       corners.emplace_back(p.x, p.y);
     if (corners.empty()) return found;
     corners = inBoardOrder(board, std::move(corners), photo);
@@ -106,6 +116,14 @@ std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo) 
   }
   if (!givePose(board, found)) found.clear();
   return found;
+}
+
+bool showsChessboard(const Board& board, const Photograph& photo) {
+  keepToOneThread();
+  double scale = 1;
+  Points corners;
+  return cv::findChessboardCornersSB(reduced(matrixOf(photo), scale), {board.columns, board.rows}, corners,
+                                     cv::CALIB_CB_NORMALIZE_IMAGE);
 }
 
 void requireDetector(const Board& board) {

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <opencv2/aruco.hpp>
 #include <opencv2/aruco/charuco.hpp>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "calibrate/detect/markers.hpp"
@@ -64,6 +65,35 @@ Markers detect(const cv::Mat& image, int dictionary, int border) {
   return markers;
 }
 
+/// Moves corners to where the edges within a window meet, half of whose side is `half` pixels. Leaves out
+/// those that run away to another place.
+std::vector<FoundCorner> refined(const cv::Mat& image, const std::vector<FoundCorner>& found, double half) {
+  const int window = std::clamp(int(half), 2, 12);
+  std::vector<cv::Point2f> points;
+  for (const FoundCorner& corner : found)
+    points.emplace_back(float(corner.pixel.x()), float(corner.pixel.y()));
+  if (points.empty()) return {};
+  cv::cornerSubPix(image, points, {window, window}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4});
+  std::vector<FoundCorner> kept;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const FoundCorner corner{found[i].index, vec2(points[i].x, points[i].y)};
+    if ((corner.pixel - found[i].pixel).norm() < 0.5 * window + 0.5) kept.push_back(corner);
+  }
+  return kept;
+}
+
+/// The shortest side that a detected marker has [px].
+double shortestSide(const Markers& markers) {
+  double side = std::numeric_limits<double>::infinity();
+  for (const auto& marker : markers.corners) {
+    for (std::size_t k = 0; k < 4; ++k) side = std::min(side, cv::norm(marker[k] - marker[(k + 1) % 4]));
+  }
+  return side;
+}
+
+/// OpenCV's own corners lie half a pixel aside here and there, so they are refined once more, within what is
+/// clear of markers.
 std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
   const int name = dictionaries.at(board.dictionary).name;
   const Markers markers = detect(image, name, 1);
@@ -76,7 +106,8 @@ std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
   std::vector<int> ids;
   aruco::interpolateCornersCharuco(markers.corners, markers.ids, image, charuco, corners, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) found.push_back({ids[i], vec2(corners[i].x, corners[i].y)});
-  return found;
+  const double clear_m = std::min((board.square_m - board.marker_m) / 2, 0.25 * board.square_m);
+  return refined(image, found, 0.9 * shortestSide(markers) / board.marker_m * clear_m);
 }
 
 /// Corners of a tag, clockwise as a detector lists them, begun at its `first`.
@@ -114,29 +145,32 @@ double bend(const Board& board, const std::vector<FoundCorner>& found) {
   return sum;
 }
 
-/// Refines to where the black of a tag meets that of the square between tags. A corner that runs away, to
-/// another one or into a tag, is left out.
-std::vector<FoundCorner> refined(const Board& board, const Markers& tags, std::vector<FoundCorner> found,
-                                 const cv::Mat& image) {
-  double side = std::numeric_limits<double>::infinity();
-  for (const auto& tag : tags.corners) {
-    for (std::size_t k = 0; k < 4; ++k) side = std::min(side, cv::norm(tag[k] - tag[(k + 1) % 4]));
+/// Where the tags around each tag, and the tag itself, put its corners: a homography that is true for most of
+/// these. In a small part of the image it holds whatever the lens is. Corners that lie elsewhere were taken
+/// from a square between tags.
+std::vector<FoundCorner> consistent(const Board& board, const std::vector<FoundCorner>& found, double side) {
+  std::vector<FoundCorner> kept;
+  for (std::size_t tag = 0; tag + 3 < found.size(); tag += 4) {  // the corners of a tag follow each other
+    std::vector<cv::Point2f> on_board, pixels;
+    const vec3 middle = board.corner(found[tag].index);
+    for (const FoundCorner& other : found) {
+      const vec3 corner = board.corner(other.index);
+      if ((corner - middle).lpNorm<Eigen::Infinity>() > 2.1 * (1 + board.spacing) * board.square_m) continue;
+      on_board.emplace_back(float(corner.x()), float(corner.y()));
+      pixels.emplace_back(float(other.pixel.x()), float(other.pixel.y()));
+    }
+    if (pixels.size() < 8) continue;
+    const cv::Mat H = cv::findHomography(on_board, pixels, cv::LMEDS);
+    if (H.empty()) continue;
+    for (std::size_t k = tag; k < tag + 4; ++k) {
+      const vec3 corner = board.corner(found[k].index);
+      std::vector<cv::Point2f> predicted, at{{float(corner.x()), float(corner.y())}};
+      cv::perspectiveTransform(at, predicted, H);
+      if ((vec2(predicted[0].x, predicted[0].y) - found[k].pixel).norm() < 0.1 * side)
+        kept.push_back(found[k]);
+    }
   }
-  const double clear =
-      std::min(board.spacing, 0.2) * side;  // up to the next edge: of the square, or of the tag's code
-  const int half = std::clamp(int(0.7 * clear), 2, 10);
-  std::vector<cv::Point2f> points;
-  for (const FoundCorner& corner : found)
-    points.emplace_back(float(corner.pixel.x()), float(corner.pixel.y()));
-  cv::cornerSubPix(image, points, {half, half}, {-1, -1},
-                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-3});
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const vec2 pixel(points[i].x, points[i].y);
-    if ((pixel - found[i].pixel).norm() > std::max(2.0, 0.5 * clear)) found[i].index = -1;
-    found[i].pixel = pixel;
-  }
-  std::erase_if(found, [](const FoundCorner& corner) { return corner.index < 0; });
-  return found;
+  return kept;
 }
 
 /// Printed tags may be turned by quarters against OpenCV's: that turn is chosen by which the corners lie on a
@@ -151,7 +185,9 @@ std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image)
     const double sum = bend(board, found);
     if (sum < least) least = sum, best = std::move(found);
   }
-  return refined(board, tags, best, image);
+  const double side = shortestSide(tags);
+  // Up to the next edge: of the square, or of the tag's code.
+  return refined(image, consistent(board, best, side), 0.7 * std::min(board.spacing, 0.2) * side);
 }
 
 }  // namespace

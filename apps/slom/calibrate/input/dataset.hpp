@@ -21,7 +21,7 @@ struct Corner {
 struct View {
   int image = 0;
   std::vector<Corner> corners;
-  std::string photo;  ///< file of the photograph that the corners were found in; empty: unknown
+  std::string photo{};  ///< file of the photograph that the corners were found in; empty: unknown
 };
 
 /// A photograph that the fit does without.
@@ -40,7 +40,7 @@ struct CameraData {
   std::string name;
   std::string file;                     ///< of the corners; or the patterns of the photographs
   std::vector<View> views;              ///< by rising image number, none empty
-  std::optional<ImageSize> image_size;  ///< nullopt: unknown
+  std::optional<ImageSize> image_size{};  ///< nullopt: unknown
   std::vector<UnusedPhoto> unused{};    ///< by rising image number
   int board_symmetry = 1;               ///< in how many ways the board looks the same (Board::symmetry)
 
