@@ -204,7 +204,9 @@ TEST(Aprilgrid, CornersAreWhereTheyWereDrawn) {
                        vec3(place * vec3(last / 2) - place.orient * (upright.orient * vec3(last / 2))));
       const auto found = findBoard(board, viewer.photograph(turned, aprilgridPicture(board, quarters)));
       EXPECT_GT(found.size(), 60u);
-      EXPECT_LT(worst(viewer, board, turned, found), 0.15);
+      for (const FoundCorner& corner : found)
+        EXPECT_LT((viewer.project(turned, board.corner(corner.index)) - corner.pixel).norm(), 0.15)
+            << "place " << i << ", corner " << corner.index << " at " << corner.pixel.transpose();
     }
   }
 }

@@ -78,7 +78,10 @@ std::vector<FoundCorner> refined(const cv::Mat& image, const std::vector<FoundCo
   std::vector<FoundCorner> kept;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const FoundCorner corner{found[i].index, vec2(points[i].x, points[i].y)};
-    if ((corner.pixel - found[i].pixel).norm() < 0.5 * window + 0.5) kept.push_back(corner);
+    const bool is_whole = corner.pixel.x() >= window && corner.pixel.y() >= window &&
+                          corner.pixel.x() <= image.cols - 1 - window &&
+                          corner.pixel.y() <= image.rows - 1 - window;
+    if (is_whole && (corner.pixel - found[i].pixel).norm() < 0.5 * window + 0.5) kept.push_back(corner);
   }
   return kept;
 }
@@ -148,7 +151,7 @@ double bend(const Board& board, const std::vector<FoundCorner>& found) {
 /// Where the tags around each tag, and the tag itself, put its corners: a homography that is true for most of
 /// these. In a small part of the image it holds whatever the lens is. Corners that lie elsewhere were taken
 /// from a square between tags.
-std::vector<FoundCorner> consistent(const Board& board, const std::vector<FoundCorner>& found, double side) {
+std::vector<FoundCorner> smoothed(const Board& board, const std::vector<FoundCorner>& found, double side) {
   std::vector<FoundCorner> kept;
   for (std::size_t tag = 0; tag + 3 < found.size(); tag += 4) {  // the corners of a tag follow each other
     std::vector<cv::Point2f> on_board, pixels;
@@ -166,8 +169,8 @@ std::vector<FoundCorner> consistent(const Board& board, const std::vector<FoundC
       const vec3 corner = board.corner(found[k].index);
       std::vector<cv::Point2f> predicted, at{{float(corner.x()), float(corner.y())}};
       cv::perspectiveTransform(at, predicted, H);
-      if ((vec2(predicted[0].x, predicted[0].y) - found[k].pixel).norm() < 0.1 * side)
-        kept.push_back(found[k]);
+      const vec2 pixel(predicted[0].x, predicted[0].y);
+      if ((pixel - found[k].pixel).norm() < 0.1 * side) kept.push_back({found[k].index, pixel});
     }
   }
   return kept;
@@ -187,7 +190,7 @@ std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image)
   }
   const double side = shortestSide(tags);
   // Up to the next edge: of the square, or of the tag's code.
-  return refined(image, consistent(board, best, side), 0.7 * std::min(board.spacing, 0.2) * side);
+  return refined(image, smoothed(board, best, side), 0.7 * std::min(board.spacing, 0.2) * side);
 }
 
 }  // namespace
