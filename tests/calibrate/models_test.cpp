@@ -183,10 +183,24 @@ TEST(Fisheye, FindsItsTruthOnARig) {
 }
 
 TEST(Opencv8, FindsItsTruth) {
+  // k1 and k4, and the others of numerator and denominator, nearly do the same: what is determined is where
+  // points are seen.
+  const Opencv8<> truth{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01};
   Scene scene;
   scene.images = 20;
-  expectTruth(Opencv8<>{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01},
-              Model::opencv8, scene, 1);
+  Settings settings;
+  settings.model = Model::opencv8;
+  settings.sigma_px = scene.sigma_px;
+  const Result result = calibrate(simulated(truth, scene, 1), settings);
+  ASSERT_TRUE(result.success()) << result.message << result.undetermined;
+  EXPECT_NEAR(result.chi2PerDof(), 1, 0.1);
+  ASSERT_EQ(result.cameras[0].parameters.size(), 12u);
+  Opencv8<> found;
+  for (int i = 0; i < 12; ++i) found[i] = result.cameras[0].parameters[std::size_t(i)].value;
+  for (const double x : {-0.6, -0.3, 0., 0.3, 0.6}) {
+    for (const double y : {-0.4, 0., 0.4})
+      EXPECT_LT((found.project(vec3(x, y, 1.)) - truth.project(vec3(x, y, 1.))).norm(), 0.3);
+  }
 }
 
 Comparison compared(const Dataset& data) {
@@ -205,7 +219,7 @@ TEST(Comparison, ChoosesTheModelThatMadeTheData) {
     ASSERT_TRUE(comparison.chosen);
     EXPECT_EQ(comparison.chosenTrial().model, Model::opencv4) << seed;
     EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not told apart";
-    too_large += comparison.standard_errors[1] > 1;
+    too_large += comparison.standard_errors[1] > 2;
     // Prediction of corners with sigma 0.2 px by poses from half of them.
     EXPECT_NEAR(comparison.chosenTrial().heldOutRms(), 0.2 * std::sqrt(2), 0.03);
   }
@@ -222,7 +236,7 @@ TEST(Comparison, ChoosesAFisheyeForOne) {
   }
 }
 
-TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
+TEST(Comparison, ChoosesTheSimplestThatIsNotClearlyWorse) {
   const auto trial = [](Model model, int unknowns, const std::vector<double>& squares) {
     ModelTrial t;
     t.model = model;
@@ -231,8 +245,8 @@ TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
     return t;
   };
   Comparison comparison;
-  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {1, 2.1, 3, 2}),
-                       trial(Model::opencv5, 15, {1.1, 2, 2.9, 1.9}), trial(Model::opencv8, 18, {})};
+  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {0.9, 2, 3.4, 1.8}),
+                       trial(Model::opencv5, 15, {1, 2, 3, 2}), trial(Model::opencv8, 18, {})};
   comparison.trials[3].failure = "did not converge";
   judge(comparison);
   EXPECT_EQ(comparison.best, 2u);
