@@ -25,6 +25,10 @@ struct Progress {
   std::function<void(const IterationRecord&)> iteration;
 };
 
+/// For one of the camera models, from data that were checked. Defined in calibrate_model.hpp.
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress);
+
 /// Start values, each camera alone, then all together. UserError when the data cannot determine the model.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
 

@@ -17,6 +17,10 @@ const View* CameraData::find(int image) const {
   return view != views.end() && view->image == image ? &*view : nullptr;
 }
 
+std::string CameraData::place(const View& view, const Corner& corner) const {
+  return corner.line == 0 && !view.photo.empty() ? view.photo : file + ":" + std::to_string(corner.line);
+}
+
 std::vector<int> Dataset::images() const {
   std::set<int> numbers;
   for (const CameraData& camera : cameras) {

@@ -1,0 +1,8 @@
+#include "calibrate/fit/calibrate_model.hpp"
+
+namespace slom::app::calib {
+
+template Result calibrateModel<Opencv5<>>(const Dataset&, const Settings&, const Progress&);
+template ModelTrial tryModel<Opencv5<>>(const Dataset&, const Settings&);
+
+}  // namespace slom::app::calib
