@@ -1,4 +1,11 @@
 // Every mistake in the data: one sentence that says where and what to do, exit code 2, and no file written.
+#include <filesystem>
+#include <numbers>
+#include <random>
+#include <regex>
+
+#include <fmt/format.h>
+
 #include "calibrate/faults.hpp"
 
 namespace slom::app::calib {
@@ -182,6 +189,40 @@ TEST(CalibrateFaults, TooFewCornersForTheModel) {
   expectRefused(files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"},
                 "left.csv:2: the corners give 16 numbers for 21 unknowns of the model opencv5; add images "
                 "or corners, or choose a model with fewer parameters by --intrinsics");
+}
+/// Eight images of a board that is always tilted by the same angle about the camera's x axis, but turned and moved, with
+/// noise of 0.2 px.
+std::string parallelBoards(double tilt_deg) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> noise(0, 0.2);
+  std::uniform_real_distribution<double> uniform;
+  const SO3 tilt = SO3::exp(vec3(tilt_deg * std::numbers::pi / 180, 0, 0));
+  std::string text = corner_header;
+  for (int image = 1; image <= 8; ++image) {
+    const SO3 turn = SO3::exp(vec3(0, 0, 0.3 * image));
+    const vec3 place(0.15 * uniform(engine) - 0.1, 0.12 * uniform(engine) - 0.1, 0.5 + 0.4 * uniform(engine));
+    for (int corner = 0; corner < 54; ++corner) {
+      const vec3 world(0.025 * (corner % 9), 0.025 * (corner / 9), 0);
+      const vec3 p = tilt * (turn * (world - vec3(0.1, 0.06, 0))) + place;
+      text += fmt::format("{},{},{:.4f},{:.4f},0,{:.3f},{:.3f}\n", image, corner + 1, world[0], world[1],
+                          600 * p[0] / p[2] + 320 + noise(engine), 600 * p[1] / p[2] + 240 + noise(engine));
+    }
+  }
+  return text;
+}
+TEST(CalibrateFaults, AllViewsParallel) {
+  for (const double tilt : {0.0, 20.0}) {
+    Files files;
+    files.left = parallelBoards(tilt);
+    const TemporaryFolder folder;
+    const auto result = runIn(folder, files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"});
+    const std::regex sentence(
+        "slom: left\\.csv: all 8 images show the board at the same tilt, within (0\\.\\d+|1(\\.\\d)?) degrees, which leaves "
+        "the focal length open; add images with the board tilted by 20 to 40 degrees in other directions\n");
+    EXPECT_TRUE(std::regex_match(result.errors, sentence)) << result.errors;
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_FALSE(std::filesystem::exists(folder / "result.json"));
+  }
 }
 TEST(CalibrateFaults, CameraWithoutCommonImage) {
   Files files;

@@ -16,6 +16,9 @@
 
 namespace slom::app::calib {
 
+/// Of fits whose results others start from: five digits of the RMS.
+inline constexpr double rough_tolerance = 1e-6;
+
 template <class Camera>
 struct FitAlone {
   Camera camera;
@@ -42,14 +45,14 @@ template <class Camera>
 SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& view) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
-  const auto camera = est.insertRV(known_camera, false, "camera");
   const auto pose = est.insertRV(world2camera.inverse(), true, "camera2world");
   for (const Corner& corner : view.corners) {
-    est.insertMeasurement(corner_in_left, camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
+    est.insertMeasurement(CornerInLeft(), known_camera, pose, corner.world, measured(corner.pixel));
   }
   try {
     Options options;
     options.most_parameters = 0;
+    options.decrease_tolerance = rough_tolerance;
     est.optimize(options);
   } catch (const slom::Error&) {  // a corner on the camera's plane: the start is better
     return world2camera;
@@ -82,12 +85,13 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
                                    data.name + "2world[" + std::to_string(view.image) + "]");
     poses.emplace(view.image, pose);
     for (const Corner& corner : view.corners) {
-      est.insertMeasurement(corner_in_left, camera, pose, corner.world, corner.pixel, StandardDeviation(1.0));
+      est.insertMeasurement(CornerInLeft(), camera, pose, corner.world, measured(corner.pixel));
     }
   }
   Options options;
   options.max_iterations = settings.max_iterations;
   options.most_parameters = 0;  // its statistics are not looked at
+  options.decrease_tolerance = rough_tolerance;
   const Summary summary = est.optimize(options);
   fit.iterations += summary.iterations;
   ViewPoses world2camera;

@@ -12,6 +12,7 @@
 #include "calibrate/fit/comparison.hpp"
 #include "calibrate/fit/cross_validation.hpp"
 #include "calibrate/fit/joint.hpp"
+#include "calibrate/start/parallel_views.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {
@@ -54,6 +55,15 @@ std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& ca
   return views;
 }
 
+/// A camera whose focal length is not known to a fifth of it, as far as anything is known.
+inline bool hasOpenFocalLength(const Result& result) {
+  if (!result.success()) return true;
+  return std::any_of(result.cameras.begin(), result.cameras.end(), [](const CameraResult& camera) {
+    const Parameter& f = camera.parameters.front();
+    return f.std > 0.2 * std::abs(f.value);
+  });
+}
+
 /// Each camera alone, then the rig from these.
 template <class Camera>
 struct ModelStart {
@@ -74,6 +84,8 @@ ModelStart<Camera> startModel(const Dataset& data, const Settings& settings, con
     start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
     if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
   }
+  if (std::all_of(start.rms_px_alone.begin(), start.rms_px_alone.end(), [](double rms) { return std::isnan(rms); }))
+    requireTiltedViews(data);
   start.rig = startRig(data, world2camera);
   return start;
 }
@@ -95,6 +107,7 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   options.max_iterations = settings.max_iterations;
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
+  if (hasOpenFocalLength(result)) requireTiltedViews(data);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
   result.strays = findStrays(data, cameras, rig);
   if (imu) {

@@ -31,12 +31,10 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const View* view = data.cameras[c].find(image);
     if (!view) continue;
-    const auto camera = est.insertRV(cameras[c], false, data.cameras[c].name);
-    const auto left2camera = est.insertRV(rig.left2camera[c], false, "left2" + data.cameras[c].name);
     for (std::size_t i = fitted; i < view->corners.size(); i += 2) {
       const Corner& corner = view->corners[i];
-      est.insertMeasurement(corner_in_other, camera, left2camera, pose, corner.world, corner.pixel,
-                            StandardDeviation(1.0));
+      est.insertMeasurement(CornerInOther(), cameras[c], rig.left2camera[c], pose, corner.world,
+                            measured(corner.pixel));
     }
   }
   Options options;
@@ -48,7 +46,7 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
     if (!view) continue;
     for (std::size_t i = 1 - fitted; i < view->corners.size(); i += 2) {
       const Corner& corner = view->corners[i];
-      sum += corner_in_other(cameras[c], rig.left2camera[c], *pose, corner.world, corner.pixel).squaredNorm();
+      sum += (CornerInOther()(cameras[c], rig.left2camera[c], *pose, corner.world) - corner.pixel).squaredNorm();
     }
   }
   return sum;

@@ -100,10 +100,10 @@ void JointProblem<Camera>::insertCorners() {
       const auto pose = left2world_.at(view.image);
       for (const Corner& corner : view.corners) {
         if (c == 0) {
-          est_.insertMeasurement(corner_in_left, cameras_[c], pose, corner.world, corner.pixel, noise);
+          est_.insertMeasurement(CornerInLeft(), cameras_[c], pose, corner.world, measured(corner.pixel), noise);
         } else {
-          est_.insertMeasurement(corner_in_other, cameras_[c], left2camera_[c], pose, corner.world,
-                                 corner.pixel, noise);
+          est_.insertMeasurement(CornerInOther(), cameras_[c], left2camera_[c], pose, corner.world,
+                                 measured(corner.pixel), noise);
         }
       }
     }
@@ -124,8 +124,8 @@ void JointProblem<Camera>::insertImu(const ImuStart& start) {
 template <class Camera>
 vec2 JointProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
   const SE3& pose = *left2world_.at(image);
-  if (camera == 0) return corner_in_left(*cameras_[0], pose, corner.world, corner.pixel);
-  return corner_in_other(*cameras_[camera], *left2camera_[camera], pose, corner.world, corner.pixel);
+  if (camera == 0) return CornerInLeft()(*cameras_[0], pose, corner.world) - corner.pixel;
+  return CornerInOther()(*cameras_[camera], *left2camera_[camera], pose, corner.world) - corner.pixel;
 }
 
 template <class Camera>

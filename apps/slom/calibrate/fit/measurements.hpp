@@ -1,4 +1,4 @@
-// The measurement functions: prediction minus measurement. They accept variables over any scalar.
+// The measurement functions. They accept variables over any scalar.
 #pragma once
 
 #include <type_traits>
@@ -10,22 +10,24 @@ namespace slom::app::calib {
 template <class T>
 using ScalarOf = typename std::decay_t<T>::scalar;
 
-/// A corner in an image of the reference camera [px].
-inline constexpr auto corner_in_left = [](const auto& camera, const auto& left2world, const vec3& corner,
-                                          const vec2& pixel) {
-  using S = ScalarOf<decltype(camera)>;
-  return mtk::vect<2, S>(camera.project(left2world.inverse() * corner) - pixel.template cast<S>());
+/// Where the reference camera sees a corner [px]. Any argument may be known.
+struct CornerInLeft {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& camera, const auto& left2world, const auto& corner) const {
+    return camera.project(left2world.orient.inverse() * (corner - left2world.pos));
+  }
 };
 
-/// A corner in an image of another camera [px].
-inline constexpr auto corner_in_other = [](const auto& camera, const auto& left2camera,
-                                           const auto& left2world, const vec3& corner, const vec2& pixel) {
-  using S = ScalarOf<decltype(camera)>;
-  return mtk::vect<2, S>(camera.project(left2camera * (left2world.inverse() * corner)) -
-                         pixel.template cast<S>());
+/// Where another camera sees a corner [px].
+struct CornerInOther {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& camera, const auto& left2camera, const auto& left2world,
+                  const auto& corner) const {
+    return camera.project(left2camera * (left2world.orient.inverse() * (corner - left2world.pos)));
+  }
 };
 
-/// Gravity in a reading, seen in the world; its z axis is vertical [m/s^2].
+/// Gravity in a reading, seen in the world, minus gravity; the z axis of the world is vertical [m/s^2].
 inline constexpr auto gravity_in_reading = [](const auto& left2world, const auto& left2imu,
                                               const auto& acc_bias, const auto& gravity, const vec3& acc) {
   using S = ScalarOf<decltype(left2world)>;

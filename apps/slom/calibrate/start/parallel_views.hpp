@@ -1,0 +1,19 @@
+// Boards that are all parallel to each other leave the focal length open, however many there are.
+#pragma once
+
+#include <vector>
+
+#include "calibrate/start/plane_view.hpp"
+
+namespace slom::app::calib {
+
+/// The largest angle between the normal of a board and their mean [rad], as a camera sees them whose focal length is the
+/// extent of its corners in the images. Parallel boards have the same vanishing line, for whatever focal length, so the
+/// angle is 0 for them but for noise.
+///   source   Zhang, "A flexible new technique for camera calibration", 2000, section 4 (degenerate configurations)
+double normalSpread(const std::vector<PlaneView>& views);
+
+/// Throws UserError when the boards that each of the cameras sees are parallel, within 2 degrees.
+void requireTiltedViews(const Dataset& data);
+
+}  // namespace slom::app::calib
