@@ -8,6 +8,7 @@
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/fit/imu_precision.hpp"
 #include "calibrate/fit/rotation_vector.hpp"
+#include "calibrate/output/notes.hpp"
 #include "calibrate/simulated_rig.hpp"
 
 namespace slom::app::calib {
@@ -236,6 +237,42 @@ TEST(CalibrateFit, ImagesOfDifferentMomentsAreNamed) {
   EXPECT_EQ(r.result.strays[1].image, 5);
   EXPECT_EQ(r.result.strays[0].camera, "b");
   EXPECT_TRUE(run(options, Settings{}, 11).result.strays.empty());
+}
+
+/// Whether a note says all of this.
+bool isNoted(const Result& result, const std::vector<std::string>& parts) {
+  const std::vector<std::string> all = notes(result);
+  return std::any_of(all.begin(), all.end(), [&](const std::string& note) {
+    return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return note.find(part) != std::string::npos; });
+  });
+}
+
+TEST(CalibrateFit, ADetectionThatIsAColumnAsideIsNamed) {
+  RigOptions options;
+  options.images = 10;
+  const auto shifted = [&](std::size_t camera) {
+    return run(options, Settings{}, 12, [&](Dataset& data) {
+      data.imu.reset();
+      for (Corner& corner : data.cameras[camera].views[3].corners) corner.world[0] += options.square_m;
+    });
+  };
+  for (const std::size_t camera : {0u, 1u}) {
+    const Calibrated r = shifted(camera);
+    ASSERT_EQ(r.result.strays.size(), 1u);
+    EXPECT_EQ(r.result.strays[0].image, 4);
+    EXPECT_TRUE(isNoted(r.result, {"Image 4 of camera b contradicts", "image 4 of camera a", "a row or column further."}));
+  }
+}
+
+TEST(CalibrateFit, ASingleWrongCornerIsNamed) {
+  const auto r = run(RigOptions{}, Settings{}, 13, [](Dataset& data) {
+    data.imu.reset();
+    data.cameras[1].views[2].corners[17].pixel += vec2(6., -5.);
+  });
+  ASSERT_TRUE(r.result.success());
+  const int number = r.data.cameras[1].views[2].corners[17].number;
+  EXPECT_TRUE(isNoted(r.result, {"Corner " + std::to_string(number) + " of image 3 of camera b (camera.csv:"}));
+  EXPECT_FALSE(isNoted(run(RigOptions{}, Settings{}, 13).result, {"found wrongly"}));
 }
 
 TEST(CalibrateFit, StrongDistortionAndLongLensesConverge) {

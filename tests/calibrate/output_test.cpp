@@ -97,7 +97,8 @@ TEST(Notes, ImagesThatContradictTheOthers) {
             (std::vector<std::string>{
                 "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
                 "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
-                "correct its number."}));
+                "correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
+                "column further."}));
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {

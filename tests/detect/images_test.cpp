@@ -373,5 +373,20 @@ TEST(SampleImages, AreAsGoodAsWhatOpenCVFindsInThem) {
   }
 }
 
+TEST(SampleImages, AreComparedAsThePageShows) {
+  if (!std::filesystem::exists(opencv_samples + "/left01.jpg")) GTEST_SKIP() << "needs Debian's opencv-doc";
+  const CommandResult result = slom::testing::runCommand(
+      {slom::testing::commandPath().string(), "calibrate", "--board", "9x6", "--square", "1", "--images",
+       "left=" + opencv_samples + "/left[01]*.jpg", "--images", "right=" + opencv_samples + "/right[01]*.jpg",
+       "--compare", "radial1,opencv4,fisheye,opencv5"});
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::size_t begin = result.output.find("models compared"),
+                    end = result.output.find("\n\neach camera");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string page = readFile(slom::testing::sourcePath("docs/calibrate.md"));
+  EXPECT_NE(page.find("```text\n" + result.output.substr(begin, end - begin) + "\n```"), std::string::npos)
+      << result.output.substr(begin, end - begin);
+}
+
 }  // namespace
 }  // namespace slom::app::calib

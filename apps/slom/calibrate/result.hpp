@@ -34,6 +34,7 @@ struct CameraResult {
   double rms_px = 0;              ///< sqrt(sum of squared corner distances / corners)
   double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
   std::optional<ImageSize> image_size;
+  int board_symmetry = 1;           ///< CameraData::board_symmetry
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, or cannot be read
 };
 

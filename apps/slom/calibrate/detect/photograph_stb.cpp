@@ -57,10 +57,13 @@ std::optional<Photograph> readPhotograph(const std::string& file, std::string& r
   const auto close = [](std::FILE* stream) { std::fclose(stream); };
   const std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(file.c_str(), "rb"), close);
   if (!stream) return reason = "cannot be opened", std::nullopt;
-  if (std::fgetc(stream.get()) == EOF) return reason = "is empty", std::nullopt;
+  const int first = std::fgetc(stream.get());
+  if (first == EOF) return reason = "is empty", std::nullopt;
   std::rewind(stream.get());
-  std::optional<Photograph> photo =
-      stbi_is_16_bit_from_file(stream.get()) != 0 ? readDeep(stream.get()) : readShallow(stream.get());
+  const bool is_deep = stbi_is_16_bit_from_file(stream.get()) != 0;
+  if (is_deep && first == 'P')  // stb_image takes its bytes in the processor's order, which is not the file's
+    return reason = "is a PGM of 16 bits, which must be converted, to PNG for example", std::nullopt;
+  std::optional<Photograph> photo = is_deep ? readDeep(stream.get()) : readShallow(stream.get());
   if (!photo) reason = "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
   return photo;
 }

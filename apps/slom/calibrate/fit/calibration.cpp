@@ -6,6 +6,7 @@
 #include "calibrate/input/check.hpp"
 
 namespace slom::app::calib {
+
 std::string sentenceOf(const slom::Error& error) {
   const std::string text = error.what();
   const std::size_t id_end = text.find("] ");

@@ -142,6 +142,7 @@ CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
   result.file = data.file;
   result.image_size = data.image_size;
   result.unused = data.unused;
+  result.board_symmetry = data.board_symmetry;
   result.model = Camera::model_name;
   for (int i = 0; i < Camera::DOF; ++i) {
     result.parameters.push_back({std::string(Camera::component_names[i]), camera[i]});

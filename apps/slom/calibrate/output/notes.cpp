@@ -68,9 +68,29 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
         "Image {} of camera {}{} contradicts the others: where they put it, its corners are {:.0f} px off. "
-        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number.",
+        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise look whether its corners "
+        "were taken for their neighbours, a row or column further{}.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", stray.error_px, stray.image,
-        result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras"));
+        result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras",
+        result.cameras.front().board_symmetry > 1 ? ", or counted from another end: this board looks the same when it is turned" : ""));
+  }
+}
+
+/// Single corners that lie much farther off than the worst ones of most images.
+void noteCorners(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t least_images = 4;
+  constexpr double much = 4;
+  if (result.images.size() < least_images) return;
+  std::vector<double> worst;
+  for (const ImageResult& image : result.images) worst.push_back(image.worst_corner.error_px);
+  const auto middle = worst.begin() + std::ptrdiff_t(worst.size() / 2);
+  std::nth_element(worst.begin(), middle, worst.end());
+  for (const ImageResult& image : result.images) {
+    const WorstCorner& corner = image.worst_corner;
+    if (!(corner.error_px > much * *middle)) continue;
+    notes.push_back(fmt::format("Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst corners of "
+                                "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
+                                corner.number, image.image, result.cameras[corner.camera].name, corner.place, corner.error_px, *middle));
   }
 }
 
@@ -119,6 +139,7 @@ std::vector<std::string> notes(const Result& result) {
   noteDetermination(result, notes);
   noteBounds(result, notes);
   noteStrays(result, notes);
+  if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteGravity(result, notes);
