@@ -7,10 +7,12 @@
 
 #include "calibrate/calibrate.hpp"
 #include "calibrate/fit/calibration.hpp"
+#include "calibrate/html/page.hpp"
 #include "calibrate/input/read.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/report.hpp"
 #include "calibrate/output/yaml.hpp"
+#include "calibrate/quality/assess.hpp"
 #include "calibrate/settings.hpp"
 #include "error.hpp"
 #include "fitting/progress.hpp"
@@ -57,16 +59,18 @@ Progress printedProgress() {
 }
 
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
-void writeFiles(const Result& result, const Settings& settings) {
+void writeFiles(const Dataset& data, const Result& result, const Settings& settings) {
   OutputFiles files;
   if (!settings.json_file.empty()) files.add(settings.json_file, toJson(result));
   const bool yaml = !settings.yaml_file.empty() && result.success();
   if (yaml) files.add(settings.yaml_file, toOpencvYaml(result));
+  if (!settings.report_file.empty()) files.add(settings.report_file, toHtml(data, result));
   files.commit();
-  if (settings.quiet || (settings.json_file.empty() && settings.yaml_file.empty())) return;
+  if (settings.quiet || (settings.json_file.empty() && settings.yaml_file.empty() && settings.report_file.empty())) return;
   fmt::print("\n");
   if (!settings.json_file.empty()) fmt::print("written: {}\n", settings.json_file);
   if (yaml) fmt::print("written: {}\n", settings.yaml_file);
+  if (!settings.report_file.empty()) fmt::print("written: {}\n", settings.report_file);
   if (!settings.yaml_file.empty() && !yaml)
     fmt::print("not written, because the fit failed: {}\n", settings.yaml_file);
 }
@@ -74,11 +78,12 @@ void writeFiles(const Result& result, const Settings& settings) {
 void run(const RawOptions& raw) {
   const Settings settings = parseSettings(raw);
   const Dataset data = readDataset(settings);
-  requireWritable({settings.json_file, settings.yaml_file});
+  requireWritable({settings.json_file, settings.yaml_file, settings.report_file});
   if (!settings.quiet) fmt::print("{}", dataText(data, settings));
-  const Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
+  Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
+  if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) fmt::print("{}", reportText(result));
-  writeFiles(result, settings);
+  writeFiles(data, result, settings);
   if (result.success()) return;
   fmt::print(stderr, "slom: the calibration failed: {}\n",
              result.converged ? "the data do not determine all parameters" : result.message);
@@ -125,6 +130,8 @@ void addCalibrateCommand(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
   command.add_option("--output", settings.yaml_file, "calibration as YAML for OpenCV's FileStorage")
+      ->type_name("FILE");
+  command.add_option("--report", settings.report_file, "how far the calibration can be trusted, as a page for the browser")
       ->type_name("FILE");
   command.add_flag("--quiet", settings.quiet, "print errors only");
   command.callback([raw] { run(*raw); });

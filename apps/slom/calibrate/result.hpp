@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/quality/quality.hpp"
 #include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
@@ -96,6 +97,7 @@ struct Result {
   std::optional<ImuResult> imu;
   std::vector<Stray> strays;
   std::vector<ImageResult> images;  ///< by rising number
+  std::optional<Quality> quality;   ///< where it was asked for
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
   bool success() const { return converged && undetermined.empty(); }

@@ -211,7 +211,7 @@ void checkPaths(const Settings& settings) {
   std::vector<NamedFile> inputs;
   for (const CameraFile& camera : settings.cameras) inputs.push_back({"--camera " + camera.name, camera.file});
   inputs.push_back({"--imu", settings.imu_file});
-  checkResultPaths(inputs, {{"--json", settings.json_file}, {"--output", settings.yaml_file}});
+  checkResultPaths(inputs, {{"--json", settings.json_file}, {"--output", settings.yaml_file}, {"--report", settings.report_file}});
 }
 
 }  // namespace

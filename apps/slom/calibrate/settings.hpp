@@ -46,6 +46,7 @@ struct Settings {
   int max_iterations = 100;
   std::string json_file;  ///< empty: none
   std::string yaml_file;  ///< empty: none
+  std::string report_file;  ///< empty: none
   bool quiet = false;
 };
 

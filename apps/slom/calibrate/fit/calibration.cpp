@@ -84,6 +84,41 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   return result;
 }
 
+template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  std::vector<Camera> cameras;
+  RigStart rig;
+  for (const CameraResult& camera : start.cameras) {
+    cameras.emplace_back();
+    for (int i = 0; i < Camera::DOF; ++i) cameras.back()[i] = camera.parameters[std::size_t(i)].value;
+    rig.left2camera.push_back(camera.left2camera);
+  }
+  const std::vector<int> wanted = data.images();
+  for (const ImageResult& image : start.images) {
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image)) rig.left2world[image.image] = image.left2world;
+  }
+  JointProblem<Camera> problem(data, settings, cameras, rig, {});
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.most_parameters = 0;
+  return problem.result(problem.optimize(options));
+}
+
+/// f<Camera>() for the camera type of a model.
+template <class F>
+Result withModel(Model model, const F& f) {
+  switch (model) {
+    case Model::opencv5:
+      return f.template operator()<Opencv5<>>();
+    case Model::opencv4:
+      return f.template operator()<Opencv4<>>();
+    case Model::radial1:
+      return f.template operator()<Radial1<>>();
+  }
+  throw std::logic_error("slom calibrate: unknown model");
+}
+
 }  // namespace
 
 std::string sentenceOf(const slom::Error& error) {
@@ -95,15 +130,12 @@ std::string sentenceOf(const slom::Error& error) {
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkDataset(data);
-  switch (settings.model) {
-    case Model::opencv5:
-      return calibrateModel<Opencv5<>>(data, settings, progress);
-    case Model::opencv4:
-      return calibrateModel<Opencv4<>>(data, settings, progress);
-    case Model::radial1:
-      return calibrateModel<Radial1<>>(data, settings, progress);
-  }
-  throw std::logic_error("slom calibrate: unknown model");
+  return withModel(settings.model, [&]<class Camera>() { return calibrateModel<Camera>(data, settings, progress); });
+}
+
+Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  checkDataset(data);
+  return withModel(settings.model, [&]<class Camera>() { return calibrateModelFrom<Camera>(start, data, settings); });
 }
 
 }  // namespace slom::app::calib

@@ -28,4 +28,8 @@ struct Progress {
 /// Start values, each camera alone, then all together. UserError when the data cannot determine the model.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
 
+/// The joint fit alone, of images that are among those of an earlier result, from the values found there. An IMU is left
+/// out.
+Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings);
+
 }  // namespace slom::app::calib
