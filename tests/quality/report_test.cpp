@@ -117,7 +117,7 @@ TEST(Report, MustNotReplaceAnotherFile) {
   const std::string file = folder / "result";
   const auto ran = testing::runCalibrate(stereo({"--report", file, "--json", file}));
   EXPECT_EQ(ran.exit_code, 2);
-  EXPECT_EQ(ran.errors, "slom: --json and --report both name " + file + "; give each its own file\n");
+  EXPECT_EQ(ran.errors, "slom: --report " + file + ": this is the file of --json too; give another one\n");
 }
 
 }  // namespace

@@ -180,7 +180,7 @@ function residuals() {
 function space() {
   const every = data.images.boards_every;
   const made = section("space", "Boards and cameras in space", el("p", {class: "quiet"},
-    "Drag, or use the arrow keys, to turn; wheel, two fingers, + or − to zoom; shift moves. Numbers are those of images; orange ones fit more than twice as badly as is usual." +
+    "Drag, or use the arrow keys, to turn; wheel, two fingers, + or − to zoom; shift moves. Numbers are those of images; orange ones have more than three times the usual chi-square." +
     (every > 1 ? ` One image of ${every} is drawn.` : "")));
   const holder = el("figure", {});
   made.append(holder);

@@ -40,7 +40,7 @@ class Scene {
     const is_above = median(boards.map(image => image.pose[11])) > 0;
     const axes = this.mode === "camera" ? p => [p[0], -p[1], -p[2]] : is_above ? p => [p[0], p[2], -p[1]] : p => [p[0], -p[2], p[1]];
     const add = shape => { shape.points = shape.points.map(axes); this.shapes.push(shape); this.points.push(...shape.points); };
-    const is_bad = image => image.chi2 > 2 * usual;
+    const is_bad = image => image.chi2 > 3 * usual;
     if (this.mode === "camera") {
       boards.forEach((image, k) => add({points: quads[k], closed: true, colour: is_bad(image) ? "--orange" : "--blue", label: boards.length <= 40 || is_bad(image) ? String(image.image) : "", bold: is_bad(image)}));
       data.cameras.forEach(camera => this.addCamera(add, camera, depth, p => backward(camera.pose, p), camera.name));

@@ -14,7 +14,7 @@ namespace slom::app::calib {
 /// The part of the plane that a camera's images cover, from (0, 0) to the last pixel [px].
 struct ImageBox {
   int width = 0, height = 0;
-  bool is_assumed = false;  ///< nobody told the size: as large as the corners need, with the optical axis amid
+  bool is_assumed = false;  ///< nobody told the size
 };
 
 /// Nodes that lie evenly over an image, the outer ones on its border; row by row from the top left.

@@ -102,7 +102,8 @@ void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen
   const Eigen::MatrixXd C = covariance(free, free);
   const Eigen::VectorXd scale = C.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd z = scale.asDiagonal() * difference;
-  result.chi2 = z.dot((scale.asDiagonal() * C * scale.asDiagonal()).toDenseMatrix().ldlt().solve(z));
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * C * scale.asDiagonal();
+  result.chi2 = z.dot(scaled.ldlt().solve(z));
   result.dof = int(free.size());
   result.probability = probabilityOf(result.chi2, result.dof);
 }

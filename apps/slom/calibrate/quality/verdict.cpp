@@ -12,7 +12,7 @@ namespace slom::app::calib {
 namespace {
 
 constexpr double far_off = 4;            // corner: distance over RMS, which noise exceeds once in 10^7 corners
-constexpr double much_worse = 2;         // image: chi2 per measurement over the median
+constexpr double much_worse = 3;         // image: chi2 per measurement over the median
 constexpr double too_noisy = 1.5;        // corners: observed over stated sigma
 constexpr double halves_disagree = 1e-3;  // probability
 constexpr double halves_differ = 1.5;    // over what noise gives
