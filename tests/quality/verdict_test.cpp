@@ -1,12 +1,13 @@
 // The verdict, word for word, for good calibrations and for each thing that can be wrong with one.
 #include "calibrate/quality/verdict.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace slom::app::calib {
 namespace {
 
-constexpr const char* good_sentence =
+const std::string good_sentence =
     "Calibrated to 0.34 px with 10 images; the projection is known to 0.20 px in the middle of the image and to 1.1 px at the worst "
     "place";
 
@@ -44,13 +45,13 @@ void expectDoubts(const Result& result, const std::vector<std::string>& doubts) 
   const Verdict verdict = verdictOf(result);
   EXPECT_EQ(verdict.doubts, doubts);
   EXPECT_EQ(verdict.level, Verdict::Level::doubtful);
-  EXPECT_EQ(verdict.sentence, std::string(good_sentence) + "; but " + doubts.front() + ".");
+  EXPECT_EQ(verdict.sentence, fmt::format("{}; but {}.", good_sentence, doubts.front()));
 }
 
 TEST(Verdict, OfAGoodCalibration) {
   const Verdict verdict = verdictOf(goodResult());
   EXPECT_EQ(verdict.level, Verdict::Level::trustworthy);
-  EXPECT_EQ(verdict.sentence, std::string(good_sentence) + ".");
+  EXPECT_EQ(verdict.sentence, fmt::format("{}.", good_sentence));
   EXPECT_TRUE(verdict.doubts.empty());
 }
 
@@ -93,7 +94,7 @@ TEST(Verdict, SeesAnImageThatIsNotCovered) {
   expectDoubts(result, {"the lens of left folds over within the image, 25 % of which no ray is known for"});
   result = goodResult();
   result.quality->cameras[0].projection[0].worst_px = 12;
-  EXPECT_EQ(verdictOf(result).doubts, std::vector<std::string>{"the projection of left is known to 12 px only at the border of the image"});
+  EXPECT_EQ(verdictOf(result).doubts, std::vector<std::string>{"corners do not reach far enough in the image of left, so that its projection is uncertain by up to 12 px"});
 }
 
 TEST(Verdict, OfFailedFits) {

@@ -118,22 +118,17 @@ function viridisAt(t) {
 }
 const rgb = colour => "rgb(" + colour.join(",") + ")";
 
-/// Levels 1, 2, 5, 10 ... about all values; few enough to be told apart.
+/// Round levels about all values, as many as can be told apart.
 function levelsFor(values) {
   const all = values.filter(v => v !== null && v > 0);
   if (all.length === 0) return [0.1, 1];
   const low = Math.min(...all), high = Math.max(...all);
-  let levels = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high) + 1; ++power) {
-    for (const digit of [1, 1.5, 2, 3, 5, 7]) levels.push(digit * 10 ** power);
+  for (const digits of [[1, 1.5, 2, 3, 5, 7], [1, 2, 5], [1, 3], [1]]) {
+    const levels = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high) + 1; ++power) levels.push(...digits.map(digit => Number((digit * 10 ** power).toPrecision(3))));
+    const first = Math.max(0, levels.findLastIndex(level => level <= low)), last = levels.findIndex(level => level >= high);
+    if (last - first <= 9 || digits.length === 1) return levels.slice(first, last + 1);
   }
-  const bands = () => levels.filter((level, i) => level < high && (levels[i + 1] || Infinity) > low).length;
-  for (const kept of [[1, 2, 3, 5, 7], [1, 2, 5], [1, 3], [1]]) {
-    if (bands() <= 9) break;
-    levels = levels.filter(level => kept.some(digit => Math.abs(level / 10 ** Math.floor(Math.log10(level) + 1e-9) - digit) < 1e-6));
-  }
-  const first = levels.findLastIndex(level => level <= low), last = levels.findIndex(level => level >= high);
-  return levels.slice(Math.max(0, first), last < 0 ? undefined : last + 1).map(level => Number(level.toPrecision(3)));
 }
 const bandColour = (levels, band) => viridisAt((band + 0.5) / Math.max(1, levels.length - 1));
 

@@ -41,7 +41,7 @@ function head() {
     tile("Reprojection RMS", number(data.rms, 3), "px"),
     tile("Images", String(data.images.list.length), ""),
     tile("Corners", corners.toLocaleString("en"), ""),
-    tile("χ² per degree of freedom", number(data.chi2_per_dof, 3), "(1 is expected)"),
+    tile("χ² per d.o.f., expected 1", number(data.chi2_per_dof, 3), ""),
     data.success ? tile("Projection, middle", number(largest("middle")), "px") : null,
     data.success ? tile("Projection, worst place", number(largest("worst")), "px") : null,
   ].filter(made => made));
@@ -221,14 +221,14 @@ function projection() {
     }
   }
   for (const camera of data.cameras) {
-    figure(curves, titleOf(camera), "Best as far as the boards were; farther and nearer, their distance is extrapolated.",
+    figure(curves, titleOf(camera), `The boards stood ${number(data.board_distance)} m away: nearer and farther, it also counts where the camera's centre is.`,
       place => xyPlot(place, `Projection uncertainty of ${camera.name} by distance`, "distance [m]", "std. dev. [px]", [
         {x: camera.distances, y: camera.middle, colour: "--blue", kind: "line"},
         {x: camera.distances, y: camera.worst, colour: "--orange", kind: "line"},
-      ], {log_x: true, log_y: true, height: 240, y_range: (u, low, high) => [low / 1.5, high * 1.5],
+      ], {log_x: true, log_y: true, height: 240, y_range: (u, low, high) => [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))],
         x_axis: {values: (u, splits) => splits.map(x => x === null ? "" : String(Number(x.toPrecision(2))))},
         y_axis: {values: (u, splits) => splits.map(x => x === null ? "" : String(Number(x.toPrecision(2))))}}),
-      legendOf(key("--blue", "middle of the image", "line"), key("--orange", "worst place", "line"), el("span", {}, `boards at ${number(data.board_distance)} m`)));
+      legendOf(key("--blue", "middle of the image", "line"), key("--orange", "worst place", "line")));
   }
   made.append(folded("Table", table("Projection uncertainty [px] at places of the image", map_places, rows)));
 }
@@ -259,8 +259,8 @@ function furtherViews() {
   if (data.views.length === 0) { made.append(el("p", {}, "None of them.")); return; }
   made.append(el("ol", {class: "views"}, ...data.views.map((view, i) => el("li", {}, (i === 0 ? "" : "then ") + view.sentence + "."))));
   const most = data.views[0].before;
-  const bar = value => { const made = el("span", {class: "bar"}); made.style.width = (100 * value / most).toFixed(1) + "%"; return made; };
-  made.append(table("Worst projection uncertainty", ["after", "px", "share"], [["these images", number(most), bar(most)],
+  const bar = value => { const made = el("span", {class: "bar"}); made.style.width = Math.max(1, 240 * value / most).toFixed(0) + "px"; return made; };
+  made.append(table("Worst projection uncertainty", ["after", "px", ""], [["these images", number(most), bar(most)],
     ...data.views.map((view, i) => ["view " + (i + 1), number(view.after), bar(view.after)])]));
 }
 

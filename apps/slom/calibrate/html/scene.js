@@ -18,8 +18,27 @@ class Scene {
     drawings.push({redraw: () => this.redraw(), resize: () => this.redraw()});
   }
 
-  home() { Object.assign(this, {turn: this.mode === "camera" ? 0.75 : 0.5, tilt: this.mode === "camera" ? 0.42 : 0.5, closer: 1, x: 0, y: 0}); }
-  zoom(factor) { this.closer = Math.max(0.2, Math.min(20, this.closer * factor)); }
+  /// From the side and above, all of it in the picture.
+  home() { Object.assign(this, {turn: this.mode === "camera" ? 0.75 : 0.5, tilt: this.mode === "camera" ? 0.42 : 0.5, closer: 1, x: 0, y: 0, is_home: true}); }
+  fit() {
+    Object.assign(this, {closer: 1, x: 0, y: 0});
+    for (let step = 0; step < 2; ++step) {
+      const seen = this.points.map(p => this.project(p)), range = i => [Math.min(...seen.map(p => p[i])), Math.max(...seen.map(p => p[i]))];
+      const [left, right] = range(0), [top, bottom] = range(1);
+      const factor = step === 0 ? 0.88 * Math.min(this.canvas.width / (right - left), this.canvas.height / (bottom - top)) : 1;
+      this.closer *= factor;
+      this.x += this.canvas.width / 2 - (left + right) / 2;
+      this.y += this.canvas.height / 2 - (top + bottom) / 2;
+      if (step === 0) { this.x *= factor; this.y *= factor; }
+    }
+  }
+  zoom(factor) {
+    const closer = Math.max(0.1, Math.min(50, this.closer * factor));
+    this.x *= closer / this.closer;
+    this.y *= closer / this.closer;
+    this.closer = closer;
+    this.is_home = false;
+  }
   show(mode) {
     this.mode = mode;
     this.modes.forEach((button, i) => button.setAttribute("aria-pressed", String((i === 0) === (mode === "camera"))));
@@ -83,6 +102,7 @@ class Scene {
   draw() {
     const ratio = devicePixelRatio || 1, width = Math.round(this.canvas.clientWidth * ratio), height = Math.round(this.canvas.clientHeight * ratio);
     if (this.canvas.width !== width || this.canvas.height !== height) { this.canvas.width = width; this.canvas.height = height; }
+    if (this.is_home) this.fit();
     const pen = this.pen;
     pen.clearRect(0, 0, width, height);
     const seen = this.shapes.map(shape => ({shape, at: shape.points.map(p => this.project(p))}));
@@ -131,6 +151,7 @@ class Scene {
     canvas.addEventListener("keydown", e => this.press(e));
   }
   rotate(dx, dy) {
+    this.is_home = false;
     this.turn += dx;
     this.tilt = Math.max(-1.57, Math.min(1.57, this.tilt + dy));
   }
@@ -143,7 +164,7 @@ class Scene {
       const before = Math.hypot(finger[0] - other[0], finger[1] - other[1]), after = Math.hypot(e.clientX - other[0], e.clientY - other[1]);
       if (before > 0) this.zoom(after / before);
     }
-    if (this.fingers.size === 2 || e.shiftKey) { this.x += dx * ratio; this.y += dy * ratio; }
+    if (this.fingers.size === 2 || e.shiftKey) { this.x += dx * ratio; this.y += dy * ratio; this.is_home = false; }
     else this.rotate(dx * 0.008, dy * 0.008);
     finger[0] = e.clientX;
     finger[1] = e.clientY;
@@ -153,7 +174,7 @@ class Scene {
     const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
     if (arrows[e.key]) {
       const [x, y] = arrows[e.key];
-      if (e.shiftKey) { this.x += 20 * x; this.y += 20 * y; } else this.rotate(0.07 * x, 0.07 * y);
+      if (e.shiftKey) { this.x += 20 * x; this.y += 20 * y; this.is_home = false; } else this.rotate(0.07 * x, 0.07 * y);
     } else if (e.key === "+" || e.key === "=") this.zoom(1.15);
     else if (e.key === "-") this.zoom(1 / 1.15);
     else if (e.key === "0") this.home();

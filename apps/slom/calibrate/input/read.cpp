@@ -27,7 +27,7 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
     view.corners.push_back({number, vec3(row.number(2), row.number(3), row.number(4)),
                             vec2(row.number(5), row.number(6)), row.line()});
   }
-  CameraData camera{camera_name, file, {}, {}};
+  CameraData camera{camera_name, file, {}};
   for (auto& [image, view] : views) camera.views.push_back(std::move(view));
   return camera;
 }

@@ -81,8 +81,8 @@ void doubtProjection(const Result& result, std::vector<std::string>& doubts) {
       doubts.push_back(fmt::format("the lens of {} folds over within the image, {:.0f} % of which no ray is known for",
                                    result.cameras[c].name, std::max(1.0, 100.0 * double(open) / double(std_px.size()))));
     } else if (camera.projection.front().worst_px > worst_bearable_px) {
-      doubts.push_back(fmt::format("the projection of {} is known to {} px only at the border of the image", result.cameras[c].name,
-                                   twoDigits(camera.projection.front().worst_px)));
+      doubts.push_back(fmt::format("corners do not reach far enough in the image of {}, so that its projection is uncertain by up to {} px",
+                                   result.cameras[c].name, twoDigits(camera.projection.front().worst_px)));
     }
   }
 }
