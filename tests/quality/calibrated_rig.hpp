@@ -27,14 +27,16 @@ inline RigOptions smallBoards() {
   return options;
 }
 
-inline Dataset measured(const RigTruth& truth, const RigOptions& options, std::mt19937_64& random, bool has_imu) {
+inline Dataset measured(const RigTruth& truth, const RigOptions& options, std::mt19937_64& random,
+                        bool has_imu) {
   Dataset data = simulateMeasurements(truth, options, random);
   for (CameraData& camera : data.cameras) camera.image_size = ImageSize{640, 480};
   if (!has_imu) data.imu.reset();
   return data;
 }
 
-inline CalibratedRig calibratedRig(const RigOptions& options, const Settings& settings, unsigned seed, bool has_imu = false) {
+inline CalibratedRig calibratedRig(const RigOptions& options, const Settings& settings, unsigned seed,
+                                   bool has_imu = false) {
   std::mt19937_64 random(seed);
   CalibratedRig rig;
   rig.truth = simulateTruth(options, random);

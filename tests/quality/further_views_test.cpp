@@ -16,16 +16,19 @@ std::vector<FurtherView> viewsOf(const testing::CalibratedRig& r) {
   const FittedRig rig(r.result);
   FurtherViewOptions options;
   options.board_distance_m = distance_m;
-  return furtherViews(rig, testing::informationOfAll(r.data, rig), fullestView(r.data), testing::grids(r.data, 33, 25), options);
+  return furtherViews(rig, testing::informationOfAll(r.data, rig), fullestView(r.data),
+                      testing::grids(r.data, 33, 25), options);
 }
 
 double worstOf(const Dataset& data, const Result& result) {
   const FittedRig rig(result);
-  return worstStd(pointsOfAllCameras(rig, testing::grids(data, 7, 5), distance_m), Knowledge(testing::informationOfAll(data, rig)));
+  return worstStd(pointsOfAllCameras(rig, testing::grids(data, 7, 5), distance_m),
+                  Knowledge(testing::informationOfAll(data, rig)));
 }
 
 /// The true rig sees the board from where the view asks for.
-void takeView(testing::CalibratedRig& r, const testing::RigOptions& options, const FurtherView& view, int image, std::mt19937_64& random) {
+void takeView(testing::CalibratedRig& r, const testing::RigOptions& options, const FurtherView& view,
+              int image, std::mt19937_64& random) {
   testing::RigTruth truth = r.truth;
   truth.left2world = {{image, view.left2world}};
   const Dataset more = testing::measured(truth, options, random, false);
@@ -51,7 +54,8 @@ void expectGain(const testing::RigOptions& options, unsigned seed, double tolera
     r.result = calibrate(r.data, r.settings);
     ASSERT_TRUE(r.result.success());
     EXPECT_NEAR(worstOf(r.data, r.result) / views[i].after_px, 1, tolerance)
-        << "seed " << seed << ", view " << i << ": from " << views[i].before_px << " to " << views[i].after_px;
+        << "seed " << seed << ", view " << i << ": from " << views[i].before_px << " to "
+        << views[i].after_px;
   }
 }
 
@@ -83,7 +87,8 @@ TEST(FurtherViews, AreWhereTheWordsSay) {
     EXPECT_NEAR(std::abs(normal.z()), std::cos(view.tilt_deg * M_PI / 180), 1e-9);
     // The depth of the plane grows towards the edge that is farther away.
     const vec2 slope(-normal.x() / normal.z(), -normal.y() / normal.z());
-    const std::map<std::string, double> slopes{{"right", slope.x()}, {"left", -slope.x()}, {"lower", slope.y()}, {"upper", -slope.y()}};
+    const std::map<std::string, double> slopes{
+        {"right", slope.x()}, {"left", -slope.x()}, {"lower", slope.y()}, {"upper", -slope.y()}};
     EXPECT_TRUE(view.edge_away.empty() || slopes.at(view.edge_away) > 0.5) << view.edge_away;
   }
 }
@@ -100,10 +105,12 @@ TEST(FurtherViews, InWords) {
   view.before_px = 1.1;
   view.after_px = 0.7;
   EXPECT_EQ(sentenceOf(view, result),
-            "a board tilted by 40 degrees, its left edge farther away, in the upper left of the image of right, at 0.60 m: from 1.1 to 0.70 px");
+            "a board tilted by 40 degrees, its left edge farther away, in the upper left of the image of "
+            "right, at 0.60 m: from 1.1 to 0.70 px");
   view.edge_away = "";
   view.column = view.row = 1;
-  EXPECT_EQ(sentenceOf(view, result), "a board facing the camera, in the middle of the image of right, at 0.60 m: from 1.1 to 0.70 px");
+  EXPECT_EQ(sentenceOf(view, result),
+            "a board facing the camera, in the middle of the image of right, at 0.60 m: from 1.1 to 0.70 px");
 }
 
 }  // namespace

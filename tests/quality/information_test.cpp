@@ -1,5 +1,5 @@
-// The information of the images, added up, is that of the joint fit: same standard deviations, which the fit has from its own
-// factor.
+// The information of the images, added up, is that of the joint fit: same standard deviations, which the fit
+// has from its own factor.
 #include "calibrate/quality/information.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,8 @@ void expectSameStandardDeviations(const testing::CalibratedRig& r) {
   };
   for (std::size_t c = 0; c < r.result.cameras.size(); ++c) {
     const CameraResult& camera = r.result.cameras[c];
-    for (std::size_t i = 0; i < camera.parameters.size(); ++i) expectNear(rig.columns.lens[c] + int(i), camera.parameters[i].std);
+    for (std::size_t i = 0; i < camera.parameters.size(); ++i)
+      expectNear(rig.columns.lens[c] + int(i), camera.parameters[i].std);
     for (int i = 0; i < 3 && c > 0; ++i) {
       expectNear(rig.columns.pose[c] + i, camera.translation_std[i]);
       expectNear(rig.columns.pose[c] + 3 + i, camera.rotation_std[i]);
@@ -49,7 +50,9 @@ TEST(Information, OfFixedAndBoundedParametersIsNone) {
   expectSameStandardDeviations(rig);
 }
 
-TEST(Information, OfASmallProblem) { expectSameStandardDeviations(testing::calibratedRig(testing::smallBoards(), testing::opencv4(), 3)); }
+TEST(Information, OfASmallProblem) {
+  expectSameStandardDeviations(testing::calibratedRig(testing::smallBoards(), testing::opencv4(), 3));
+}
 
 TEST(Correlations, AreThoseOfTheCovariance) {
   SharedColumns columns;

@@ -17,7 +17,8 @@ CameraResult camera(const std::string& model, const std::vector<double>& values)
 const CameraResult barrel = camera("opencv5", {600, 610, 330, 245, -0.25, 0.08, 0.001, -0.0005, 0.01});
 
 TEST(Lens, DerivativesAreThoseOfTheProjection) {
-  for (const CameraResult& one : {barrel, camera("opencv4", {500, 510, 320, 240, 0.1, -0.2, 0.002, 0.001}), camera("radial1", {700, 300, 200, -0.1})}) {
+  for (const CameraResult& one : {barrel, camera("opencv4", {500, 510, 320, 240, 0.1, -0.2, 0.002, 0.001}),
+                                  camera("radial1", {700, 300, 200, -0.1})}) {
     const auto lens = makeLens(one);
     const vec3 point(0.3, -0.2, 1.1);
     const Lens::Projection at = lens->differentiate(point);
@@ -26,13 +27,15 @@ TEST(Lens, DerivativesAreThoseOfTheProjection) {
     for (int i = 0; i < 3; ++i) {
       vec3 more = point, less = point;
       more[i] += 1e-6, less[i] -= 1e-6;
-      EXPECT_LT((at.by_point.col(i) - (lens->project(more) - lens->project(less)) / 2e-6).norm(), 1e-5) << one.model << i;
+      EXPECT_LT((at.by_point.col(i) - (lens->project(more) - lens->project(less)) / 2e-6).norm(), 1e-5)
+          << one.model << i;
     }
     ASSERT_EQ(at.by_parameters.cols(), lens->parameters());
     for (int i = 0; i < lens->parameters(); ++i) {
       CameraResult more = one, less = one;
       more.parameters[std::size_t(i)].value += 1e-6, less.parameters[std::size_t(i)].value -= 1e-6;
-      const Eigen::Vector2d difference = (makeLens(more)->project(point) - makeLens(less)->project(point)) / 2e-6;
+      const Eigen::Vector2d difference =
+          (makeLens(more)->project(point) - makeLens(less)->project(point)) / 2e-6;
       EXPECT_LT((at.by_parameters.col(i) - difference).norm(), 1e-5) << one.model << i;
     }
   }

@@ -19,7 +19,9 @@ using slom::testing::TemporaryFolder;
 std::vector<std::string> stereo(std::vector<std::string> more) {
   std::vector<std::string> options;
   for (const std::string camera : {"left", "right"}) {
-    options.insert(options.end(), {"--camera", camera + "=" + sourcePath("data/opencv_stereo/" + camera + "_corners.csv").string()});
+    options.insert(
+        options.end(),
+        {"--camera", camera + "=" + sourcePath("data/opencv_stereo/" + camera + "_corners.csv").string()});
   }
   options.insert(options.end(), more.begin(), more.end());
   return options;
@@ -49,7 +51,8 @@ TEST(Report, NeedsNothingButItself) {
 
 TEST(Report, TheSameIsInTheJson) {
   const TemporaryFolder folder;
-  const auto ran = testing::runCalibrate(stereo({"--quiet", "--report", folder / "report.html", "--json", folder / "result.json"}));
+  const auto ran = testing::runCalibrate(
+      stereo({"--quiet", "--report", folder / "report.html", "--json", folder / "result.json"}));
   ASSERT_EQ(ran.exit_code, 0) << ran.errors;
   const auto page = dataOf(readFile(folder / "report.html"));
   const auto quality = nlohmann::json::parse(readFile(folder / "result.json"))["quality"];
@@ -64,7 +67,8 @@ TEST(Report, TheSameIsInTheJson) {
   EXPECT_EQ(quality["further_views"].size(), 3u);
   EXPECT_EQ(quality["worst_corners"].size(), 20u);
   EXPECT_EQ(quality["correlations"]["names"].size(), 24u);
-  for (const char* phase : {"residuals", "covariance", "projection", "split_half", "further_views"}) EXPECT_TRUE(quality["seconds"].contains(phase)) << phase;
+  for (const char* phase : {"residuals", "covariance", "projection", "split_half", "further_views"})
+    EXPECT_TRUE(quality["seconds"].contains(phase)) << phase;
 }
 
 TEST(Report, OfFiveHundredImagesIsSmall) {
@@ -90,7 +94,8 @@ TEST(Report, TellsAnAssumedSizeFromAKnownOne) {
   EXPECT_FALSE(quality.cameras[0].grid.box.is_assumed);
   EXPECT_EQ(quality.cameras[0].grid.box.width, 640);
   EXPECT_TRUE(quality.cameras[1].grid.box.is_assumed);
-  EXPECT_EQ(quality.cameras[1].grid.box.width, 640);  // a usual size that the optical axis, 330, 240, is near the centre of
+  EXPECT_EQ(quality.cameras[1].grid.box.width,
+            640);  // a usual size that the optical axis, 330, 240, is near the centre of
   EXPECT_EQ(quality.cameras[1].grid.box.height, 480);
 }
 
@@ -105,7 +110,8 @@ TEST(Report, SaysWhyThereAreNoHalves) {
 
 TEST(Report, IsWrittenOfAFitThatFailed) {
   const TemporaryFolder folder;
-  const auto ran = testing::runCalibrate(stereo({"--quiet", "--max-iterations", "1", "--report", folder / "report.html"}));
+  const auto ran =
+      testing::runCalibrate(stereo({"--quiet", "--max-iterations", "1", "--report", folder / "report.html"}));
   EXPECT_EQ(ran.exit_code, 1);
   const auto data = dataOf(readFile(folder / "report.html"));
   EXPECT_FALSE(data["success"].get<bool>());

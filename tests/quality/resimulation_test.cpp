@@ -1,8 +1,10 @@
 // 200 calibrations of one rig with new noise each time: is what they say of themselves true? Seeds are fixed.
 //   parameters    sum of 200 squares of (estimate - truth) / standard deviation
-//   projection    a point that stands still is projected by each calibration, once the motion of the rig's frame is fitted
-//                 out as its definition says, by a fit of its own; d^T covariance^-1 d, for pixels in the middle, at the border
-//                 and in the corners of both images, at the boards' distance, farther, and at infinity
+//   projection    a point that stands still is projected by each calibration, once the motion of the rig's
+//   frame is fitted
+//                 out as its definition says, by a fit of its own; d^T covariance^-1 d, for pixels in the
+//                 middle, at the border and in the corners of both images, at the boards' distance, farther,
+//                 and at infinity
 //   halves        chi-square of the lens parameters; squared difference over what is expected
 // Sums of chi-square variables, each within its distribution at a significance of 1e-3.
 #include <map>
@@ -20,12 +22,16 @@ namespace {
 using testing::RigOptions;
 using testing::RigTruth;
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr int runs = 20;
+#else
 constexpr int runs = 200;
+#endif
 constexpr double normal_quantile = 3.2905;  // 1e-3, two-sided
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The motion, from the frame of a calibration to that of the truth, that lets the true cameras see the calibration's boards best
-/// where the true boards are.
+/// The motion, from the frame of a calibration to that of the truth, that lets the true cameras see the
+/// calibration's boards best where the true boards are.
 SE3 motionToTruth(const RigTruth& truth, const Dataset& data, const Result& result) {
   Estimator est;
   const auto motion_back = est.insertRV(SE3(), "motion^-1");
@@ -39,7 +45,8 @@ SE3 motionToTruth(const RigTruth& truth, const Dataset& data, const Result& resu
       for (const Corner& corner : view->corners) {
         const vec3 in_left = image.left2world.inverse() * corner.world;
         const vec2 pixel = truth.cameras[c].project(true_world2camera * corner.world);
-        est.insertMeasurement(corner_in_other, camera, left2camera, motion_back, in_left, pixel, StandardDeviation(0.25));
+        est.insertMeasurement(corner_in_other, camera, left2camera, motion_back, in_left, pixel,
+                              StandardDeviation(0.25));
       }
     }
   }
@@ -54,8 +61,10 @@ struct Probe {
   vec3 ray = vec3(0., 0., 1.);  ///< by the true lens
   double chi2 = 0;
 
-  std::string name() const { return ::testing::PrintToString(camera) + ": " + ::testing::PrintToString(pixel.x()) + ", " +
-                                    ::testing::PrintToString(pixel.y()) + " at " + ::testing::PrintToString(distance_m); }
+  std::string name() const {
+    return ::testing::PrintToString(camera) + ": " + ::testing::PrintToString(pixel.x()) + ", " +
+           ::testing::PrintToString(pixel.y()) + " at " + ::testing::PrintToString(distance_m);
+  }
 };
 
 std::vector<Probe> probesOf(const RigTruth& truth) {
@@ -66,7 +75,8 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
     for (const double value : truth.cameras[c]) camera.parameters.push_back({"", value, 1});
     const auto lens = makeLens(camera);
     for (const double distance : {0.7, 2.0, infinity}) {
-      for (const vec2& pixel : {vec2(320., 240.), vec2(0., 240.), vec2(320., 479.), vec2(0., 0.), vec2(639., 479.), vec2(500., 100.)}) {
+      for (const vec2& pixel : {vec2(320., 240.), vec2(0., 240.), vec2(320., 479.), vec2(0., 0.),
+                                vec2(639., 479.), vec2(500., 100.)}) {
         probes.push_back({c, pixel, distance, *lens->unproject(pixel)});
       }
     }
@@ -74,7 +84,8 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
   return probes;
 }
 
-void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Knowledge& knowledge, const SE3& motion) {
+void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Knowledge& knowledge,
+                   const SE3& motion) {
   const std::size_t c = probe.camera;
   vec3 in_camera;
   if (std::isinf(probe.distance_m)) {
@@ -85,7 +96,8 @@ void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, co
     in_camera = rig.left2camera[c] * (motion.inverse() * in_left);
   }
   const Eigen::Vector2d difference = rig.lenses[c]->project(in_camera) - probe.pixel;
-  const Eigen::Matrix2d covariance = projectedPoint(rig, c, probe.ray, probe.distance_m).covariance(knowledge);
+  const Eigen::Matrix2d covariance =
+      projectedPoint(rig, c, probe.ray, probe.distance_m).covariance(knowledge);
   probe.chi2 += difference.dot(covariance.inverse() * difference);
 }
 
@@ -106,7 +118,8 @@ TEST(Resimulation, WhatCalibrationsSayOfThemselvesIsTrue) {
     for (std::size_t c = 0; c < 2; ++c) {
       for (std::size_t i = 0; i < 8; ++i) {
         const Parameter& p = result.cameras[c].parameters[i];
-        squares[result.cameras[c].name + "." + p.name] += std::pow((p.value - truth.cameras[c][Eigen::Index(i)]) / p.std, 2);
+        squares[result.cameras[c].name + "." + p.name] +=
+            std::pow((p.value - truth.cameras[c][Eigen::Index(i)]) / p.std, 2);
       }
     }
     const FittedRig rig(result);
@@ -122,13 +135,17 @@ TEST(Resimulation, WhatCalibrationsSayOfThemselvesIsTrue) {
       half_dof = halves.cameras[c].dof;
     }
   }
-  for (const auto& [name, sum] : squares) EXPECT_LT(std::abs(testing::normalOfChiSquare(sum, runs)), normal_quantile) << name << ": mean square " << sum / runs;
+  for (const auto& [name, sum] : squares)
+    EXPECT_LT(std::abs(testing::normalOfChiSquare(sum, runs)), normal_quantile)
+        << name << ": mean square " << sum / runs;
   for (const Probe& probe : probes) {
-    EXPECT_LT(std::abs(testing::normalOfChiSquare(probe.chi2, 2 * runs)), normal_quantile) << probe.name() << ": mean " << probe.chi2 / (2 * runs);
+    EXPECT_LT(std::abs(testing::normalOfChiSquare(probe.chi2, 2 * runs)), normal_quantile)
+        << probe.name() << ": mean " << probe.chi2 / (2 * runs);
   }
   EXPECT_EQ(half_dof, 8);
   for (std::size_t c = 0; c < 2; ++c) {
-    EXPECT_LT(std::abs(testing::normalOfChiSquare(half_chi2[c], half_dof * runs)), normal_quantile) << half_chi2[c] / (half_dof * runs);
+    EXPECT_LT(std::abs(testing::normalOfChiSquare(half_chi2[c], half_dof * runs)), normal_quantile)
+        << half_chi2[c] / (half_dof * runs);
     EXPECT_NEAR(half_square[c], 1, 0.25) << "mean square of the difference over the expected one";
   }
 }

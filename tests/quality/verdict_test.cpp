@@ -8,7 +8,8 @@ namespace slom::app::calib {
 namespace {
 
 const std::string good_sentence =
-    "Calibrated to 0.34 px with 10 images; the projection is known to 0.20 px in the middle of the image and to 1.1 px at the worst "
+    "Calibrated to 0.34 px with 10 images; the projection is known to 0.20 px in the middle of the image and "
+    "to 1.1 px at the worst "
     "place";
 
 Result goodResult() {
@@ -76,7 +77,8 @@ TEST(Verdict, NamesAStray) {
 TEST(Verdict, ComparesHalvesWithNoise) {
   Result result = goodResult();
   result.quality->split_half.cameras[0] = {{}, 1.3, 4, 0.3, 80, 9, 1e-12};
-  expectDoubts(result, {"two halves of the images of left disagree by 1.3 px where noise alone gives 0.30 px"});
+  expectDoubts(result,
+               {"two halves of the images of left disagree by 1.3 px where noise alone gives 0.30 px"});
   result.quality->split_half.cameras[0].rms_px = 0.4;  // significant, and of no importance
   EXPECT_EQ(verdictOf(result).level, Verdict::Level::trustworthy);
 }
@@ -84,7 +86,8 @@ TEST(Verdict, ComparesHalvesWithNoise) {
 TEST(Verdict, ComparesResidualsWithTheStatedNoise) {
   Result result = goodResult();
   result.rss = 9000;
-  expectDoubts(result, {"the residuals are 3.0 times what the stated sigmas allow, so all uncertainties here are too small by about "
+  expectDoubts(result, {"the residuals are 3.0 times what the stated sigmas allow, so all uncertainties here "
+                        "are too small by about "
                         "that factor"});
 }
 
@@ -94,7 +97,9 @@ TEST(Verdict, SeesAnImageThatIsNotCovered) {
   expectDoubts(result, {"the lens of left folds over within the image, 25 % of which no ray is known for"});
   result = goodResult();
   result.quality->cameras[0].projection[0].worst_px = 12;
-  EXPECT_EQ(verdictOf(result).doubts, std::vector<std::string>{"corners do not reach far enough in the image of left, so that its projection is uncertain by up to 12 px"});
+  EXPECT_EQ(verdictOf(result).doubts,
+            std::vector<std::string>{"corners do not reach far enough in the image of left, so that its "
+                                     "projection is uncertain by up to 12 px"});
 }
 
 TEST(Verdict, OfFailedFits) {
@@ -102,11 +107,13 @@ TEST(Verdict, OfFailedFits) {
   result.undetermined = "left.fx and left2world can move together";
   EXPECT_EQ(verdictOf(result).level, Verdict::Level::failed);
   EXPECT_EQ(verdictOf(result).sentence,
-            "The images do not determine all parameters (left.fx and left2world can move together). The values below must not be used.");
+            "The images do not determine all parameters: left.fx and left2world can move together. The "
+            "values below must not be used.");
+  result.undetermined = "";
   result.converged = false;
-  result.message = "no convergence after 100 iterations";
+  result.stop_reason = "iteration limit reached";
   EXPECT_EQ(verdictOf(result).sentence,
-            "The calibration did not converge: no convergence after 100 iterations. The values below must not be used.");
+            "The calibration did not converge: iteration limit reached. The values below must not be used.");
 }
 
 }  // namespace

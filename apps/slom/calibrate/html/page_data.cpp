@@ -33,8 +33,10 @@ double rounded(double x, int decimals) {
 Json threeDigits(const std::vector<double>& numbers) {
   Json list = Json::array();
   for (const double x : numbers) {
-    if (!std::isfinite(x)) list.push_back(nullptr);
-    else list.push_back(x == 0 ? 0 : rounded(x, 2 - int(std::floor(std::log10(std::abs(x))))));
+    if (!std::isfinite(x))
+      list.push_back(nullptr);
+    else
+      list.push_back(x == 0 ? 0 : rounded(x, 2 - int(std::floor(std::log10(std::abs(x))))));
   }
   return list;
 }
@@ -45,7 +47,8 @@ Json row(const std::string& name, double value, double std, const std::string& u
   return {name, text.value, text.std, unit};
 }
 
-void addVector(Json& rows, const std::string& name, const vec3& value, const vec3& std, const std::string& unit) {
+void addVector(Json& rows, const std::string& name, const vec3& value, const vec3& std,
+               const std::string& unit) {
   for (int i = 0; i < 3; ++i) rows.push_back(row(name + "." + "xyz"[i], value[i], std[i], unit));
 }
 
@@ -66,8 +69,10 @@ Json coverage(const CameraQuality& camera) {
   const int rows = std::max(1, int(std::lround(double(columns) * box.height / box.width)));
   std::vector<int> counts(std::size_t(columns * rows));
   for (const CornerResidual& corner : camera.residuals) {
-    const int column = int(columns * corner.pixel.x() / box.width), line = int(rows * corner.pixel.y() / box.height);
-    if (column >= 0 && column < columns && line >= 0 && line < rows) ++counts[std::size_t(line * columns + column)];
+    const int column = int(columns * corner.pixel.x() / box.width),
+              line = int(rows * corner.pixel.y() / box.height);
+    if (column >= 0 && column < columns && line >= 0 && line < rows)
+      ++counts[std::size_t(line * columns + column)];
   }
   return {{"columns", columns}, {"rows", rows}, {"counts", counts}};
 }
@@ -117,7 +122,8 @@ Json parameters(const CameraResult& camera) {
 Json placement(const CameraResult& camera) {
   Json rows = Json::array();
   addVector(rows, "translation", camera.left2camera.pos, camera.translation_std, "m");
-  addVector(rows, "rotation", vec3(SO3::log(camera.left2camera.orient) * degrees), vec3(camera.rotation_vector_std * degrees), "deg");
+  addVector(rows, "rotation", vec3(SO3::log(camera.left2camera.orient) * degrees),
+            vec3(camera.rotation_vector_std * degrees), "deg");
   return rows;
 }
 
@@ -156,8 +162,12 @@ Json imuJson(const ImuResult& imu) {
   Json rows = Json::array();
   addVector(rows, "acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s²");
   rows.push_back(row("gravity", imu.gravity, imu.gravity_std, "m/s²"));
-  addVector(rows, "rotation", vec3(SO3::log(imu.left2imu) * degrees), vec3(imu.rotation_vector_std * degrees), "deg");
-  return {{"readings", imu.readings}, {"rms", imu.rms_acc}, {"parameters", rows}, {"pose", pose(SE3(imu.left2imu))}};
+  addVector(rows, "rotation", vec3(SO3::log(imu.left2imu) * degrees), vec3(imu.rotation_vector_std * degrees),
+            "deg");
+  return {{"readings", imu.readings},
+          {"rms", imu.rms_acc},
+          {"parameters", rows},
+          {"pose", pose(SE3(imu.left2imu))}};
 }
 
 Json imagesJson(const Result& result) {
@@ -167,7 +177,8 @@ Json imagesJson(const Result& result) {
     const ImageResult& image = result.images[i];
     Json rms = Json::array();
     for (const auto& value : image.rms_px) rms.push_back(value ? Json(rounded(*value, 4)) : Json());
-    images.push_back({{"image", image.image}, {"rms", rms}, {"chi2", rounded(image.chi2PerMeasurement(), 4)}});
+    images.push_back(
+        {{"image", image.image}, {"rms", rms}, {"chi2", rounded(image.chi2PerMeasurement(), 4)}});
     if (i % every == 0) images.back()["pose"] = pose(image.left2world);
   }
   return {{"list", images}, {"boards_every", every}, {"rows", most_images}};
@@ -178,7 +189,7 @@ Json boardJson(const Dataset& data) {
   const BoardOutline board = outlineOf(fullestView(data));
   Json points = Json::array();
   for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
-    for (const double coordinate : board.board2world * vec3(x * board.width / 2, y * board.height / 2, 0.)) {
+    for (const double coordinate : board.board2world* vec3(x * board.width / 2, y * board.height / 2, 0.)) {
       points.push_back(rounded(coordinate, 5));
     }
   }
@@ -221,7 +232,8 @@ Json correlationsJson(const Correlations& correlations) {
 Json viewsJson(const Result& result) {
   Json list = Json::array();
   for (const FurtherView& view : result.quality->further_views) {
-    list.push_back({{"sentence", sentenceOf(view, result)}, {"before", view.before_px}, {"after", view.after_px}});
+    list.push_back(
+        {{"sentence", sentenceOf(view, result)}, {"before", view.before_px}, {"after", view.after_px}});
   }
   return list;
 }
@@ -229,7 +241,8 @@ Json viewsJson(const Result& result) {
 /// Inside <script> "</" would end it.
 std::string scriptText(const Json& json) {
   std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6)
+    text.replace(at, 1, "\\u003c");
   return text;
 }
 
@@ -241,29 +254,30 @@ std::string pageData(const Dataset& data, const Result& result) {
   Json cameras = Json::array(), times = Json::array();
   for (std::size_t c = 0; c < result.cameras.size(); ++c) cameras.push_back(cameraJson(result, c));
   for (const PhaseTime& time : quality.times) times.push_back({time.phase, rounded(time.seconds, 4)});
-  return scriptText({{"verdict",
-                      {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
-                     {"success", result.success()},
-                     {"notes", notes(result)},
-                     {"iterations", result.iterations},
-                     {"stop_reason", result.stop_reason},
-                     {"measurements", result.measurements},
-                     {"unknowns", result.unknowns},
-                     {"redundancy", result.redundancy},
-                     {"chi2_per_dof", result.chi2PerDof()},
-                     {"sigma_px", result.sigma_px},
-                     {"sigma_acc", result.sigma_acc},
-                     {"rms", rmsOfAll(result)},
-                     {"cameras", cameras},
-                     {"imu", result.imu ? imuJson(*result.imu) : Json()},
-                     {"images", imagesJson(result)},
-                     {"board", boardJson(data)},
-                     {"board_distance", quality.board_distance_m},
-                     {"split_why_not", quality.split_half.why_not},
-                     {"worst", worstJson(result)},
-                     {"correlations", correlationsJson(quality.correlations)},
-                     {"views", viewsJson(result)},
-                     {"times", times}});
+  return scriptText(
+      {{"verdict",
+        {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
+       {"success", result.success()},
+       {"notes", notes(result)},
+       {"iterations", result.iterations},
+       {"stop_reason", result.stop_reason},
+       {"measurements", result.measurements},
+       {"unknowns", result.unknowns},
+       {"redundancy", result.redundancy},
+       {"chi2_per_dof", result.chi2PerDof()},
+       {"sigma_px", result.sigma_px},
+       {"sigma_acc", result.sigma_acc},
+       {"rms", rmsOfAll(result)},
+       {"cameras", cameras},
+       {"imu", result.imu ? imuJson(*result.imu) : Json()},
+       {"images", imagesJson(result)},
+       {"board", boardJson(data)},
+       {"board_distance", quality.board_distance_m},
+       {"split_why_not", quality.split_half.why_not},
+       {"worst", worstJson(result)},
+       {"correlations", correlationsJson(quality.correlations)},
+       {"views", viewsJson(result)},
+       {"times", times}});
 }
 
 }  // namespace slom::app::calib

@@ -1,4 +1,5 @@
-// The page around the data: page.html with its style and scripts put in, which cmake/embed_page.cmake makes a string of.
+// The page around the data: page.html with its style and scripts put in, which cmake/embed_page.cmake makes a
+// string of.
 #pragma once
 
 #include <string_view>

@@ -96,7 +96,7 @@ function residualsOf(camera) {
 const niceNumber = x => { const power = 10 ** Math.floor(Math.log10(x)); return [5, 2, 1].find(digit => digit * power <= x * 1.0001) * power; };
 
 function residualVectors(row, camera, list) {
-  const far_off = 4 * camera.rms, magnified = niceNumber(Math.max(1, 0.035 * camera.width / (camera.rms || 1)));
+  const far_off = 4 * camera.rms, magnified = niceNumber(Math.min(1000, Math.max(1, 0.035 * camera.width / (camera.rms || 1))));
   const every = camera.residuals.every;
   figure(row, titleOf(camera), `From where a corner was found away from where it is predicted, ${magnified} times as long as it is.` +
     (every > 1 ? ` One corner of ${every} is drawn.` : "") + sizeNote(camera),
@@ -332,7 +332,7 @@ function method() {
   const total = data.times.reduce((sum, [, seconds]) => sum + seconds, 0);
   section("method", "How this was found", el("p", {},
     `${data.measurements} measurements, ${data.unknowns} unknowns, redundancy ${data.redundancy}; the fit ended after ${plural(data.iterations, "iteration")}: ${data.stop_reason}. ` +
-    `The statistics of this page took ${number(total)} s.`),
+    `The statistics of this page took ${total < 0.01 ? "less than 0.01" : number(total)} s.`),
   el("p", {}, "Projection uncertainty is what ", el("a", {href: "https://mrcal.secretsauce.net/uncertainty.html"}, "mrcal"),
     " calls so, with the motion between two calibrations found by cross-reprojection of the boards. It and the gain of further views hold to first order and for the stated noise; they know nothing of a model that does not fit. That is what residuals and cross-validation are for."));
 }

@@ -20,11 +20,13 @@ Json cameraJson(const CameraQuality& camera) {
   const ImageBox& box = camera.grid.box;
   Json projection = Json::array();
   for (const ProjectionUncertainty& map : camera.projection) projection.push_back(projectionJson(map));
-  return {{"image_size", {box.width, box.height}},
-          {"image_size_is_assumed", box.is_assumed},
-          {"grid", {{"columns", camera.grid.columns}, {"rows", camera.grid.rows}}},
-          {"projection", projection},
-          {"by_distance", {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
+  return {
+      {"image_size", {box.width, box.height}},
+      {"image_size_is_assumed", box.is_assumed},
+      {"grid", {{"columns", camera.grid.columns}, {"rows", camera.grid.rows}}},
+      {"projection", projection},
+      {"by_distance",
+       {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
 }
 
 Json splitHalfJson(const Result& result) {
@@ -50,7 +52,8 @@ Json correlationsJson(const Correlations& correlations) {
     const Eigen::VectorXd row = correlations.matrix.row(i);
     matrix.push_back(std::vector<double>(row.begin(), row.end()));
   }
-  for (const auto& pair : correlations.strong) strong.push_back({{"a", pair.a}, {"b", pair.b}, {"coefficient", pair.coefficient}});
+  for (const auto& pair : correlations.strong)
+    strong.push_back({{"a", pair.a}, {"b", pair.b}, {"coefficient", pair.coefficient}});
   return {{"names", correlations.names}, {"strong", strong}, {"matrix", matrix}};
 }
 
@@ -90,12 +93,15 @@ Json qualityJson(const Result& result) {
   const Quality& quality = *result.quality;
   const Verdict verdict = verdictOf(result);
   Json cameras, seconds;
-  for (std::size_t c = 0; c < quality.cameras.size(); ++c) cameras[result.cameras[c].name] = cameraJson(quality.cameras[c]);
+  for (std::size_t c = 0; c < quality.cameras.size(); ++c)
+    cameras[result.cameras[c].name] = cameraJson(quality.cameras[c]);
   for (const PhaseTime& time : quality.times) seconds[time.phase] = time.seconds;
-  Json json = {{"verdict", {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
-               {"cameras", cameras},
-               {"worst_corners", worstJson(result)},
-               {"seconds", seconds}};
+  Json json = {
+      {"verdict",
+       {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
+      {"cameras", cameras},
+      {"worst_corners", worstJson(result)},
+      {"seconds", seconds}};
   if (!result.success()) return json;
   json["board_distance_m"] = quality.board_distance_m;
   json["split_half"] = splitHalfJson(result);

@@ -16,7 +16,8 @@ namespace {
 constexpr int grid_columns = 33;
 constexpr std::size_t worst_corners = 20;
 
-/// Nodes as far apart along u as along v, as near as that can be; an odd number of them, so that there is a middle.
+/// Nodes as far apart along u as along v, as near as that can be; an odd number of them, so that there is a
+/// middle.
 ImageGrid gridOver(const ImageBox& box) {
   const double ratio = (box.height - 1.0) / (box.width - 1.0);
   const int rows = 2 * int(std::lround((grid_columns - 1) * std::min(ratio, 3.0) / 2)) + 1;

@@ -7,7 +7,7 @@ namespace slom::app::calib {
 
 /// The smallest rectangle about all corners of the board.
 struct BoardOutline {
-  SE3 board2world;  ///< origin at the centre, x along the longer side, z along the normal
+  SE3 board2world;               ///< origin at the centre, x along the longer side, z along the normal
   double width = 0, height = 0;  ///< [m]
 };
 BoardOutline outlineOf(const View& view);

@@ -15,7 +15,8 @@ Correlations correlationsOf(const SharedColumns& columns, const Eigen::MatrixXd&
   for (Eigen::Index i = 0; i < C.rows(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
       if (std::abs(result.matrix(i, j)) < strong) continue;
-      result.strong.push_back({result.names[std::size_t(j)], result.names[std::size_t(i)], result.matrix(i, j)});
+      result.strong.push_back(
+          {result.names[std::size_t(j)], result.names[std::size_t(i)], result.matrix(i, j)});
     }
   }
   std::sort(result.strong.begin(), result.strong.end(),

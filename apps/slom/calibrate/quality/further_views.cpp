@@ -41,21 +41,23 @@ Board boardOf(const View& view, const SE3& some_left2world) {
   Board board{outlineOf(view).board2world, {}};
   for (const Corner& corner : view.corners) board.corners.push_back(corner.world);
   const SE3 camera_in_board = board.board2world.inverse() * some_left2world;
-  if (camera_in_board.pos.z() < 0) board.board2world = board.board2world * SE3(SO3::exp(vec3(std::numbers::pi, 0., 0.)));
+  if (camera_in_board.pos.z() < 0)
+    board.board2world = board.board2world * SE3(SO3::exp(vec3(std::numbers::pi, 0., 0.)));
   return board;
 }
 
-/// left2world for a board whose centre stands at `centre` before camera c: its normal points against the camera's z axis
-/// before it is tilted, its longer side right.
-SE3 placed(const FittedRig& rig, std::size_t c, const Board& board, const vec3& centre, const Attitude& attitude) {
+/// left2world for a board whose centre stands at `centre` before camera c: its normal points against the
+/// camera's z axis before it is tilted, its longer side right.
+SE3 placed(const FittedRig& rig, std::size_t c, const Board& board, const vec3& centre,
+           const Attitude& attitude) {
   const SO3 facing = SO3::exp(vec3(std::numbers::pi, 0., 0.));
   const SE3 board2camera(SO3::exp(attitude.rotation) * facing, centre);
   return board.board2world * board2camera.inverse() * rig.left2camera[c];
 }
 
 /// Boards of which the camera sees two thirds or more.
-void addCandidates(const FittedRig& rig, const std::vector<ImageGrid>& grids, const Board& board, std::size_t c,
-                   double distance_m, std::vector<Candidate>& candidates) {
+void addCandidates(const FittedRig& rig, const std::vector<ImageGrid>& grids, const Board& board,
+                   std::size_t c, double distance_m, std::vector<Candidate>& candidates) {
   constexpr int places = 3;
   const ImageBox& box = grids[c].box;
   for (int place = 0; place < places * places; ++place) {
@@ -104,7 +106,8 @@ Sight sightOf(const FittedRig& rig, const std::vector<ImageGrid>& grids, const s
   return sight;
 }
 
-std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids, double distance_m) {
+std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                               double distance_m) {
   std::vector<ProjectedPoint> points;
   for (std::size_t c = 0; c < grids.size(); ++c) {
     for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
@@ -120,8 +123,8 @@ double worstStd(const std::vector<ProjectedPoint>& points, const Knowledge& know
   return worst;
 }
 
-std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information,
-                                      const View& view, const std::vector<ImageGrid>& grids,
+std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
+                                      const std::vector<ImageGrid>& grids,
                                       const FurtherViewOptions& options) {
   const Board board = boardOf(view, rig.left2world.at(view.image));
   std::vector<ImageGrid> coarse = grids;

@@ -1,6 +1,6 @@
-// Which further image of the board would help most, found without taking it: for boards at places all over the images,
-// at tilts and distances, the information of the corners that the cameras would see is added, and the worst projection
-// uncertainty follows from the sum.
+// Which further image of the board would help most, found without taking it: for boards at places all over
+// the images, at tilts and distances, the information of the corners that the cameras would see is added, and
+// the worst projection uncertainty follows from the sum.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,14 @@ namespace slom::app::calib {
 
 struct FurtherViewOptions {
   int count = 3;
-  double board_distance_m = 0;    ///< where the projection uncertainty is looked at; boards stand there or nearer
+  double board_distance_m =
+      0;  ///< where the projection uncertainty is looked at; boards stand there or nearer
   int grid_columns = 7, grid_rows = 5;
 };
 
 /// The best one, the best one when that is added, and so on. `view`: has all corners of the board.
-std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information,
-                                      const View& view, const std::vector<ImageGrid>& grids,
-                                      const FurtherViewOptions& options);
+std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
+                                      const std::vector<ImageGrid>& grids, const FurtherViewOptions& options);
 
 /// What the cameras would see of the board.
 Sight sightOf(const FittedRig& rig, const std::vector<ImageGrid>& grids, const std::vector<vec3>& board,
@@ -27,6 +27,7 @@ Sight sightOf(const FittedRig& rig, const std::vector<ImageGrid>& grids, const s
 
 /// The worst projection uncertainty over all cameras at points, one list of them for each camera [px].
 double worstStd(const std::vector<ProjectedPoint>& points, const Knowledge& knowledge);
-std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids, double distance_m);
+std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                               double distance_m);
 
 }  // namespace slom::app::calib

@@ -31,7 +31,8 @@ SharedColumns columnsOf(const Result& result) {
   if (!result.imu) return columns;
   columns.imu = columns.size;
   for (const char axis : {'x', 'y', 'z'}) addColumns(columns, std::string("imu.rotation.") + axis, true);
-  for (const char axis : {'x', 'y', 'z'}) addColumns(columns, std::string("imu.acc_bias.") + axis, !result.imu->acc_bias_is_fixed);
+  for (const char axis : {'x', 'y', 'z'})
+    addColumns(columns, std::string("imu.acc_bias.") + axis, !result.imu->acc_bias_is_fixed);
   addColumns(columns, "imu.gravity", !result.imu->gravity_is_fixed);
   return columns;
 }
@@ -48,7 +49,8 @@ class ArrowBlock {
   };
   void add(const std::vector<Part>& parts) {
     for (const Part& a : parts) {
-      for (const Part& b : parts) H.block(a.first, b.first, a.J.cols(), b.J.cols()).noalias() += a.J.transpose() * b.J;
+      for (const Part& b : parts)
+        H.block(a.first, b.first, a.J.cols(), b.J.cols()).noalias() += a.J.transpose() * b.J;
     }
   }
 
@@ -67,7 +69,8 @@ void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, ArrowBl
     const vec3 in_left = to_left * sight.points[c][k];
     const Lens::Projection q = rig.lenses[c]->differentiate(rig.left2camera[c] * in_left);
     const Eigen::Index row = 2 * Eigen::Index(k);
-    const Eigen::Matrix<double, 2, 3> by_camera = q.by_point / rig.sigma_px, by_left = by_camera * left2camera;
+    const Eigen::Matrix<double, 2, 3> by_camera = q.by_point / rig.sigma_px,
+                                      by_left = by_camera * left2camera;
     lens.middleRows<2>(row) = q.by_parameters / rig.sigma_px;
     pose.middleRows<2>(row) << by_camera, -by_left * crossMatrix(in_left);
     image.middleRows<2>(row) << -by_left * world2left, by_left * crossMatrix(in_left);

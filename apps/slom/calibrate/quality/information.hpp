@@ -1,13 +1,15 @@
 // What images say about the parameters that all of them share: lenses, camera to camera, IMU.
 //
-// The pose of the board in image i is seen by that image alone, so the normal equations are an arrow, and eliminating the
-// poses leaves a sum over the images:
-//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs,   covariance of the shared parameters  C = (sum_i Lambda_i)^-1
+// The pose of the board in image i is seen by that image alone, so the normal equations are an arrow, and
+// eliminating the poses leaves a sum over the images:
+//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs,   covariance of the shared parameters  C = (sum_i
+//   Lambda_i)^-1
 // s: shared parameters, f: the pose left2world of image i, H = J^T J of its whitened measurements.
 //
-// A calibration knows its own frame only through the boards: another sample of the noise gives another one. The motion
-// between the two is where the boards, moved by it, are seen best by the cameras as they are ("cross-reprojection",
-// https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To first order it is
+// A calibration knows its own frame only through the boards: another sample of the noise gives another one.
+// The motion between the two is where the boards, moved by it, are seen best by the cameras as they are
+// ("cross-reprojection", https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To
+// first order it is
 //   motion = G^-1 F ds + noise of covariance G^-1 N G^-1, independent of ds,
 //   G = sum P^T H_cc P,  F = sum P^T H_cc H_ff^-1 H_fs,  N = sum P^T H_cc H_ff^-1 H_cc P
 // with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
@@ -26,8 +28,8 @@ namespace slom::app::calib {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Where the shared parameters stand: for each camera its lens and, but for the first, its pose left2camera (translation,
-/// rotation); then the IMU's rotation, acc_bias and gravity.
+/// Where the shared parameters stand: for each camera its lens and, but for the first, its pose left2camera
+/// (translation, rotation); then the IMU's rotation, acc_bias and gravity.
 struct SharedColumns {
   std::vector<int> lens, pose;  ///< first column, by camera; -1 where there is none
   int imu = -1;
@@ -71,7 +73,8 @@ class Information {
   void add(const ImageInformation& image);
   /// Of the shared parameters; 0 for those that are not estimated.
   Eigen::MatrixXd covariance() const;
-  /// The motion of the frame per change of the shared parameters, G^-1 F, and the covariance of the rest of it.
+  /// The motion of the frame per change of the shared parameters, G^-1 F, and the covariance of the rest of
+  /// it.
   Eigen::MatrixXd motionByShared() const;
   Matrix6 motionNoise() const;
 

@@ -1,4 +1,5 @@
-// The lens of a calibrated camera, whatever its model is: where it projects points to, and the ray of a pixel.
+// The lens of a calibrated camera, whatever its model is: where it projects points to, and the ray of a
+// pixel.
 #pragma once
 
 #include <memory>
@@ -23,8 +24,9 @@ class Lens {
   virtual Projection differentiate(const vec3& point) const = 0;
   virtual Eigen::Matrix<double, 2, 3> byPoint(const vec3& point) const = 0;
 
-  /// The direction, of length 1, that is projected to a pixel. Found by walking there from the optical axis; nothing
-  /// where the model folds over on the way, as distortion polynomials do outside of the corners that they were fitted to.
+  /// The direction, of length 1, that is projected to a pixel. Found by walking there from the optical axis;
+  /// nothing where the model folds over on the way, as distortion polynomials do outside of the corners that
+  /// they were fitted to.
   std::optional<vec3> unproject(const vec2& pixel) const;
 };
 

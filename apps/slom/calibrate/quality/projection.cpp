@@ -51,8 +51,8 @@ std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid)
 }
 
 ProjectionUncertainty projectionUncertainty(const FittedRig& rig, const Knowledge& knowledge, std::size_t c,
-                                            const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
-                                            double distance_m) {
+                                            const ImageGrid& grid,
+                                            const std::vector<std::optional<vec3>>& rays, double distance_m) {
   ProjectionUncertainty result;
   result.distance_m = distance_m;
   std::vector<double> known;

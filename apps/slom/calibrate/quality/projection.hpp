@@ -1,8 +1,9 @@
 // How sure it is where a point is projected to, over the image.
 //
-// A point that stands still before the rig is seen in a pixel at a distance. Another sample of the noise gives other
-// lenses and poses, and another frame of the rig, and so projects it to another pixel: by how much, to first order, is
-// the projection uncertainty. It is small where corners were seen, and grows where the lens was extrapolated.
+// A point that stands still before the rig is seen in a pixel at a distance. Another sample of the noise
+// gives other lenses and poses, and another frame of the rig, and so projects it to another pixel: by how
+// much, to first order, is the projection uncertainty. It is small where corners were seen, and grows where
+// the lens was extrapolated.
 //   source   mrcal, https://mrcal.secretsauce.net/uncertainty.html
 #pragma once
 
@@ -23,8 +24,8 @@ struct Knowledge {
   Matrix6 motion_noise;
 };
 
-/// The point of the image at a pixel and how its projection moves with all of that; of no knowledge itself, so that one
-/// can be asked about with several.
+/// The point of the image at a pixel and how its projection moves with all of that; of no knowledge itself,
+/// so that one can be asked about with several.
 struct ProjectedPoint {
   Eigen::MatrixXd by_shared;              ///< 2 x shared, the frame held
   Eigen::Matrix<double, 2, 6> by_motion;  ///< of the frame: translation, rotation
@@ -43,8 +44,8 @@ std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid)
 
 /// Without summary figures where no node has a ray.
 ProjectionUncertainty projectionUncertainty(const FittedRig& rig, const Knowledge& knowledge, std::size_t c,
-                                            const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
-                                            double distance_m);
+                                            const ImageGrid& grid,
+                                            const std::vector<std::optional<vec3>>& rays, double distance_m);
 
 /// The largest standard deviation of a direction of a covariance.
 double largestStd(const Eigen::Matrix2d& covariance);

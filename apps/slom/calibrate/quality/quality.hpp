@@ -1,5 +1,5 @@
-// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters and
-// their standard deviations. All standard deviations are those of the stated sigmas.
+// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters
+// and their standard deviations. All standard deviations are those of the stated sigmas.
 #pragma once
 
 #include <limits>
@@ -24,7 +24,8 @@ struct ImageGrid {
 
   int size() const { return columns * rows; }
   vec2 node(int i) const {
-    return vec2((box.width - 1.0) * (i % columns) / (columns - 1), (box.height - 1.0) * (i / columns) / (rows - 1));
+    return vec2((box.width - 1.0) * (i % columns) / (columns - 1),
+                (box.height - 1.0) * (i / columns) / (rows - 1));
   }
   int middle() const { return rows / 2 * columns + columns / 2; }
 };
@@ -35,8 +36,8 @@ struct CornerResidual {
   vec2 residual;  ///< found less predicted [px]
 };
 
-/// Where a point that stands still before the rig is projected to: standard deviation in the direction in which it
-/// is largest, by node of the grid [px]; NaN where no ray is known to lead to the pixel.
+/// Where a point that stands still before the rig is projected to: standard deviation in the direction in
+/// which it is largest, by node of the grid [px]; NaN where no ray is known to lead to the pixel.
 struct ProjectionUncertainty {
   double distance_m = std::numeric_limits<double>::infinity();
   std::vector<double> std_px;
@@ -60,8 +61,8 @@ struct SplitHalf {
 
 struct CameraQuality {
   ImageGrid grid;
-  std::vector<CornerResidual> residuals;             ///< by image, then as in the file
-  std::vector<ProjectionUncertainty> projection;     ///< at the distance of the boards, and at infinity
+  std::vector<CornerResidual> residuals;                 ///< by image, then as in the file
+  std::vector<ProjectionUncertainty> projection;         ///< at the distance of the boards, and at infinity
   std::vector<double> distances_m, middle_px, worst_px;  ///< how it depends on the distance
 };
 
@@ -79,10 +80,11 @@ struct Correlations {
 /// A board that is not there yet, and what it would bring.
 struct FurtherView {
   std::size_t camera = 0;
-  vec2 pixel;                ///< of its centre in that camera
-  int column = 0, row = 0;   ///< third of the image, from the top left
-  double tilt_deg = 0;       ///< against the image plane
-  std::string edge_away;     ///< which edge of the board is farther away: left, right, upper, lower; empty if none
+  vec2 pixel;               ///< of its centre in that camera
+  int column = 0, row = 0;  ///< third of the image, from the top left
+  double tilt_deg = 0;      ///< against the image plane
+  std::string
+      edge_away;  ///< which edge of the board is farther away: left, right, upper, lower; empty if none
   double distance_m = 0;
   double before_px = 0, after_px = 0;  ///< worst projection uncertainty at the distance of the boards
   SE3 left2world;
@@ -103,7 +105,7 @@ struct PhaseTime {
 struct Quality {
   std::vector<CameraQuality> cameras;
   std::vector<WorstResidual> worst;  ///< the worst first
-  double board_distance_m = 0;       ///< median distance of the boards' centres from the cameras that saw them
+  double board_distance_m = 0;  ///< median distance of the boards' centres from the cameras that saw them
   SplitHalf split_half;
   Correlations correlations;
   std::vector<FurtherView> further_views;  ///< one after the other: each with those before it added

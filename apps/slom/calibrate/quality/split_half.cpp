@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
 #include "calibrate/cross_matrix.hpp"
 #include "calibrate/fit/calibration.hpp"
@@ -61,8 +60,8 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
   }
 }
 
-/// Mean over the nodes of the variance of the difference after the fit, when it comes from the lens parameters having this
-/// covariance [px^2].
+/// Mean over the nodes of the variance of the difference after the fit, when it comes from the lens
+/// parameters having this covariance [px^2].
 double expectedSquare(const std::vector<Compared>& nodes, const Eigen::MatrixXd& covariance) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::MatrixXd g = Eigen::MatrixXd::Zero(3, covariance.cols());
@@ -80,7 +79,8 @@ double expectedSquare(const std::vector<Compared>& nodes, const Eigen::MatrixXd&
   return sum / double(nodes.size());
 }
 
-/// Of a chi-square variable to be as large or larger (Wilson and Hilferty, "The distribution of chi-square", 1931).
+/// Of a chi-square variable to be as large or larger (Wilson and Hilferty, "The distribution of chi-square",
+/// 1931).
 double probabilityOf(double chi2, int dof) {
   if (dof == 0) return 1;
   const double z = (std::cbrt(chi2 / dof) - (1 - 2 / (9.0 * dof))) / std::sqrt(2 / (9.0 * dof));
@@ -164,7 +164,8 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
     const std::string which = half == 0 ? "first" : "second";
     for (const CameraData& camera : part.cameras) {
       if (camera.views.size() >= fewest_images) continue;
-      result.why_not = fmt::format("the {} half has fewer than {} images of camera {}", which, fewest_images, camera.name);
+      result.why_not =
+          fmt::format("the {} half has fewer than {} images of camera {}", which, fewest_images, camera.name);
       return result;
     }
     try {

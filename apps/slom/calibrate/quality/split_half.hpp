@@ -1,7 +1,8 @@
-// Cross-validation: calibrates from every second image and from the others, and compares where the two project the same
-// rays to. The rotation between their frames that the two imply is fitted out first, over the image, each place weighted by how
-// well it is known (https://mrcal.secretsauce.net/differencing.html). Residuals cannot show a model that bends
-// to its own images; two halves that disagree by more than their noise do.
+// Cross-validation: calibrates from every second image and from the others, and compares where the two
+// project the same rays to. The rotation between their frames that the two imply is fitted out first, over
+// the image, each place weighted by how well it is known (https://mrcal.secretsauce.net/differencing.html).
+// Residuals cannot show a model that bends to its own images; two halves that disagree by more than their
+// noise do.
 #pragma once
 
 #include "calibrate/input/dataset.hpp"

@@ -24,9 +24,9 @@ std::string sentenceOf(const FurtherView& view, const Result& result) {
       view.edge_away.empty()
           ? "facing the camera"
           : fmt::format("tilted by {:.0f} degrees, its {} edge farther away", view.tilt_deg, view.edge_away);
-  return fmt::format("a board {}, in the {} of the image of {}, at {} m: from {} to {} px", attitude, placeOf(view),
-                     result.cameras[view.camera].name, twoDigits(view.distance_m), twoDigits(view.before_px),
-                     twoDigits(view.after_px));
+  return fmt::format("a board {}, in the {} of the image of {}, at {} m: from {} to {} px", attitude,
+                     placeOf(view), result.cameras[view.camera].name, twoDigits(view.distance_m),
+                     twoDigits(view.before_px), twoDigits(view.after_px));
 }
 
 }  // namespace slom::app::calib
