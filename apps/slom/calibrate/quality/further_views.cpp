@@ -55,11 +55,51 @@ SE3 placed(const FittedRig& rig, std::size_t c, const Board& board, const vec3& 
   return board.board2world * board2camera.inverse() * rig.left2camera[c];
 }
 
+/// What of space a camera sees. Points farther from its axis than any ray of its image are projected into it
+/// as well where a distortion polynomial folds back.
+struct FieldOfView {
+  ImageBox box;
+  double least_cosine = 1;  ///< of the angle of a ray of the image with the optical axis
+
+  bool holds(const Lens& lens, const vec3& point) const {
+    if (!(point.z() > least_cosine * point.norm())) return false;
+    const vec2 pixel = lens.project(point);
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < box.width && pixel.y() < box.height;
+  }
+};
+
+std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<ImageGrid>& grids) {
+  std::vector<FieldOfView> fields;
+  for (std::size_t c = 0; c < grids.size(); ++c) {
+    fields.push_back({grids[c].box});
+    for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
+      if (ray) fields.back().least_cosine = std::min(fields.back().least_cosine, ray->z());
+    }
+  }
+  return fields;
+}
+
+/// What the cameras would see of the board.
+Sight sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields, const std::vector<vec3>& board,
+              const SE3& left2world) {
+  constexpr std::size_t fewest = 4;  // a pose needs as many
+  Sight sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
+  const SE3 to_left = left2world.inverse();
+  for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
+    for (const vec3& corner : board) {
+      if (fields[c].holds(*rig.lenses[c], rig.left2camera[c] * (to_left * corner)))
+        sight.points[c].push_back(corner);
+    }
+    if (sight.points[c].size() < fewest) sight.points[c].clear();
+  }
+  return sight;
+}
+
 /// Boards of which the camera sees two thirds or more.
-void addCandidates(const FittedRig& rig, const std::vector<ImageGrid>& grids, const Board& board,
+void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields, const Board& board,
                    std::size_t c, double distance_m, std::vector<Candidate>& candidates) {
   constexpr int places = 3;
-  const ImageBox& box = grids[c].box;
+  const ImageBox& box = fields[c].box;
   for (int place = 0; place < places * places; ++place) {
     const int column = place % places, row = place / places;
     const vec2 pixel(box.width * (0.16 + 0.34 * column), box.height * (0.16 + 0.34 * row));
@@ -67,7 +107,7 @@ void addCandidates(const FittedRig& rig, const std::vector<ImageGrid>& grids, co
     if (!ray) continue;
     for (const Attitude& attitude : attitudes()) {
       const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
-      const Sight sight = sightOf(rig, grids, board.corners, left2world);
+      const Sight sight = sightOf(rig, fields, board.corners, left2world);
       if (3 * sight.points[c].size() < 2 * board.corners.size()) continue;
       FurtherView view;
       view.camera = c;
@@ -85,42 +125,20 @@ void addCandidates(const FittedRig& rig, const std::vector<ImageGrid>& grids, co
 
 }  // namespace
 
-Sight sightOf(const FittedRig& rig, const std::vector<ImageGrid>& grids, const std::vector<vec3>& board,
-              const SE3& left2world) {
-  constexpr std::size_t fewest = 4;  // a pose needs as many
-  Sight sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
-  const SE3 to_left = left2world.inverse();
-  for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
-    const ImageBox& box = grids[c].box;
-    for (const vec3& corner : board) {
-      const vec3 point = rig.left2camera[c] * (to_left * corner);
-      if (!(point.z() > 0)) continue;
-      const vec2 pixel = rig.lenses[c]->project(point);
-      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < box.width && pixel.y() < box.height)) continue;
-      // Far outside, distortion polynomials fold back into the image.
-      const auto ray = rig.lenses[c]->unproject(pixel);
-      if (ray && ray->dot(point.normalized()) > 1 - 1e-6) sight.points[c].push_back(corner);
-    }
-    if (sight.points[c].size() < fewest) sight.points[c].clear();
-  }
-  return sight;
-}
-
-std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
-                                               double distance_m) {
+ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                   double distance_m) {
   std::vector<ProjectedPoint> points;
   for (std::size_t c = 0; c < grids.size(); ++c) {
     for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
       if (ray) points.push_back(projectedPoint(rig, c, *ray, distance_m));
     }
   }
-  return points;
+  return ProjectedPoints(points);
 }
 
-double worstStd(const std::vector<ProjectedPoint>& points, const Knowledge& knowledge) {
-  double worst = 0;
-  for (const ProjectedPoint& point : points) worst = std::max(worst, point.std(knowledge));
-  return worst;
+double worstStd(const ProjectedPoints& points, const Knowledge& knowledge) {
+  const std::vector<double> all = points.std(knowledge);
+  return all.empty() ? 0 : *std::max_element(all.begin(), all.end());
 }
 
 std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
@@ -129,12 +147,13 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
   const Board board = boardOf(view, rig.left2world.at(view.image));
   std::vector<ImageGrid> coarse = grids;
   for (ImageGrid& grid : coarse) grid.columns = options.grid_columns, grid.rows = options.grid_rows;
-  const std::vector<ProjectedPoint> points = pointsOfAllCameras(rig, coarse, options.board_distance_m);
+  const ProjectedPoints points = pointsOfAllCameras(rig, coarse, options.board_distance_m);
 
+  const std::vector<FieldOfView> fields = fieldsOfView(rig, coarse);
   std::vector<Candidate> candidates;
   for (std::size_t c = 0; c < grids.size(); ++c) {
     for (const double nearer : {1.0, 0.6}) {
-      addCandidates(rig, grids, board, c, nearer * options.board_distance_m, candidates);
+      addCandidates(rig, fields, board, c, nearer * options.board_distance_m, candidates);
     }
   }
 

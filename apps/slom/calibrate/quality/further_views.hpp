@@ -21,13 +21,9 @@ struct FurtherViewOptions {
 std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
                                       const std::vector<ImageGrid>& grids, const FurtherViewOptions& options);
 
-/// What the cameras would see of the board.
-Sight sightOf(const FittedRig& rig, const std::vector<ImageGrid>& grids, const std::vector<vec3>& board,
-              const SE3& left2world);
-
-/// The worst projection uncertainty over all cameras at points, one list of them for each camera [px].
-double worstStd(const std::vector<ProjectedPoint>& points, const Knowledge& knowledge);
-std::vector<ProjectedPoint> pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
-                                               double distance_m);
+/// The worst projection uncertainty over all cameras at these points [px].
+double worstStd(const ProjectedPoints& points, const Knowledge& knowledge);
+ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                   double distance_m);
 
 }  // namespace slom::app::calib

@@ -1,5 +1,7 @@
 #include "calibrate/quality/lens.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <Eigen/LU>
@@ -64,13 +66,14 @@ Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
 
 }  // namespace
 
-std::optional<vec3> Lens::unproject(const vec2& pixel) const {
-  constexpr int legs = 12, most_steps = 8;
-  vec3 ray(0., 0., 1.);
-  const vec2 centre = project(ray);
-  const double scale = byPoint(ray).norm();  // [px/rad], about
+std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
+  constexpr double longest_leg = 0.06;  // of a walk [rad], about
+  constexpr int most_steps = 8;
+  const vec2 start = project(ray);
+  const double scale = byPoint(vec3(0., 0., 1.)).norm() / std::sqrt(2.0);  // [px/rad]
+  const int legs = 1 + int(std::min(100.0, (pixel - start).norm() / (longest_leg * scale)));
   for (int leg = 1; leg <= legs; ++leg) {
-    const vec2 target(centre + double(leg) / legs * (pixel - centre));
+    const vec2 target(start + double(leg) / legs * (pixel - start));
     double error = 0;
     for (int step = 0; step < most_steps; ++step) {
       const Eigen::Vector2d missing = target - project(ray);
@@ -78,7 +81,7 @@ std::optional<vec3> Lens::unproject(const vec2& pixel) const {
       if (error < 1e-7 || (leg < legs && error < 1e-2)) break;
       const Eigen::Matrix<double, 3, 2> T = tangents(ray);
       const Eigen::Matrix2d J = byPoint(ray) * T;
-      if (!(J.determinant() > 1e-4 * scale * scale)) return {};  // folds over, or is about to
+      if (!(J.determinant() > 2e-4 * scale * scale)) return {};  // folds over, or is about to
       const Eigen::Vector2d angle = J.inverse() * missing;
       if (!(angle.norm() < 0.5)) return {};
       ray = vec3((ray + T * angle).normalized());

@@ -24,10 +24,10 @@ class Lens {
   virtual Projection differentiate(const vec3& point) const = 0;
   virtual Eigen::Matrix<double, 2, 3> byPoint(const vec3& point) const = 0;
 
-  /// The direction, of length 1, that is projected to a pixel. Found by walking there from the optical axis;
-  /// nothing where the model folds over on the way, as distortion polynomials do outside of the corners that
-  /// they were fitted to.
-  std::optional<vec3> unproject(const vec2& pixel) const;
+  /// The direction, of length 1, that is projected to a pixel. Found by walking there from a ray whose pixel
+  /// is known to have one, the optical axis; nothing where the model folds over on the way, as distortion
+  /// polynomials do outside of the corners that they were fitted to.
+  std::optional<vec3> unproject(const vec2& pixel, vec3 from = vec3(0., 0., 1.)) const;
 };
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera);

@@ -18,6 +18,36 @@ Eigen::Matrix2d ProjectedPoint::covariance(const Knowledge& knowledge) const {
 
 double ProjectedPoint::std(const Knowledge& knowledge) const { return largestStd(covariance(knowledge)); }
 
+ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
+  if (points.empty()) return;
+  const auto rows = 2 * Eigen::Index(points.size());
+  by_shared_.resize(rows, points.front().by_shared.cols());
+  by_motion_.resize(rows, 6);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    by_shared_.middleRows<2>(2 * Eigen::Index(i)) = points[i].by_shared;
+    by_motion_.middleRows<2>(2 * Eigen::Index(i)) = points[i].by_motion;
+  }
+}
+
+std::vector<double> ProjectedPoints::std(const Knowledge& knowledge) const {
+  if (by_shared_.rows() == 0) return {};
+  const Eigen::MatrixXd J = by_shared_ + by_motion_ * knowledge.motion_by_shared;
+  const Eigen::MatrixXd JC = J * knowledge.shared, EN = by_motion_ * knowledge.motion_noise;
+  const auto squares = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    return Eigen::VectorXd(a.cwiseProduct(b).rowwise().sum());
+  };
+  const Eigen::VectorXd diagonal = squares(JC, J) + squares(EN, by_motion_);
+  std::vector<double> result;
+  for (Eigen::Index i = 0; i < J.rows(); i += 2) {
+    Eigen::Matrix2d covariance;
+    covariance(0, 0) = diagonal[i];
+    covariance(1, 1) = diagonal[i + 1];
+    covariance(0, 1) = covariance(1, 0) = JC.row(i).dot(J.row(i + 1)) + EN.row(i).dot(by_motion_.row(i + 1));
+    result.push_back(largestStd(covariance));
+  }
+  return result;
+}
+
 double largestStd(const Eigen::Matrix2d& covariance) {
   const double mean = covariance.trace() / 2;
   return std::sqrt(mean + std::hypot((covariance(0, 0) - covariance(1, 1)) / 2, covariance(0, 1)));
@@ -46,7 +76,12 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
 
 std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid) {
   std::vector<std::optional<vec3>> rays;
-  for (int i = 0; i < grid.size(); ++i) rays.push_back(lens.unproject(grid.node(i)));
+  for (int i = 0; i < grid.size(); ++i) {  // from a neighbour that has one: the left or the upper
+    const int neighbour = i % grid.columns > 0 ? i - 1 : i - grid.columns;
+    const bool has_start = neighbour >= 0 && rays[std::size_t(neighbour)];
+    rays.push_back(has_start ? lens.unproject(grid.node(i), *rays[std::size_t(neighbour)])
+                             : lens.unproject(grid.node(i)));
+  }
   return rays;
 }
 
@@ -55,11 +90,13 @@ ProjectionUncertainty projectionUncertainty(const FittedRig& rig, const Knowledg
                                             const std::vector<std::optional<vec3>>& rays, double distance_m) {
   ProjectionUncertainty result;
   result.distance_m = distance_m;
-  std::vector<double> known;
+  std::vector<ProjectedPoint> points;
   for (const auto& ray : rays) {
-    result.std_px.push_back(ray ? projectedPoint(rig, c, *ray, distance_m).std(knowledge) : unknown);
-    if (ray) known.push_back(result.std_px.back());
+    if (ray) points.push_back(projectedPoint(rig, c, *ray, distance_m));
   }
+  std::vector<double> known = ProjectedPoints(points).std(knowledge);
+  auto next = known.begin();
+  for (const auto& ray : rays) result.std_px.push_back(ray ? *next++ : unknown);
   std::sort(known.begin(), known.end());
   result.middle_px = result.std_px[std::size_t(grid.middle())];
   result.median_px = known.empty() ? unknown : known[known.size() / 2];

@@ -36,6 +36,18 @@ struct ProjectedPoint {
   double std(const Knowledge& knowledge) const;
 };
 
+/// Many of them, which is quicker than one by one.
+class ProjectedPoints {
+ public:
+  ProjectedPoints() = default;
+  explicit ProjectedPoints(const std::vector<ProjectedPoint>& points);
+  /// ProjectedPoint::std of each.
+  std::vector<double> std(const Knowledge& knowledge) const;
+
+ private:
+  Eigen::MatrixXd by_shared_, by_motion_;  // two rows for each point
+};
+
 /// `ray`: direction of length 1 in camera c; `distance` may be infinite: then directions alone count.
 ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& ray, double distance_m);
 

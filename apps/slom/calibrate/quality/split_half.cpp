@@ -113,14 +113,16 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
   const Lens& first = *a.rig.lenses[c];
   const Lens& second = *b.rig.lenses[c];
   const double infinity = std::numeric_limits<double>::infinity();
+  const auto rays = raysOf(first, grid), others = raysOf(second, grid);
+  const auto stds = projectionUncertainty(a.rig, a.knowledge, c, grid, rays, infinity).std_px;
+  const auto other_stds = projectionUncertainty(b.rig, b.knowledge, c, grid, others, infinity).std_px;
   std::vector<Compared> nodes;
   for (int i = 0; i < grid.size(); ++i) {
-    const auto ray = first.unproject(grid.node(i)), other = second.unproject(grid.node(i));
-    if (!ray || !other) continue;
-    const double std = projectedPoint(a.rig, c, *ray, infinity).std(a.knowledge) +
-                       projectedPoint(b.rig, c, *other, infinity).std(b.knowledge);
-    const Lens::Projection at = second.differentiate(*ray);
-    nodes.push_back({i, *ray, vec2(at.pixel - grid.node(i)), at, 1 / (std * std)});
+    const auto k = std::size_t(i);
+    if (!rays[k] || !others[k]) continue;
+    const Lens::Projection at = second.differentiate(*rays[k]);
+    const double weight = 1 / (stds[k] * stds[k] + other_stds[k] * other_stds[k]);
+    nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, weight});
   }
   SplitHalfCamera result;
   result.difference_px.assign(std::size_t(grid.size()), unknown);
