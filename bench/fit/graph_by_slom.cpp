@@ -3,7 +3,7 @@
 
 #include <tbb/task_arena.h>
 
-#include <slom/solve/block_cholesky.hpp>
+#include <slom/solve/block_solver.hpp>
 
 #include "fit/run.hpp"
 #include "fit/slom_options.hpp"
@@ -62,7 +62,7 @@ Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph) {
   const BlockStructure structure = structureOf(graph);
   Factorization result;
   tbb::task_arena(1).execute([&] {
-    BlockCholesky solver;
+    BlockSolver solver;
     result.symbolic_seconds = bestSecondsOf([&] { solver.analyze(structure); });
     result.flops = solver.flops();
   });
