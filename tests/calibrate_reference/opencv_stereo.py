@@ -41,7 +41,7 @@ def read_corners(path):
     """{image: {world point: pixel}}."""
     images = {}
     with open(path, newline="") as file:
-        for row in csv.DictReader(file):
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
             world = tuple(float(row[f"world_{axis}_m"]) for axis in "xyz")
             images.setdefault(row["image"], {})[world] = (float(row["u_px"]), float(row["v_px"]))
     return images

@@ -1,11 +1,13 @@
-// Camera models: the intrinsics as a variable, and where they put a point.
-//   point   (X, Y, Z) in the camera: X right, Y down, Z forward, Z > 0     [m]
+// Camera models: the library's lenses, and those that are made of them, with what a calibration wants to know of each.
+//   point   (X, Y, Z) in the camera: X right, Y down, Z forward            [m]
 //   pixel   (u, v) = (fx x' + cx, fy y' + cy), (x', y') = distorted (X/Z, Y/Z)   [px]
 //   source  OpenCV, "Camera Calibration and 3D Reconstruction"; radial1 is its k1 alone, with square pixels
 #pragma once
 
 #include <array>
 #include <string_view>
+
+#include <slom/measurements/intrinsics.hpp>
 
 #include "calibrate/types.hpp"
 
@@ -18,128 +20,86 @@ struct Pinhole {
   Eigen::Matrix3d matrix() const { return (Eigen::Matrix3d() << fx, 0, cx, 0, fy, cy, 0, 0, 1).finished(); }
 };
 
-/// fx fy cx cy k1 k2 p1 p2 k3, as in OpenCV:
-///   g = 1 + k1 r2 + k2 r2^2 + k3 r2^3,  x' = x g + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y g + p1 (r2 + 2 y^2) +
-///   2 p2 x y
+/// fx fy cx cy k1 k2 p1 p2 k3, as in OpenCV.
 template <class S = double>
-struct Opencv5 : mtk::vect<9, S> {
-  using mtk::vect<9, S>::vect;
-  using mtk::vect<9, S>::operator=;
+struct Opencv5 : OpenCv5Intrinsics<S> {
   static constexpr std::string_view model_name = "opencv5";
-  static constexpr std::array<std::string_view, 9> component_names{"fx", "fy", "cx", "cy", "k1",
-                                                                   "k2", "p1", "p2", "k3"};
+  using OpenCv5Intrinsics<S>::OpenCv5Intrinsics;
 
   static Opencv5 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const;
-  /// k1 k2 p1 p2 k3
-  Eigen::Matrix<double, 5, 1> distortion() const;
-
-  template <class Point>
-  mtk::vect<2, S> project(const Point& point) const;
+  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  /// As OpenCV orders it: k1 k2 p1 p2 k3
+  Eigen::VectorXd distortion() const { return this->template tail<5>(); }
 };
 
-/// Opencv5 with k3 = 0.
+/// opencv5 with k3 = 0.
 template <class S = double>
-struct Opencv4 : mtk::vect<8, S> {
-  using mtk::vect<8, S>::vect;
-  using mtk::vect<8, S>::operator=;
+struct Opencv4 : slom::detail::CentredLens<8, S> {
   static constexpr std::string_view model_name = "opencv4";
-  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
-                                                                   "k1", "k2", "p1", "p2"};
+  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+  using slom::detail::CentredLens<8, S>::CentredLens;
 
   static Opencv4 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const;
-  Eigen::Matrix<double, 5, 1> distortion() const;
-
-  template <class Point>
-  mtk::vect<2, S> project(const Point& point) const;
+  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  Eigen::VectorXd distortion() const { return (Eigen::VectorXd(5) << this->template tail<4>(), 0).finished(); }
+  auto project(const auto& point) const {
+    const Opencv4& c = *this;
+    return OpenCv5Intrinsics<S>(c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], S(0.0)).project(point);
+  }
 };
+
+/// opencv5 with the radial factor divided by 1 + k4 r2 + k5 r2^2 + k6 r2^3: OpenCV's rational model.
+template <class S = double>
+struct Opencv8 : slom::detail::CentredLens<12, S> {
+  static constexpr std::string_view model_name = "opencv8";
+  static constexpr std::array<std::string_view, 12> component_names{"fx", "fy", "cx", "cy", "k1", "k2",
+                                                                    "p1", "p2", "k3", "k4", "k5", "k6"};
+  using slom::detail::CentredLens<12, S>::CentredLens;
+
+  static Opencv8 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0., 0., 0., 0., 0.}; }
+  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  Eigen::VectorXd distortion() const { return this->template tail<8>(); }
+  auto project(const auto& point) const {
+    const Opencv8& c = *this;
+    const auto z = slom::detail::depthInFront(point[2]);
+    const auto x = point[0] / z, y = point[1] / z;
+    const auto xx = x * x, yy = y * y, xy2 = 2.0 * x * y, r2 = xx + yy;
+    const auto radial = (1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]))) / (1.0 + r2 * (c[9] + r2 * (c[10] + r2 * c[11])));
+    return this->toPixels(x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx), y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2);
+  }
+};
+
+/// fx fy cx cy k1 k2 k3 k4: OpenCV's fisheye, Kalibr's pinhole-equi.
+template <class S = double>
+struct Fisheye : FisheyeIntrinsics<S> {
+  static constexpr std::string_view model_name = "fisheye";
+  using FisheyeIntrinsics<S>::FisheyeIntrinsics;
+
+  static Fisheye fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0.}; }
+  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  /// k1 k2 k3 k4
+  Eigen::VectorXd distortion() const { return this->template tail<4>(); }
+};
+
+template <class Camera>
+inline constexpr bool is_fisheye = false;
+template <class S>
+inline constexpr bool is_fisheye<Fisheye<S>> = true;
 
 /// f cx cy k1: square pixels and the radial factor 1 + k1 r2.
 template <class S = double>
 struct Radial1 : mtk::vect<4, S> {
-  using mtk::vect<4, S>::vect;
-  using mtk::vect<4, S>::operator=;
   static constexpr std::string_view model_name = "radial1";
   static constexpr std::array<std::string_view, 4> component_names{"f", "cx", "cy", "k1"};
+  using mtk::vect<4, S>::vect;
 
   static Radial1 fromPinhole(const Pinhole& p) { return {(p.fx + p.fy) / 2, p.cx, p.cy, 0.}; }
-  Eigen::Matrix3d cameraMatrix() const;
-  Eigen::Matrix<double, 5, 1> distortion() const;
-
-  template <class Point>
-  mtk::vect<2, S> project(const Point& point) const;
+  Eigen::Matrix3d cameraMatrix() const { return Pinhole{(*this)[0], (*this)[0], (*this)[1], (*this)[2]}.matrix(); }
+  Eigen::VectorXd distortion() const { return (Eigen::VectorXd(5) << (*this)[3], 0, 0, 0, 0).finished(); }
+  auto project(const auto& point) const {
+    const Radial1& c = *this;
+    return OpenCv5Intrinsics<S>(c[0], c[0], c[1], c[2], c[3], S(0.0), S(0.0), S(0.0), S(0.0)).project(point);
+  }
 };
-
-// ---- implementation
-// ------------------------------------------------------------------------------------------
-
-namespace detail {
-
-/// OpenCV's distortion of (x, y) = (X/Z, Y/Z).
-template <class S>
-mtk::vect<2, S> distorted(const S& x, const S& y, const S& k1, const S& k2, const S& p1, const S& p2,
-                          const S& k3) {
-  const S r2 = x * x + y * y;
-  const S g = S(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const S two_xy = S(2) * x * y;
-  return {S(x * g + p1 * two_xy + p2 * (r2 + S(2) * x * x)),
-          S(y * g + p1 * (r2 + S(2) * y * y) + p2 * two_xy)};
-}
-
-}  // namespace detail
-
-template <class S>
-template <class Point>
-mtk::vect<2, S> Opencv5<S>::project(const Point& point) const {
-  const Opencv5& c = *this;
-  const mtk::vect<2, S> d =
-      detail::distorted<S>(point[0] / point[2], point[1] / point[2], c[4], c[5], c[6], c[7], c[8]);
-  return {S(c[0] * d[0] + c[2]), S(c[1] * d[1] + c[3])};
-}
-
-template <class S>
-template <class Point>
-mtk::vect<2, S> Opencv4<S>::project(const Point& point) const {
-  const Opencv4& c = *this;
-  const mtk::vect<2, S> d =
-      detail::distorted<S>(point[0] / point[2], point[1] / point[2], c[4], c[5], c[6], c[7], S(0));
-  return {S(c[0] * d[0] + c[2]), S(c[1] * d[1] + c[3])};
-}
-
-template <class S>
-template <class Point>
-mtk::vect<2, S> Radial1<S>::project(const Point& point) const {
-  const Radial1& c = *this;
-  const S x = point[0] / point[2], y = point[1] / point[2];
-  const S factor = c[0] * (S(1) + c[3] * (x * x + y * y));
-  return {S(factor * x + c[1]), S(factor * y + c[2])};
-}
-
-template <class S>
-Eigen::Matrix3d Opencv5<S>::cameraMatrix() const {
-  return Pinhole{(*this)[0], (*this)[1], (*this)[2], (*this)[3]}.matrix();
-}
-template <class S>
-Eigen::Matrix3d Opencv4<S>::cameraMatrix() const {
-  return Pinhole{(*this)[0], (*this)[1], (*this)[2], (*this)[3]}.matrix();
-}
-template <class S>
-Eigen::Matrix3d Radial1<S>::cameraMatrix() const {
-  return Pinhole{(*this)[0], (*this)[0], (*this)[1], (*this)[2]}.matrix();
-}
-
-template <class S>
-Eigen::Matrix<double, 5, 1> Opencv5<S>::distortion() const {
-  return this->template tail<5>();
-}
-template <class S>
-Eigen::Matrix<double, 5, 1> Opencv4<S>::distortion() const {
-  return (Eigen::Matrix<double, 5, 1>() << this->template tail<4>(), 0).finished();
-}
-template <class S>
-Eigen::Matrix<double, 5, 1> Radial1<S>::distortion() const {
-  return {(*this)[3], 0, 0, 0, 0};
-}
 
 }  // namespace slom::app::calib

@@ -6,13 +6,16 @@
 #include <fmt/format.h>
 
 #include "calibrate/calibrate.hpp"
+#include "calibrate/detect/read_photos.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/html/page.hpp"
 #include "calibrate/input/read.hpp"
+#include "calibrate/output/comparison_text.hpp"
+#include "calibrate/output/formats.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/report.hpp"
-#include "calibrate/output/yaml.hpp"
 #include "calibrate/quality/assess.hpp"
+#include "calibrate/result_paths.hpp"
 #include "calibrate/settings.hpp"
 #include "error.hpp"
 #include "fitting/progress.hpp"
@@ -24,11 +27,14 @@ namespace {
 using namespace calib;
 
 constexpr const char* help_text =
-    R"(slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --imu imu.csv \
+    R"(slom calibrate --board 9x6 --square 0.025 --images left='left*.jpg' --images right='right*.jpg'
+slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --imu imu.csv \
                --json result.json --output calibration.yaml
 
-Calibrate cameras, and an IMU on the same rig, from the corners of a flat board.
+Calibrate cameras, and an IMU on the same rig, from photographs of a flat board or the corners in them.
 Needs no initial guess. The first camera is the reference. With an IMU, the world's z axis must be vertical.
+
+Photographs:  the last number in a file's name says which were taken at the same time.
 
 Corner files: image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px
 IMU file:     image,ax_m_s2,ay_m_s2,az_m_s2,valid
@@ -42,8 +48,15 @@ constexpr const char* footer_text =
 
 Dataset readDataset(const Settings& settings) {
   Dataset data;
-  for (const CameraFile& camera : settings.cameras)
-    data.cameras.push_back(readCorners(camera.name, camera.file));
+  if (settings.board) {
+    data.cameras = readPhotos(settings);
+  } else {
+    for (const CameraFile& camera : settings.cameras) data.cameras.push_back(readCorners(camera.name, camera.file));
+  }
+  for (CameraData& camera : data.cameras) {
+    const auto given = settings.image_sizes.find(camera.name);
+    if (given != settings.image_sizes.end()) camera.image_size = given->second;
+  }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
   return data;
 }
@@ -61,26 +74,56 @@ Progress printedProgress() {
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
 void writeFiles(const Dataset& data, const Result& result, const Settings& settings) {
   OutputFiles files;
-  if (!settings.json_file.empty()) files.add(settings.json_file, toJson(result));
-  const bool yaml = !settings.yaml_file.empty() && result.success();
-  if (yaml) files.add(settings.yaml_file, toOpencvYaml(result));
-  if (!settings.report_file.empty()) files.add(settings.report_file, toHtml(data, result));
+  std::string said;
+  if (!settings.json_file.empty()) {
+    files.add(settings.json_file, toJson(result));
+    said += fmt::format("written: {}\n", settings.json_file);
+  }
+  if (result.success() && !settings.yaml_file.empty()) {
+    for (const OutputText& output : outputTexts(result, settings)) {
+      files.add(output.file, output.text);
+      said += fmt::format("written: {}\n", output.file);
+    }
+  } else {
+    for (const std::string& file : outputFiles(settings)) said += fmt::format("not written, because the fit failed: {}\n", file);
+  }
+  if (!settings.report_file.empty()) {
+    files.add(settings.report_file, toHtml(data, result));
+    said += fmt::format("written: {}\n", settings.report_file);
+  }
   files.commit();
-  if (settings.quiet || (settings.json_file.empty() && settings.yaml_file.empty() && settings.report_file.empty())) return;
-  fmt::print("\n");
-  if (!settings.json_file.empty()) fmt::print("written: {}\n", settings.json_file);
-  if (yaml) fmt::print("written: {}\n", settings.yaml_file);
-  if (!settings.report_file.empty()) fmt::print("written: {}\n", settings.report_file);
-  if (!settings.yaml_file.empty() && !yaml)
-    fmt::print("not written, because the fit failed: {}\n", settings.yaml_file);
+  if (!settings.quiet && !said.empty()) fmt::print("\n{}", said);
+}
+
+/// Finds out before the work that its results could not be written.
+void requireResultsWritable(const Settings& settings) {
+  std::vector<std::string> files = outputFiles(settings);
+  files.push_back(settings.json_file);
+  files.push_back(settings.report_file);
+  requireWritable(files);
+}
+
+/// The models that --compare names, where it does; the chosen one goes into the settings, unless --intrinsics names another.
+std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
+  if (settings.compared.empty()) return {};
+  const Comparison comparison = compareModels(data, settings, settings.compared);
+  if (!settings.quiet) fmt::print("{}", comparisonText(comparison));
+  if (!settings.model_is_given && comparison.chosen) settings.model = comparison.chosenTrial().model;
+  return comparison;
 }
 
 void run(const RawOptions& raw) {
-  const Settings settings = parseSettings(raw);
+  Settings settings = parseSettings(raw);
+  if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   const Dataset data = readDataset(settings);
-  requireWritable({settings.json_file, settings.yaml_file, settings.report_file});
-  if (!settings.quiet) fmt::print("{}", dataText(data, settings));
+  requireResultsWritable(settings);
+  if (!settings.quiet) fmt::print("{}", dataText(data));
+  for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings)) fmt::print("written: {}\n", file);
+  const std::optional<Comparison> comparison = compare(data, settings);
+  requireFormat(settings, data.cameras);
+  if (!settings.quiet) fmt::print("{}", aloneHeader(settings));
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
+  result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) fmt::print("{}", reportText(result));
   writeFiles(data, result, settings);
@@ -100,13 +143,40 @@ void addCalibrateCommand(CLI::App& app) {
   command.add_option("--camera", raw->cameras, "a camera's name and corner file; once for each camera")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
+  command
+      .add_option("--images", raw->images,
+                  "a camera's name and photographs, a pattern in quotes or files; once for each camera")
+      ->type_name("NAME=PATTERN ...");
+  command
+      .add_option("--board", raw->board.board,
+                  "what the photographs show: 9x6, a chessboard of so many inner corners;\n"
+                  "charuco:8x5:4x4_50, of so many squares, with markers of that dictionary;\n"
+                  "aprilgrid:6x6, of so many tags 36h11, as Kalibr prints it")
+      ->type_name("BOARD");
+  command.add_option("--square", raw->board.square_m, "side of a square, or of a tag of an aprilgrid [m]")->type_name("NUMBER");
+  command.add_option("--marker", raw->board.marker_m, "side of a marker of a charuco board [m]")->type_name("NUMBER");
+  command.add_option("--spacing", raw->board.spacing, "gap between tags of an aprilgrid, as a part of their side")
+      ->type_name("NUMBER");
+  command
+      .add_option("--corners-out", settings.corners_folder,
+                  "folder for the corners found in photographs: NAME_corners.csv, which --camera reads")
+      ->type_name("FOLDER");
   command.add_option("--imu", settings.imu_file, "accelerometer readings, one for an image at most")
       ->type_name("FILE");
   command
       .add_option("--intrinsics", raw->model,
-                  "fx fy cx cy k1 k2 p1 p2 k3, the same without k3, or f cx cy k1")
-      ->type_name("opencv5|opencv4|radial1")
-      ->capture_default_str();
+                  "fx fy cx cy k1 k2 p1 p2 k3, the same without k3, with k4 k5 k6,\n"
+                  "fisheye: fx fy cx cy k1 k2 k3 k4, or f cx cy k1")
+      ->type_name("opencv5|opencv4|opencv8|fisheye|radial1")
+      ->default_str("opencv5");
+  CLI::Option* const compare =
+      command
+          .add_option("--compare", raw->compared,
+                      "models to fit and to compare by how well they predict images they were not fitted to;\n"
+                      "without names all of them; the calibration is then with the one chosen, or --intrinsics")
+          ->type_name("MODEL,...")
+          ->expected(0, 5)
+          ->delimiter(',');
   command.add_option("--sigma-px", settings.sigma_px, "standard deviation of u and of v [px]")
       ->type_name("NUMBER")
       ->capture_default_str();
@@ -129,12 +199,23 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("NUMBER")
       ->capture_default_str();
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
-  command.add_option("--output", settings.yaml_file, "calibration as YAML for OpenCV's FileStorage")
+  command.add_option("--output", settings.yaml_file, "calibration as YAML for other programs; ROS wants '{name}' in it")
       ->type_name("FILE");
   command.add_option("--report", settings.report_file, "how far the calibration can be trusted, as a page for the browser")
       ->type_name("FILE");
+  command
+      .add_option("--format", raw->format,
+                  "of --output: OpenCV's FileStorage, ROS camera_info or Kalibr's camchain;\n"
+                  "otherwise ros where the name has {name} in it, kalibr for camchain, or opencv")
+      ->type_name("opencv|ros|kalibr");
+  command.add_option("--image-size", raw->image_sizes, "of a camera with corner files, where these do not say it [px]")
+      ->type_name("NAME=WxH")
+      ->allow_extra_args(false);
   command.add_flag("--quiet", settings.quiet, "print errors only");
-  command.callback([raw] { run(*raw); });
+  command.callback([raw, compare] {
+    raw->compare = compare->count() > 0;
+    run(*raw);
+  });
 }
 
 }  // namespace slom::app

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/fit/comparison.hpp"
 #include "calibrate/quality/quality.hpp"
 #include "calibrate/settings.hpp"
 
@@ -25,7 +26,7 @@ struct CameraResult {
   std::string name, file, model;
   std::vector<Parameter> parameters;
   Eigen::Matrix3d camera_matrix;
-  Eigen::Matrix<double, 5, 1> distortion;  ///< k1 k2 p1 p2 k3, as in OpenCV
+  Eigen::VectorXd distortion;              ///< as OpenCV orders it: k1 k2 p1 p2 k3 [k4 k5 k6]; fisheye: k1 k2 k3 k4
   SE3 left2camera;                         ///< from the reference camera; the identity for that one
   vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
@@ -33,6 +34,8 @@ struct CameraResult {
   std::size_t images = 0, corners = 0;
   double rms_px = 0;              ///< sqrt(sum of squared corner distances / corners)
   double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
+  std::optional<ImageSize> image_size;
+  std::vector<UnusedPhoto> unused;  ///< photographs that show no board, or cannot be read
 };
 
 /// Largest standard deviations of the axes; 0 for what is fixed.
@@ -62,6 +65,7 @@ struct WorstCorner {
   std::size_t camera = 0;  ///< index into Result::cameras
   int number = 0, line = 0;
   double error_px = 0;
+  std::string place{};  ///< CameraData::place
 };
 
 struct ImageResult {
@@ -81,6 +85,7 @@ struct Stray {
   std::string camera;
   int image = 0;
   double error_px = 0;  ///< root mean square distance of its corners before the joint fit
+  std::string photo{};  ///< where it is known
 };
 
 struct Result {
@@ -97,6 +102,7 @@ struct Result {
   std::optional<ImuResult> imu;
   std::vector<Stray> strays;
   std::vector<ImageResult> images;  ///< by rising number
+  std::optional<Comparison> comparison;  ///< where it was asked for
   std::optional<Quality> quality;   ///< where it was asked for
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "calibrate/result_paths.hpp"
+#include "calibrate/sources.hpp"
 #include "error.hpp"
 #include "output_files.hpp"
 
@@ -16,41 +18,6 @@ namespace slom::app::calib {
 namespace {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2
-
-bool isName(const std::string& text) {
-  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  if (text.empty() || !letter(text.front())) return false;
-  for (const char c : text) {
-    if (!letter(c) && !(c >= '0' && c <= '9') && c != '-') return false;
-  }
-  return true;
-}
-
-std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
-  if (texts.empty()) throw UserError("no --camera; give at least one, as in --camera left=left_corners.csv");
-  std::vector<CameraFile> cameras;
-  std::set<std::string> names;
-  for (const std::string& text : texts) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals + 1 == text.size() || equals == 0) {
-      throw UserError(
-          fmt::format("--camera {}: write NAME=FILE, as in --camera left=left_corners.csv", text));
-    }
-    const std::string name = text.substr(0, equals);
-    if (!isName(name)) {
-      throw UserError(
-          fmt::format("--camera {}: the name must begin with a letter and hold letters, digits, _ and - "
-                      "only; rename the camera",
-                      text));
-    }
-    if (!names.insert(name).second) {
-      throw UserError(
-          fmt::format("--camera {}: there is a camera {} already; give each its own name", text, name));
-    }
-    cameras.push_back({name, text.substr(equals + 1)});
-  }
-  return cameras;
-}
 
 /// `count` numbers separated by commas.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count) {
@@ -95,7 +62,7 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
-const std::vector<std::string> lens_parameters{"f", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+const std::vector<std::string> lens_parameters{"f", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
 
 /// `k3` or `left.k3`; nothing where it is no camera's parameter.
 std::optional<LensConstraint> parseLensName(const std::string& option, const std::string& name) {
@@ -138,25 +105,13 @@ std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
   return bounds;
 }
 
-std::vector<std::string> parametersOf(Model model) {
-  switch (model) {
-    case Model::opencv5:
-      return {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
-    case Model::opencv4:
-      return {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
-    case Model::radial1:
-      break;
-  }
-  return {"f", "cx", "cy", "k1"};
-}
-
 /// Each is about a parameter and a camera that there are, and no two about the same.
-void checkLens(const Settings& settings) {
-  const std::vector<std::string> parameters = parametersOf(settings.model);
+void checkLens(const Settings& settings, Model model) {
+  const std::vector<std::string> parameters = parametersOf(model);
   for (std::size_t i = 0; i < settings.lens.size(); ++i) {
     const LensConstraint& one = settings.lens[i];
     if (std::find(parameters.begin(), parameters.end(), one.parameter) == parameters.end()) {
-      throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option, toString(settings.model),
+      throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option, toString(model),
                                   one.parameter, fmt::join(parameters, ", ")));
     }
     const auto is_named = [&](const CameraFile& camera) { return camera.name == one.camera; };
@@ -195,11 +150,14 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensConstrai
   return fixed;
 }
 
-Model parseModel(const std::string& text) {
-  for (const Model model : {Model::opencv5, Model::opencv4, Model::radial1}) {
-    if (text == toString(model)) return model;
+void parseModels(const RawOptions& raw, Settings& settings) {
+  settings.model_is_given = !raw.model.empty() || !raw.compare;
+  if (!raw.model.empty()) settings.model = parseModel("--intrinsics", raw.model);
+  for (const std::string& name : raw.compared) {
+    if (!name.empty()) settings.compared.push_back(parseModel("--compare", name));
   }
-  throw UserError(fmt::format("--intrinsics {}: the models are opencv5, opencv4 and radial1", text));
+  if (raw.compare && settings.compared.empty()) settings.compared.assign(std::begin(all_models), std::end(all_models));
+  if (!settings.model_is_given) settings.model = settings.compared.front();
 }
 
 void requirePositive(const char* option, double value) {
@@ -209,32 +167,23 @@ void requirePositive(const char* option, double value) {
 
 void checkPaths(const Settings& settings) {
   std::vector<NamedFile> inputs;
-  for (const CameraFile& camera : settings.cameras) inputs.push_back({"--camera " + camera.name, camera.file});
+  for (const CameraFile& camera : settings.cameras) {
+    if (camera.patterns.empty()) inputs.push_back({"--camera " + camera.name, camera.file});
+  }
   inputs.push_back({"--imu", settings.imu_file});
-  checkResultPaths(inputs, {{"--json", settings.json_file}, {"--output", settings.yaml_file}, {"--report", settings.report_file}});
+  checkResultPaths(inputs, resultFiles(settings));
 }
 
 }  // namespace
 
-const char* toString(Model model) {
-  switch (model) {
-    case Model::opencv5:
-      return "opencv5";
-    case Model::opencv4:
-      return "opencv4";
-    case Model::radial1:
-      return "radial1";
-  }
-  return "";
-}
-
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;
-  settings.cameras = parseCameras(raw.cameras);
+  parseSources(raw, settings);
   settings.fixed = parseFixed(raw.fixed, settings.lens);
   for (const LensConstraint& bound : parseBounds(raw.bounded)) settings.lens.push_back(bound);
-  settings.model = parseModel(raw.model);
-  checkLens(settings);
+  parseModels(raw, settings);
+  checkLens(settings, settings.model);
+  for (const Model model : settings.compared) checkLens(settings, model);
   requirePositive("--sigma-px", settings.sigma_px);
   requirePositive("--sigma-acc", settings.sigma_acc);
   if (settings.max_iterations < 1) {
@@ -244,6 +193,8 @@ Settings parseSettings(const RawOptions& raw) {
     throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));
   }
+  settings.image_sizes = parseImageSizes(raw.image_sizes, settings.cameras);
+  settings.format = parseFormat(raw.format, settings.yaml_file, settings.cameras.size());
   checkPaths(settings);
   return settings;
 }

@@ -9,6 +9,7 @@
 #include "calibrate/fit/lens_constraints.hpp"
 #include "calibrate/fit/measurements.hpp"
 #include "calibrate/result.hpp"
+#include "calibrate/start/fisheye.hpp"
 #include "calibrate/start/intrinsics.hpp"
 #include "calibrate/start/rig.hpp"
 #include "calibrate/start/view_pose.hpp"
@@ -25,16 +26,15 @@ struct FitAlone {
   std::string start;  ///< how the intrinsics were found, in a few words
 };
 
-/// Sum of squared distances between corners and pixels [px^2]; infinite when a corner lies behind the camera.
+/// Sum of squared distances between corners and pixels [px^2]; infinite when a corner has no image, as behind the camera.
 template <class Camera>
 double squaredPixelError(const Camera& camera, const SE3& world2camera, const View& view) {
   double sum = 0;
   for (const Corner& corner : view.corners) {
     const vec3 point = world2camera * corner.world;
-    if (!(point.z() > 0)) return std::numeric_limits<double>::infinity();
     sum += (camera.project(point) - corner.pixel).squaredNorm();
   }
-  return sum;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
 /// The pose of one view for a known camera, from a start; the start itself when the fit fails.
@@ -106,8 +106,9 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
 /// From nothing: start values, better poses, then all together. A fit that fails leaves the start values.
 template <class Camera>
 FitAlone<Camera> fitAlone(const CameraData& data, const Settings& settings) {
-  const std::vector<PlaneView> planes = planeViews(data);
-  const IntrinsicsStart start = startIntrinsics(planes);
+  std::vector<PlaneView> planes = planeViews(data);
+  const IntrinsicsStart start = is_fisheye<Camera> ? startFisheye(planes) : startIntrinsics(planes);
+  if (is_fisheye<Camera>) planes = flattened(planes, start.pinhole);
   FitAlone<Camera> fit;
   fit.camera = constrained(Camera::fromPinhole(start.pinhole), data.name, settings);
   fit.start = start.source;

@@ -25,6 +25,12 @@ struct Progress {
   std::function<void(const IterationRecord&)> iteration;
 };
 
+/// The functions below for one of the camera models, from data that were checked. Defined in calibrate_model.hpp.
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress);
+template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings);
+
 /// Start values, each camera alone, then all together. UserError when the data cannot determine the model.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
 

@@ -24,6 +24,9 @@ class JointProblem {
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Result result(const Summary& summary);
+  /// As they are fitted now.
+  std::vector<Camera> cameras() const;
+  RigStart rig() const;
 
  private:
   void insertCorners();
@@ -75,6 +78,21 @@ JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings
 }
 
 template <class Camera>
+std::vector<Camera> JointProblem<Camera>::cameras() const {
+  std::vector<Camera> values;
+  for (const auto& id : cameras_) values.push_back(*id);
+  return values;
+}
+
+template <class Camera>
+RigStart JointProblem<Camera>::rig() const {
+  RigStart rig;
+  for (std::size_t c = 0; c < left2camera_.size(); ++c) rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
+  for (const auto& [image, id] : left2world_) rig.left2world[image] = *id;
+  return rig;
+}
+
+template <class Camera>
 void JointProblem<Camera>::insertCorners() {
   const StandardDeviation noise(settings_.sigma_px);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
@@ -122,6 +140,8 @@ CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
   CameraResult result;
   result.name = data.name;
   result.file = data.file;
+  result.image_size = data.image_size;
+  result.unused = data.unused;
   result.model = Camera::model_name;
   for (int i = 0; i < Camera::DOF; ++i) {
     result.parameters.push_back({std::string(Camera::component_names[i]), camera[i]});
@@ -168,7 +188,9 @@ ImageResult JointProblem<Camera>::imageResult(int image) const {
     for (const Corner& corner : view->corners) {
       const double error = residual(c, image, corner).norm();
       square += error * error;
-      if (error > result.worst_corner.error_px) result.worst_corner = {c, corner.number, corner.line, error};
+      if (error > result.worst_corner.error_px) {
+        result.worst_corner = {c, corner.number, corner.line, error, data_.cameras[c].place(*view, corner)};
+      }
     }
     result.rms_px.back() = std::sqrt(square / double(view->corners.size()));
     result.chi2 += square / (settings_.sigma_px * settings_.sigma_px);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calibrate/detect/photo_patch.hpp"
 #include "calibrate/output/format.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/quality/board.hpp"
@@ -196,9 +197,11 @@ Json boardJson(const Dataset& data) {
   return points;
 }
 
-Json worstJson(const Result& result) {
+Json worstJson(const Dataset& data, const Result& result) {
   Json list = Json::array();
   for (const WorstResidual& worst : result.quality->worst) {
+    const View* view = data.cameras[worst.camera].find(worst.corner.image);
+    const std::string patch = view && !view->photo.empty() ? photoPatch(view->photo, worst.corner.pixel) : "";
     list.push_back({{"camera", worst.camera},
                     {"image", worst.corner.image},
                     {"corner", worst.corner.corner},
@@ -207,7 +210,8 @@ Json worstJson(const Result& result) {
                     {"v", rounded(worst.corner.pixel.y(), 2)},
                     {"error", rounded(worst.error_px, 3)},
                     {"du", rounded(worst.corner.residual.x(), 3)},
-                    {"dv", rounded(worst.corner.residual.y(), 3)}});
+                    {"dv", rounded(worst.corner.residual.y(), 3)},
+                    {"photo", patch}});
   }
   return list;
 }
@@ -274,7 +278,7 @@ std::string pageData(const Dataset& data, const Result& result) {
        {"board", boardJson(data)},
        {"board_distance", quality.board_distance_m},
        {"split_why_not", quality.split_half.why_not},
-       {"worst", worstJson(result)},
+       {"worst", worstJson(data, result)},
        {"correlations", correlationsJson(quality.correlations)},
        {"views", viewsJson(result)},
        {"times", times}});

@@ -15,9 +15,13 @@ constexpr double world_line_tolerance = 1e-4;  // boards are known to better tha
 constexpr double pixel_line_tolerance = 2e-3;  // 1 px over a board that fills 500 px
 constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other targets are not
 
+std::string firstPlace(const CameraData& camera) {
+  return camera.place(camera.views.front(), camera.views.front().corners.front());
+}
+
 void checkView(const CameraData& camera, const View& view) {
   const std::string place =
-      fmt::format("{}:{}: image {}", camera.file, view.corners.front().line, view.image);
+      fmt::format("{}: image {}", camera.place(view, view.corners.front()), view.image);
   const std::size_t count = view.corners.size();
   if (count < 4) {
     throw UserError(
@@ -58,9 +62,9 @@ void checkViews(const CameraData& camera) {
   for (const View& view : camera.views) checkView(camera, view);
   if (camera.views.size() < 2) {
     throw UserError(fmt::format(
-        "{}:{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
+        "{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
         "different directions, so add images",
-        camera.file, camera.views.front().corners.front().line, camera.views.front().image, camera.name));
+        firstPlace(camera), camera.views.front().image, camera.name));
   }
 }
 
@@ -81,9 +85,9 @@ void checkConnected(const Dataset& data) {
     if (tied[c]) continue;
     const CameraData& camera = data.cameras[c];
     throw UserError(fmt::format(
-        "{}:{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
+        "{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
         "board with both at the same time, or calibrate them apart",
-        camera.file, camera.views.front().corners.front().line, camera.name, data.cameras.front().name));
+        firstPlace(camera), camera.name, data.cameras.front().name));
   }
 }
 

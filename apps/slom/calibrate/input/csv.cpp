@@ -40,11 +40,15 @@ std::ifstream open(const std::string& file) {
 }
 
 /// The next line that is neither blank nor a comment, or false at the end of the file.
-bool nextLine(std::ifstream& stream, std::string& text, int& line) {
+bool nextLine(std::ifstream& stream, std::string& text, int& line, std::vector<CsvComment>& comments) {
   while (std::getline(stream, text)) {
     if (++line == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
     text = trimmed(text);
-    if (!text.empty() && text.front() != '#') return true;
+    if (text.starts_with('#')) {
+      comments.push_back({trimmed(std::string_view(text).substr(1)), line});
+    } else if (!text.empty()) {
+      return true;
+    }
   }
   return false;
 }
@@ -85,7 +89,7 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
   std::ifstream stream = open(file_);
   std::string text;
   int line = 0;
-  if (!nextLine(stream, text, line)) {
+  if (!nextLine(stream, text, line, comments_)) {
     throw UserError(
         fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
                     "measurement below",
@@ -95,7 +99,7 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
     throw UserError(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, line,
                                 shortened(text, longest_text), header));
   }
-  while (nextLine(stream, text, line)) {
+  while (nextLine(stream, text, line, comments_)) {
     std::vector<std::string> fields = split(text);
     if (fields.size() != columns_.size()) {
       throw UserError(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_, line,

@@ -29,6 +29,11 @@ class CsvRow {
   std::vector<std::string> fields_;
 };
 
+struct CsvComment {
+  std::string text;  ///< without the #
+  int line = 0;
+};
+
 /// A file with a header line of known column names. Blank lines and lines that start with # are skipped;
 /// spaces around fields, Windows line ends and a byte order mark do not matter.
 class CsvTable {
@@ -41,11 +46,14 @@ class CsvTable {
 
   const std::string& file() const { return file_; }
   const std::vector<CsvRow>& rows() const { return rows_; }
+  /// What lines that start with # say.
+  const std::vector<CsvComment>& comments() const { return comments_; }
 
  private:
   std::string file_;
   std::vector<std::string> columns_;
   std::vector<CsvRow> rows_;
+  std::vector<CsvComment> comments_;
 };
 
 }  // namespace slom::app::calib

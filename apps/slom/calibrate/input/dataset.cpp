@@ -17,12 +17,24 @@ const View* CameraData::find(int image) const {
   return view != views.end() && view->image == image ? &*view : nullptr;
 }
 
+std::string CameraData::place(const View& view, const Corner& corner) const {
+  return corner.line == 0 && !view.photo.empty() ? view.photo : file + ":" + std::to_string(corner.line);
+}
+
 std::vector<int> Dataset::images() const {
   std::set<int> numbers;
   for (const CameraData& camera : cameras) {
     for (const View& view : camera.views) numbers.insert(view.image);
   }
   return {numbers.begin(), numbers.end()};
+}
+
+Dataset Dataset::withImages(const std::function<bool(int)>& is_wanted) const {
+  Dataset part;
+  part.cameras = cameras;
+  for (CameraData& camera : part.cameras)
+    std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
+  return part;
 }
 
 }  // namespace slom::app::calib

@@ -1,6 +1,7 @@
 // What was measured: corners of a board seen by cameras, and accelerometer readings, linked by image numbers.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ struct Corner {
   int number = 0;  ///< as the file counts it
   vec3 world;      ///< [m], world z vertical
   vec2 pixel;      ///< [px], in the file's convention for the first pixel
-  int line = 0;    ///< of the file
+  int line = 0;    ///< of the file; 0: found in a photograph
 };
 
 /// What one camera saw in one image.
@@ -24,6 +25,13 @@ struct View {
   std::string photo{};  ///< file of the photograph that the corners were found in; empty: unknown
 };
 
+/// A photograph that the fit does without.
+struct UnusedPhoto {
+  int image = 0;
+  std::string file;
+  std::string reason;  ///< goes on where the name ends: "shows no board"
+};
+
 /// Of all images of a camera [px].
 struct ImageSize {
   int width = 0, height = 0;
@@ -31,13 +39,17 @@ struct ImageSize {
 
 struct CameraData {
   std::string name;
-  std::string file;
+  std::string file;                     ///< of the corners; or the patterns of the photographs
   std::vector<View> views;              ///< by rising image number, none empty
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
+  std::vector<UnusedPhoto> unused{};    ///< by rising image number
+  int board_symmetry = 1;               ///< in how many ways the board looks the same (Board::symmetry)
 
   std::size_t cornerCount() const;
   /// The view of an image, or nullptr.
   const View* find(int image) const;
+  /// Where a corner comes from, as errors begin: `left.csv:7`, or the photograph that it was found in.
+  std::string place(const View& view, const Corner& corner) const;
 };
 
 struct ImuReading {
@@ -58,6 +70,8 @@ struct Dataset {
 
   /// Image numbers that any camera has, rising.
   std::vector<int> images() const;
+  /// The images `is_wanted(number)` alone, of all cameras, without the IMU.
+  Dataset withImages(const std::function<bool(int)>& is_wanted) const;
 };
 
 }  // namespace slom::app::calib

@@ -1,6 +1,8 @@
 #include "calibrate/input/read.hpp"
 
+#include <cstdio>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +11,28 @@
 #include "error.hpp"
 
 namespace slom::app::calib {
+
+namespace {
+
+/// `image_size_px: 640 x 480`
+std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment) {
+  constexpr std::string_view key = "image_size_px:";
+  if (!comment.text.starts_with(key)) return {};
+  ImageSize size;
+  if (std::sscanf(comment.text.c_str() + key.size(), "%d x %d", &size.width, &size.height) == 2 && size.width > 0 && size.height > 0)
+    return size;
+  throw UserError(fmt::format("{}:{}: the image size is \"{}\"; write it as in # image_size_px: 640 x 480", table.file(), comment.line,
+                              comment.text));
+}
+
+/// `photo 7: left07.jpg`
+void notePhoto(const CsvComment& comment, std::map<int, View>& views) {
+  int image = 0, length = 0;
+  if (std::sscanf(comment.text.c_str(), "photo %d: %n", &image, &length) != 1 || length == 0) return;
+  if (const auto view = views.find(image); view != views.end()) view->second.photo = comment.text.substr(std::size_t(length));
+}
+
+}  // namespace
 
 CameraData readCorners(const std::string& camera_name, const std::string& file) {
   const CsvTable table(file, {"image", "corner", "world_x_m", "world_y_m", "world_z_m", "u_px", "v_px"});
@@ -27,7 +51,11 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
     view.corners.push_back({number, vec3(row.number(2), row.number(3), row.number(4)),
                             vec2(row.number(5), row.number(6)), row.line()});
   }
-  CameraData camera{camera_name, file, {}};
+  CameraData camera{camera_name, file, {}, {}};
+  for (const CsvComment& comment : table.comments()) {
+    if (const auto size = sizeIn(table, comment)) camera.image_size = size;
+    notePhoto(comment, views);
+  }
   for (auto& [image, view] : views) camera.views.push_back(std::move(view));
   return camera;
 }

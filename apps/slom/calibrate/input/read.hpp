@@ -7,7 +7,8 @@
 
 namespace slom::app::calib {
 
-/// Reads `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px`. A corner that is listed twice in an image is
+/// Reads `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px`, and the comments `# image_size_px: 640 x 480` and
+/// `# photo 7: left07.jpg` (of image 7) where there are such. A corner that is listed twice in an image is
 /// an error.
 CameraData readCorners(const std::string& camera_name, const std::string& file);
 

@@ -24,6 +24,10 @@ Json pose(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translatio
 
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
+  Json unused = Json::array();
+  for (const UnusedPhoto& photo : camera.unused) {
+    unused.push_back({{"image", photo.image}, {"file", photo.file}, {"reason", photo.reason}});
+  }
   for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
   Json from_reference = pose(camera.left2camera);
   Eigen::VectorXd std(6);
@@ -33,6 +37,8 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
           {"file", camera.file},
           {"images", camera.images},
           {"corners", camera.corners},
+          {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
+          {"unused", unused},
           {"parameters", parameters},
           {"pose_from_" + reference, from_reference},
           {"rms_px_alone", camera.rms_px_alone}};
@@ -72,11 +78,29 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
                {"worst_corner",
                 {{"camera", cameras[worst.camera].name},
                  {"corner", worst.number},
-                 {"line", worst.line},
+                 {"line", worst.line > 0 ? Json(worst.line) : Json()},
+                 {"place", worst.place},
                  {"error_px", worst.error_px}}},
                {cameras.front().name + "2world", pose(image.left2world)}};
   json["acc_error"] = image.acc_error ? Json(*image.acc_error) : Json();
   return json;
+}
+
+Json comparisonJson(const Comparison& comparison) {
+  Json trials = Json::array();
+  for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
+    const ModelTrial& trial = comparison.trials[i];
+    const bool fits = trial.failure.empty();
+    trials.push_back({{"model", toString(trial.model)},
+                      {"failure", fits ? Json() : Json(trial.failure)},
+                      {"unknowns", fits ? Json(trial.unknowns) : Json()},
+                      {"rss", fits ? Json(trial.rss) : Json()},
+                      {"rss_per_dof", fits ? Json(trial.rss / trial.redundancy) : Json()},
+                      {"rms_px", fits ? Json(trial.rms_px) : Json()},
+                      {"predicted_px", fits ? Json(trial.heldOutRms()) : Json()},
+                      {"standard_errors_behind_best", comparison.standard_errors[i]}});
+  }
+  return {{"models", trials}, {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
 }
 
 }  // namespace
@@ -111,6 +135,7 @@ std::string toJson(const Result& result) {
                      {"reference", reference},
                      {"cameras", cameras},
                      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
+                     {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", worst},
                      {"strays", strays},
                      {"images", images},

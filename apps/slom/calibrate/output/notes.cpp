@@ -67,9 +67,9 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
-        "Image {} of camera {} contradicts the others: where they put it, its corners are {:.0f} px off. "
+        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {:.0f} px off. "
         "Was it taken at the same time as image {} of {}? If not, remove it or correct its number.",
-        stray.image, stray.camera, stray.error_px, stray.image,
+        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", stray.error_px, stray.image,
         result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras"));
   }
 }

@@ -1,9 +1,12 @@
 #include "calibrate/output/report.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrate/output/format.hpp"
 #include "calibrate/output/notes.hpp"
@@ -94,25 +97,43 @@ std::string worstLines(const Result& result) {
     if (result.imu)
       text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
     const WorstCorner& worst = image->worst_corner;
-    const CameraResult& camera = result.cameras[worst.camera];
-    text += fmt::format("   {:.2f} px, corner {} ({}:{})\n", worst.error_px, worst.number, camera.file,
-                        worst.line);
+    text += fmt::format("   {:.2f} px, corner {} ({})\n", worst.error_px, worst.number, worst.place);
+  }
+  return text;
+}
+
+/// Photographs that were left out, by reason.
+std::string unusedText(const CameraData& camera) {
+  constexpr std::size_t most = 12;  // names in a line
+  std::map<std::string, std::vector<std::string>> files;
+  for (const UnusedPhoto& photo : camera.unused) files[photo.reason].push_back(photo.file);
+  std::string text;
+  for (auto& [reason, names] : files) {
+    const std::size_t more = names.size() - std::min(most, names.size());
+    names.resize(names.size() - more);
+    text += fmt::format("  {}: left out, as it {}: {}{}\n", camera.name, reason, fmt::join(names, ", "),
+                        more > 0 ? fmt::format(" and {} more", more) : "");
   }
   return text;
 }
 
 }  // namespace
 
-std::string dataText(const Dataset& data, const Settings& settings) {
+std::string dataText(const Dataset& data) {
   std::string text = "data\n";
   for (const CameraData& camera : data.cameras) {
     text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
                         camera.cornerCount(), camera.file);
   }
+  for (const CameraData& camera : data.cameras) text += unusedText(camera);
   if (data.imu)
     text +=
         fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
-  return text + fmt::format("\neach camera alone, model {}\n", toString(settings.model));
+  return text;
+}
+
+std::string aloneHeader(const Settings& settings) {
+  return fmt::format("\neach camera alone, model {}\n", toString(settings.model));
 }
 
 std::string aloneText(const AloneReport& alone) {

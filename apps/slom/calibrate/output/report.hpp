@@ -8,7 +8,10 @@
 namespace slom::app::calib {
 
 /// What was read: cameras, images, corners, readings.
-std::string dataText(const Dataset& data, const Settings& settings);
+std::string dataText(const Dataset& data);
+
+/// What comes next: each camera's own fit.
+std::string aloneHeader(const Settings& settings);
 
 /// One line for a camera's own fit.
 std::string aloneText(const AloneReport& alone);

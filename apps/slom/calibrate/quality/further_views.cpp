@@ -33,12 +33,12 @@ const std::array<Attitude, 5>& attitudes() {
 }
 
 /// The board with its normal towards the cameras, and its corners in the world.
-struct Board {
+struct Target {
   SE3 board2world;
   std::vector<vec3> corners;
 };
-Board boardOf(const View& view, const SE3& some_left2world) {
-  Board board{outlineOf(view).board2world, {}};
+Target targetOf(const View& view, const SE3& some_left2world) {
+  Target board{outlineOf(view).board2world, {}};
   for (const Corner& corner : view.corners) board.corners.push_back(corner.world);
   const SE3 camera_in_board = board.board2world.inverse() * some_left2world;
   if (camera_in_board.pos.z() < 0)
@@ -48,7 +48,7 @@ Board boardOf(const View& view, const SE3& some_left2world) {
 
 /// left2world for a board whose centre stands at `centre` before camera c: its normal points against the
 /// camera's z axis before it is tilted, its longer side right.
-SE3 placed(const FittedRig& rig, std::size_t c, const Board& board, const vec3& centre,
+SE3 placed(const FittedRig& rig, std::size_t c, const Target& board, const vec3& centre,
            const Attitude& attitude) {
   const SO3 facing = SO3::exp(vec3(std::numbers::pi, 0., 0.));
   const SE3 board2camera(SO3::exp(attitude.rotation) * facing, centre);
@@ -96,7 +96,7 @@ Sight sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields, cons
 }
 
 /// Boards of which the camera sees two thirds or more.
-void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields, const Board& board,
+void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields, const Target& board,
                    std::size_t c, double distance_m, std::vector<Candidate>& candidates) {
   constexpr int places = 3;
   const ImageBox& box = fields[c].box;
@@ -144,7 +144,7 @@ double worstStd(const ProjectedPoints& points, const Knowledge& knowledge) {
 std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
                                       const std::vector<ImageGrid>& grids,
                                       const FurtherViewOptions& options) {
-  const Board board = boardOf(view, rig.left2world.at(view.image));
+  const Target board = targetOf(view, rig.left2world.at(view.image));
   std::vector<ImageGrid> coarse = grids;
   for (ImageGrid& grid : coarse) grid.columns = options.grid_columns, grid.rows = options.grid_rows;
   const ProjectedPoints points = pointsOfAllCameras(rig, coarse, options.board_distance_m);

@@ -20,7 +20,7 @@ class ModelLens : public Lens {
 
   int parameters() const override { return n; }
 
-  vec2 project(const vec3& point) const override { return camera_.project(point); }
+  vec2 project(const vec3& point) const override { return vec2(camera_.project(point)); }
 
   Projection differentiate(const vec3& point) const override {
     using S = mtk::Dual<double, n + 3>;
@@ -28,7 +28,7 @@ class ModelLens : public Lens {
     mtk::vect<3, S> p;
     for (int i = 0; i < n; ++i) camera[i].seed(camera_[i], i);
     for (int i = 0; i < 3; ++i) p[i].seed(point[i], n + i);
-    const mtk::vect<2, S> pixel = camera.project(p);
+    const auto pixel = camera.project(p);
     Projection result{vec2(pixel[0].value(), pixel[1].value()), {}, {}};
     result.by_parameters.resize(2, n);
     for (int row = 0; row < 2; ++row) {
@@ -43,7 +43,7 @@ class ModelLens : public Lens {
     const Model<S> camera(camera_.template cast<S>());
     mtk::vect<3, S> p;
     for (int i = 0; i < 3; ++i) p[i].seed(point[i], i);
-    const mtk::vect<2, S> pixel = camera.project(p);
+    const auto pixel = camera.project(p);
     Eigen::Matrix<double, 2, 3> J;
     for (int row = 0; row < 2; ++row) {
       for (int i = 0; i < 3; ++i) J(row, i) = pixel[row].partial(i);
@@ -93,9 +93,11 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
 }
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera) {
-  if (camera.model == Opencv5<>::model_name) return std::make_unique<ModelLens<Opencv5>>(camera);
-  if (camera.model == Opencv4<>::model_name) return std::make_unique<ModelLens<Opencv4>>(camera);
   if (camera.model == Radial1<>::model_name) return std::make_unique<ModelLens<Radial1>>(camera);
+  if (camera.model == Opencv4<>::model_name) return std::make_unique<ModelLens<Opencv4>>(camera);
+  if (camera.model == Opencv5<>::model_name) return std::make_unique<ModelLens<Opencv5>>(camera);
+  if (camera.model == Opencv8<>::model_name) return std::make_unique<ModelLens<Opencv8>>(camera);
+  if (camera.model == Fisheye<>::model_name) return std::make_unique<ModelLens<Fisheye>>(camera);
   throw std::logic_error("slom calibrate: no lens of model " + camera.model);
 }
 

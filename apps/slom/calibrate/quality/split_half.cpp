@@ -1,5 +1,6 @@
 #include "calibrate/quality/split_half.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -143,16 +144,10 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
 }  // namespace
 
 Dataset halfOf(const Dataset& data, int half) {
-  Dataset result;
   const std::vector<int> images = data.images();
-  for (const CameraData& camera : data.cameras) {
-    CameraData part{camera.name, camera.file, {}, camera.image_size};
-    for (std::size_t i = std::size_t(half); i < images.size(); i += 2) {
-      if (const View* view = camera.find(images[i])) part.views.push_back(*view);
-    }
-    result.cameras.push_back(std::move(part));
-  }
-  return result;
+  return data.withImages([&](int image) {
+    return (std::lower_bound(images.begin(), images.end(), image) - images.begin()) % 2 == half;
+  });
 }
 
 SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,

@@ -1,0 +1,48 @@
+// The calibration boards: where their corners are, and in how many ways a board looks the same.
+//   chessboard  columns x rows inner corners, x along the rows, y down, the first inner square dark where the
+//               colours tell the ends apart
+//   charuco     columns x rows squares, black ones and white ones with ArUco markers in them; corners are the
+//   inner ones aprilgrid   columns x rows tags of the family 36h11, small squares between them; x right, y
+//   up, four corners for each tag.
+//               As Kalibr prints it; tag 0 is at the lower left
+#pragma once
+
+#include <string>
+
+#include "calibrate/types.hpp"
+
+namespace slom::app::calib {
+
+enum class BoardKind { chessboard, charuco, aprilgrid };
+
+struct Board {
+  BoardKind kind = BoardKind::chessboard;
+  int columns = 0, rows = 0;  ///< inner corners, squares or tags
+  double square_m = 0;        ///< side of a square; aprilgrid: of a tag
+  double marker_m = 0;        ///< charuco: side of a marker
+  double spacing = 0;         ///< aprilgrid: gap between tags, as a part of their side
+  std::string dictionary;     ///< charuco: of the markers, as "5x5_100"
+
+  /// Of the grid of corners.
+  int cornerColumns() const;
+  int cornerRows() const;
+  int cornerCount() const { return cornerColumns() * cornerRows(); }
+  /// Of the corner with this index, row by row [m].
+  vec3 corner(int index) const;
+  /// In how many ways the board can be turned so that it looks the same: 1, 2 or 4.
+  int symmetry() const;
+};
+
+/// `9x6`, `charuco:8x5:4x4_50`, `aprilgrid:6x6`.
+std::string toString(const Board& board);
+
+/// The options as the user wrote them; 0 for what was left out.
+struct BoardOptions {
+  std::string board;
+  double square_m = 0, marker_m = 0, spacing = 0;
+};
+
+/// UserError names the option that is wrong, missing, or of another board.
+Board parseBoard(const BoardOptions& options);
+
+}  // namespace slom::app::calib

@@ -1,0 +1,134 @@
+#include "calibrate/detect/find_corners.hpp"
+
+#include <map>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "calibrate/detect/board_size.hpp"
+#include "calibrate/detect/detector.hpp"
+#include "calibrate/detect/progress_bar.hpp"
+#include "error.hpp"
+#include "text.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+/// What one photograph shows.
+struct Seen {
+  std::optional<ImageSize> size;  ///< nothing: it cannot be read
+  std::vector<FoundCorner> corners;
+  std::string reason;  ///< why there are none
+};
+
+Seen look(const Board& board, const std::string& file) {
+  Seen seen;
+  const auto photo = readPhotograph(file, seen.reason);
+  if (!photo) return seen;
+  seen.size = photo->size;
+  seen.corners = findBoard(board, *photo);
+  if (seen.corners.empty()) seen.reason = "shows no board";
+  return seen;
+}
+
+/// By camera and photograph.
+std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board,
+                                         bool with_progress) {
+  std::vector<std::vector<Seen>> seen;
+  std::vector<std::pair<std::size_t, std::size_t>> jobs;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    seen.emplace_back(cameras[c].photos.size());
+    for (std::size_t i = 0; i < seen[c].size(); ++i) jobs.emplace_back(c, i);
+  }
+  ProgressBar progress("looking for the board", jobs.size(), with_progress);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, jobs.size(), 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t job = range.begin(); job < range.end(); ++job) {
+          const auto [c, i] = jobs[job];
+          seen[c][i] = look(board, cameras[c].photos[i].file);
+          progress.step();
+        }
+      },
+      tbb::simple_partitioner());
+  return seen;
+}
+
+/// The size that most photographs have; the others must have it too.
+ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) {
+  std::map<std::pair<int, int>, std::size_t> count;
+  for (const Seen& photo : seen) {
+    if (photo.size) ++count[{photo.size->width, photo.size->height}];
+  }
+  std::pair<int, int> common;
+  std::size_t most = 0;
+  for (const auto& [size, number] : count) {
+    if (number > most) common = size, most = number;
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i].size || std::pair(seen[i].size->width, seen[i].size->height) == common) continue;
+    throw UserError(fmt::format(
+        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; all photographs of a camera must have "
+        "one "
+        "size, so leave it out, or scale none of them",
+        camera.photos[i].file, seen[i].size->width, seen[i].size->height, plural(most, "other photograph"),
+        camera.name, most == 1 ? "has" : "have", common.first, common.second));
+  }
+  return {common.first, common.second};
+}
+
+View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorner>& corners) {
+  View view;
+  view.image = photo.image;
+  view.photo = photo.file;
+  for (const FoundCorner& corner : corners)
+    view.corners.push_back({corner.index + 1, board.corner(corner.index), corner.pixel});
+  return view;
+}
+
+[[noreturn]] void refuseAll(const CameraPhotos& camera, const std::vector<Seen>& seen, const Board& board) {
+  std::vector<std::string> readable;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].size) readable.push_back(camera.photos[i].file);
+  }
+  if (readable.empty()) {
+    throw UserError(
+        fmt::format("{}: the file {}, and so it is with all photographs of camera {}; check the pattern",
+                    camera.photos.front().file, seen.front().reason, camera.name));
+  }
+  throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(),
+                              camera.name, toString(board), adviceOnSize(board, readable)));
+}
+
+}  // namespace
+
+std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
+                                    const std::vector<CameraPhotos>& photos, const Board& board,
+                                    bool with_progress) {
+  const auto seen = lookAtAll(photos, board, with_progress);
+  std::vector<CameraData> result;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    CameraData camera;
+    camera.name = cameras[c].name;
+    camera.file = cameras[c].file;
+    camera.board_symmetry = board.symmetry();
+    std::vector<std::string> with_board;
+    for (std::size_t i = 0; i < seen[c].size(); ++i) {
+      const Photo& photo = photos[c].photos[i];
+      if (seen[c][i].corners.empty()) {
+        camera.unused.push_back({photo.image, photo.file, seen[c][i].reason});
+      } else {
+        camera.views.push_back(viewOf(photo, board, seen[c][i].corners));
+        with_board.push_back(photo.file);
+      }
+    }
+    if (camera.views.empty()) refuseAll(photos[c], seen[c], board);
+    requireWholeBoard(board, with_board);
+    camera.image_size = commonSize(photos[c], seen[c]);
+    result.push_back(std::move(camera));
+  }
+  return result;
+}
+
+}  // namespace slom::app::calib

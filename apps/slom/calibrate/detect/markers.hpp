@@ -1,0 +1,17 @@
+// Boards whose corners have names: ChArUco and AprilGrid.
+#pragma once
+
+#include "calibrate/detect/detector.hpp"
+
+namespace slom::app::calib {
+
+/// Whether this program was built with OpenCV's module aruco.
+extern const bool has_markers;
+
+/// As findBoard, for boards that are no chessboards.
+std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo);
+
+/// UserError when there is no such dictionary, or it has fewer markers than the board.
+void requireDictionary(const Board& board);
+
+}  // namespace slom::app::calib

@@ -1,0 +1,123 @@
+#include "calibrate/detect/photos.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <glob.h>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+#include "text.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Files that one pattern stands for, in alphabetical order. A file whose name looks like a pattern stands
+/// for itself.
+std::vector<std::string> expanded(const std::string& camera, const std::string& pattern) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
+  glob_t found{};
+  const int status = ::glob(pattern.c_str(), GLOB_TILDE, nullptr, &found);
+  std::vector<std::string> files;
+  if (status == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      if (!std::filesystem::is_directory(found.gl_pathv[i], ignored)) files.emplace_back(found.gl_pathv[i]);
+    }
+  }
+  ::globfree(&found);
+  if (!files.empty()) return files;
+  throw UserError(fmt::format(
+      "--images {}={}: no file matches this; check the folder and the pattern, and quote it so that the "
+      "shell leaves it alone",
+      camera, pattern));
+}
+
+/// By value: shorter ones first.
+struct ByValue {
+  bool operator()(const std::string& a, const std::string& b) const {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  }
+};
+
+using FilesByNumber = std::map<std::string, std::string, ByValue>;
+
+FilesByNumber numbered(const CameraFile& camera) {
+  FilesByNumber files;
+  for (const std::string& pattern : camera.patterns) {
+    for (const std::string& file : expanded(camera.name, pattern)) {
+      const std::string number = numberInName(file);
+      if (number.empty()) {
+        throw UserError(fmt::format(
+            "{}: there is no number in its name, by which photographs of the same moment are found; rename "
+            "it, as in {}07.jpg",
+            file, camera.name));
+      }
+      const auto [known, is_new] = files.emplace(number, file);
+      if (is_new || known->second == file) continue;
+      throw UserError(fmt::format(
+          "{}: camera {} has image {} already, {}; the last number in the name must tell its photographs "
+          "apart",
+          file, camera.name, number, known->second));
+    }
+  }
+  return files;
+}
+
+void requireOneCamera(const std::vector<CameraFile>& cameras, const std::vector<FilesByNumber>& files) {
+  std::map<std::string, std::string> camera_of;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const auto& [number, file] : files[c]) {
+      const auto [known, is_new] = camera_of.emplace(file, cameras[c].name);
+      if (is_new) continue;
+      throw UserError(
+          fmt::format("{}: camera {} and camera {} both have this photograph; correct the patterns", file,
+                      known->second, cameras[c].name));
+    }
+  }
+}
+
+/// What the photographs' numbers are called as images.
+std::map<std::string, int, ByValue> imageNumbers(const std::vector<FilesByNumber>& files) {
+  std::map<std::string, int, ByValue> images;
+  bool fit = true;
+  for (const FilesByNumber& camera : files) {
+    for (const auto& [number, file] : camera) fit = parseNumber(number, images[number]) && fit;
+  }
+  int rank = 0;
+  if (!fit) {
+    for (auto& [number, image] : images) image = ++rank;
+  }
+  return images;
+}
+
+}  // namespace
+
+std::string numberInName(const std::string& file) {
+  const std::string name = std::filesystem::path(file).stem();
+  const auto last = std::find_if(name.rbegin(), name.rend(), isDigit);
+  const auto before = std::find_if_not(last, name.rend(), isDigit);
+  std::string number(before.base(), last.base());
+  number.erase(0, std::min(number.find_first_not_of('0'), number.empty() ? 0 : number.size() - 1));
+  return number;
+}
+
+std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras) {
+  std::vector<FilesByNumber> files;
+  for (const CameraFile& camera : cameras) files.push_back(numbered(camera));
+  requireOneCamera(cameras, files);
+  const auto images = imageNumbers(files);
+  std::vector<CameraPhotos> result;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    CameraPhotos camera{cameras[c].name, {}};
+    for (const auto& [number, file] : files[c]) camera.photos.push_back({images.at(number), file});
+    result.push_back(std::move(camera));
+  }
+  return result;
+}
+
+}  // namespace slom::app::calib

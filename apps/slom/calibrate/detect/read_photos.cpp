@@ -1,0 +1,35 @@
+#include "calibrate/detect/read_photos.hpp"
+
+#include "calibrate/detect/corner_files.hpp"
+#include "calibrate/detect/detector.hpp"
+#include "calibrate/detect/find_corners.hpp"
+#include "calibrate/result_paths.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+/// No result may replace a photograph.
+void checkPaths(const Settings& settings, const std::vector<CameraPhotos>& photos) {
+  std::vector<NamedFile> inputs{{"--imu", settings.imu_file}};
+  for (const CameraPhotos& camera : photos) {
+    for (const Photo& photo : camera.photos) inputs.push_back({"--images " + camera.name, photo.file});
+  }
+  checkResultPaths(inputs, resultFiles(settings));
+}
+
+}  // namespace
+
+std::vector<CameraData> readPhotos(const Settings& settings) {
+  requireDetector(*settings.board);
+  const std::vector<CameraPhotos> photos = findPhotos(settings.cameras);
+  const std::vector<std::string> files = cornerFiles(settings);
+  checkPaths(settings, photos);
+  requireWritable(files);
+  std::vector<CameraData> cameras = findCorners(settings.cameras, photos, *settings.board, !settings.quiet);
+  OutputFiles output;
+  for (std::size_t c = 0; c < files.size(); ++c) output.add(files[c], toCornerFile(cameras[c]));
+  output.commit();
+  return cameras;
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,157 @@
+// The way from data to result for one camera model. Each model is compiled in a file of its own, in
+// fit/models.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibrate/fit/calibration.hpp"
+#include "calibrate/fit/comparison.hpp"
+#include "calibrate/fit/cross_validation.hpp"
+#include "calibrate/fit/joint.hpp"
+#include "error.hpp"
+
+namespace slom::app::calib {
+
+/// Fewer numbers measured than unknown: nothing to fit.
+inline void requireEnoughMeasurements(const Dataset& data, const Settings& settings,
+                                      int parameters_per_camera) {
+  std::size_t measured = 0;
+  for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
+  const std::size_t cameras = data.cameras.size();
+  std::size_t fixed = 0;
+  for (const LensConstraint& constraint : settings.lens)
+    fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
+  const std::size_t unknowns =
+      cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
+  if (measured > unknowns) return;
+  throw UserError(fmt::format(
+      "{}{}: the corners give {} numbers for {} unknowns of the model {}; add images or "
+      "corners, or choose a model with fewer parameters by --intrinsics",
+      data.cameras.front().file, settings.board ? "" : ":2", measured, unknowns, toString(settings.model)));
+}
+
+/// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
+/// images that were not taken at the same time.
+template <class Camera>
+std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig) {
+  std::vector<Stray> views;
+  std::vector<double> errors;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const View& view : data.cameras[c].views) {
+      const SE3 world2camera = rig.left2camera[c] * rig.left2world.at(view.image).inverse();
+      const double square = squaredPixelError(cameras[c], world2camera, view);
+      errors.push_back(std::sqrt(square / double(view.corners.size())));
+      views.push_back({data.cameras[c].name, view.image, errors.back(), view.photo});
+    }
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  const double limit = std::max(10.0, 10 * errors[errors.size() / 2]);
+  std::erase_if(views, [&](const Stray& view) { return view.error_px <= limit; });
+  return views;
+}
+
+/// Each camera alone, then the rig from these.
+template <class Camera>
+struct ModelStart {
+  std::vector<Camera> cameras;
+  std::vector<double> rms_px_alone;
+  RigStart rig;
+};
+
+template <class Camera>
+ModelStart<Camera> startModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  ModelStart<Camera> start;
+  std::vector<ViewPoses> world2camera;
+  for (const CameraData& camera : data.cameras) {
+    const auto fit = fitAlone<Camera>(camera, settings);
+    start.cameras.push_back(fit.camera);
+    world2camera.push_back(fit.world2camera);
+    start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
+    if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
+  }
+  start.rig = startRig(data, world2camera);
+  return start;
+}
+
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+  const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, settings, progress);
+
+  std::optional<ImuStart> imu;
+  std::vector<TiltPair> tilts;
+  if (data.imu) {
+    tilts = tiltPairs(*data.imu, rig.left2world);
+    imu = startImu(tilts, settings.fixed, settings.sigma_acc);
+    requireImuDetermined(*data.imu, tilts, *imu, settings.fixed, settings.sigma_acc);
+  }
+
+  JointProblem<Camera> problem(data, settings, cameras, rig, imu);
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.observer = progress.iteration;
+  Result result = problem.result(problem.optimize(options));
+  for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
+  result.strays = findStrays(data, cameras, rig);
+  if (imu) {
+    result.imu->tilt_spread = tiltSpread(tilts);
+    result.imu->sign_evidence = imu->sign_evidence;
+  }
+  return result;
+}
+
+template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  std::vector<Camera> cameras;
+  RigStart rig;
+  for (const CameraResult& camera : start.cameras) {
+    cameras.emplace_back();
+    for (int i = 0; i < Camera::DOF; ++i) cameras.back()[i] = camera.parameters[std::size_t(i)].value;
+    rig.left2camera.push_back(camera.left2camera);
+  }
+  const std::vector<int> wanted = data.images();
+  for (const ImageResult& image : start.images) {
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image)) rig.left2world[image.image] = image.left2world;
+  }
+  JointProblem<Camera> problem(data, settings, cameras, rig, {});
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.most_parameters = 0;
+  return problem.result(problem.optimize(options));
+}
+
+template <class Camera>
+ModelTrial tryModel(const Dataset& data, const Settings& settings) {
+  ModelTrial trial;
+  trial.model = settings.model;
+  try {
+    const auto start = startModel<Camera>(data, settings, {});
+    JointProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
+    Options options;
+    options.max_iterations = settings.max_iterations;
+    options.most_parameters = 0;
+    const Summary summary = problem.optimize(options);
+    trial.unknowns = summary.unknowns;
+    trial.redundancy = summary.redundancy;
+    trial.rss = summary.final_rss;
+    std::size_t corners = 0;
+    for (const CameraData& camera : data.cameras) corners += camera.cornerCount();
+    trial.rms_px = settings.sigma_px * std::sqrt(summary.final_rss / double(corners));
+    if (!summary.converged) return trial.failure = summary.message, trial;
+    trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig());
+    if (!std::isfinite(trial.heldOutRms()))
+      trial.failure = "corners that it was not fitted to have no image in it";
+  } catch (const slom::Error& error) {
+    trial.failure = sentenceOf(error);
+  } catch (const UserError& error) {
+    trial.failure = error.what();
+  }
+  return trial;
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,77 @@
+#include "calibrate/fit/comparison.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "calibrate/camera_models.hpp"
+#include "calibrate/fit/calibration.hpp"
+#include "calibrate/input/check.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+/// Mean difference of two models' squares over its standard error; 0 for the same model.
+double standardErrors(const std::vector<double>& worse, const std::vector<double>& best) {
+  std::vector<double> difference(worse.size());
+  for (std::size_t i = 0; i < worse.size(); ++i) difference[i] = worse[i] - best[i];
+  const double average = mean(difference), count = double(difference.size());
+  double square = 0;
+  for (const double d : difference) square += (d - average) * (d - average);
+  const double error = std::sqrt(square / (count - 1) / count);
+  return average == 0 ? 0 : average / error;
+}
+
+ModelTrial tryOne(const Dataset& data, Settings settings, Model model) {
+  settings.model = model;
+  switch (model) {
+    case Model::radial1:
+      return tryModel<Radial1<>>(data, settings);
+    case Model::opencv4:
+      return tryModel<Opencv4<>>(data, settings);
+    case Model::opencv5:
+      return tryModel<Opencv5<>>(data, settings);
+    case Model::opencv8:
+      return tryModel<Opencv8<>>(data, settings);
+    case Model::fisheye:
+      return tryModel<Fisheye<>>(data, settings);
+  }
+  return {};
+}
+
+}  // namespace
+
+double ModelTrial::heldOutRms() const { return std::sqrt(mean(held_out_squares)); }
+
+void judge(Comparison& comparison) {
+  const auto& trials = comparison.trials;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (!trials[i].failure.empty()) continue;
+    if (!comparison.best || trials[i].heldOutRms() < trials[*comparison.best].heldOutRms())
+      comparison.best = i;
+  }
+  comparison.standard_errors.assign(trials.size(), std::numeric_limits<double>::quiet_NaN());
+  if (!comparison.best) return;
+  const ModelTrial& best = trials[*comparison.best];
+  comparison.chosen = comparison.best;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (!trials[i].failure.empty()) continue;
+    const double behind = standardErrors(trials[i].held_out_squares, best.held_out_squares);
+    comparison.standard_errors[i] = behind;
+    if (behind <= 1 && trials[i].unknowns < trials[*comparison.chosen].unknowns) comparison.chosen = i;
+  }
+}
+
+Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models) {
+  checkDataset(data);
+  Comparison comparison;
+  for (const Model model : models) comparison.trials.push_back(tryOne(data, settings, model));
+  judge(comparison);
+  return comparison;
+}
+
+}  // namespace slom::app::calib

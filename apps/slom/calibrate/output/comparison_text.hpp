@@ -1,0 +1,13 @@
+// Compared models as people read them.
+#pragma once
+
+#include <string>
+
+#include "calibrate/fit/comparison.hpp"
+
+namespace slom::app::calib {
+
+/// A table, and which model to take.
+std::string comparisonText(const Comparison& comparison);
+
+}  // namespace slom::app::calib

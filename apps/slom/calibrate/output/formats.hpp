@@ -1,0 +1,30 @@
+// The calibration in the formats that other programs read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibrate/result.hpp"
+
+namespace slom::app::calib {
+
+/// A file and what is in it.
+struct OutputText {
+  std::string file;
+  std::string text;
+};
+
+/// The files of --output.
+std::vector<OutputText> outputTexts(const Result& result, const Settings& settings);
+
+/// UserError when the format cannot say what is to be found: a model that its readers do not know, or images
+/// of unknown size.
+void requireFormat(const Settings& settings, const std::vector<CameraData>& cameras);
+
+/// ROS camera_info of one camera.
+std::string toRosYaml(const CameraResult& camera);
+
+/// Kalibr's camchain of all cameras; camera n is given from camera n - 1.
+std::string toKalibrYaml(const Result& result);
+
+}  // namespace slom::app::calib

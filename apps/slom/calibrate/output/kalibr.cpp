@@ -1,0 +1,41 @@
+// Kalibr's camchain.
+//   source   https://github.com/ethz-asl/kalibr/wiki/yaml-formats
+#include "calibrate/output/formats.hpp"
+#include "calibrate/output/yaml_text.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+void addPose(YAML::Emitter& yaml, const SE3& pose) {
+  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = pose.orient.toRotationMatrix();
+  T.topRightCorner<3, 1>() = pose.pos;
+  yaml << YAML::Key << "T_cn_cnm1" << YAML::Value << YAML::BeginSeq;
+  for (int row = 0; row < 4; ++row) yaml << numbers(T.row(row).transpose());
+  yaml << YAML::EndSeq;
+}
+
+}  // namespace
+
+std::string toKalibrYaml(const Result& result) {
+  YAML::Emitter yaml;
+  yaml << YAML::BeginMap;
+  for (std::size_t n = 0; n < result.cameras.size(); ++n) {
+    const CameraResult& camera = result.cameras[n];
+    const bool is_fisheye = camera.model == toString(Model::fisheye);
+    const Eigen::Matrix3d& K = camera.camera_matrix;
+    yaml << YAML::Key << "cam" + std::to_string(n) << YAML::Value << YAML::BeginMap
+         << YAML::Comment(camera.name);
+    if (n > 0) addPose(yaml, camera.left2camera * result.cameras[n - 1].left2camera.inverse());
+    yaml << YAML::Key << "camera_model" << YAML::Value << "pinhole" << YAML::Key << "intrinsics"
+         << YAML::Value << numbers(Eigen::Vector4d(K(0, 0), K(1, 1), K(0, 2), K(1, 2))) << YAML::Key
+         << "distortion_model" << YAML::Value << (is_fisheye ? "equidistant" : "radtan") << YAML::Key
+         << "distortion_coeffs" << YAML::Value << numbers(camera.distortion.head<4>()) << YAML::Key
+         << "resolution" << YAML::Value
+         << numbers(Eigen::Vector2d(camera.image_size->width, camera.image_size->height)) << YAML::EndMap;
+  }
+  yaml << YAML::EndMap;
+  return std::string(yaml.c_str()) + "\n";
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,22 @@
+// Numbers in YAML.
+#pragma once
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+namespace slom::app::calib {
+
+/// In one line, each with as many digits as it takes to read the same number again.
+struct YamlNumbers {
+  Eigen::VectorXd values;
+};
+inline YamlNumbers numbers(const Eigen::VectorXd& values) { return {values}; }
+
+inline YAML::Emitter& operator<<(YAML::Emitter& yaml, const YamlNumbers& numbers) {
+  yaml << YAML::Flow << YAML::BeginSeq;
+  for (const double value : numbers.values) yaml << fmt::format("{}", value);
+  return yaml << YAML::EndSeq;
+}
+
+}  // namespace slom::app::calib

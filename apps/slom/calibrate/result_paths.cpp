@@ -1,0 +1,64 @@
+#include "calibrate/result_paths.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+constexpr std::string_view placeholder = "{name}";
+
+std::string fileOf(const std::string& output, const std::string& camera) {
+  const auto at = output.find(placeholder);
+  return at == std::string::npos ? output : std::string(output).replace(at, placeholder.size(), camera);
+}
+
+}  // namespace
+
+OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras) {
+  const bool has_placeholder = file.find(placeholder) != std::string::npos;
+  const bool is_camchain =
+      std::filesystem::path(file).filename().string().find("camchain") != std::string::npos;
+  if (!format.empty() && file.empty())
+    throw UserError(fmt::format("--format {}: of which file? add --output FILE, or leave it out", format));
+  if (format == "opencv" || (format.empty() && !has_placeholder && !is_camchain)) return OutputFormat::opencv;
+  if (format == "kalibr" || (format.empty() && is_camchain)) return OutputFormat::kalibr;
+  if (format != "ros" && !format.empty())
+    throw UserError(fmt::format("--format {}: the formats are opencv, ros and kalibr", format));
+  if (cameras > 1 && !has_placeholder) {
+    throw UserError(
+        fmt::format("--output {}: ROS has one file for each camera; write {{name}} where the camera's name "
+                    "is to stand, as in "
+                    "--output '{{name}}.yaml'",
+                    file));
+  }
+  return OutputFormat::ros;
+}
+
+std::vector<std::string> outputFiles(const Settings& settings) {
+  if (settings.yaml_file.empty()) return {};
+  if (settings.format != OutputFormat::ros) return {settings.yaml_file};
+  std::vector<std::string> files;
+  for (const CameraFile& camera : settings.cameras) files.push_back(fileOf(settings.yaml_file, camera.name));
+  return files;
+}
+
+std::vector<std::string> cornerFiles(const Settings& settings) {
+  if (settings.corners_folder.empty()) return {};
+  std::vector<std::string> files;
+  for (const CameraFile& camera : settings.cameras)
+    files.push_back(std::filesystem::path(settings.corners_folder) / (camera.name + "_corners.csv"));
+  return files;
+}
+
+std::vector<NamedFile> resultFiles(const Settings& settings) {
+  std::vector<NamedFile> files{{"--json", settings.json_file}, {"--report", settings.report_file}};
+  for (const std::string& file : outputFiles(settings)) files.push_back({"--output", file});
+  for (const std::string& file : cornerFiles(settings)) files.push_back({"--corners-out", file});
+  return files;
+}
+
+}  // namespace slom::app::calib

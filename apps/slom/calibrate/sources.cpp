@@ -1,0 +1,122 @@
+#include "calibrate/sources.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "error.hpp"
+#include "text.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+bool isName(const std::string& text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  if (text.empty() || !letter(text.front())) return false;
+  for (const char c : text) {
+    if (!letter(c) && !(c >= '0' && c <= '9') && c != '-') return false;
+  }
+  return true;
+}
+
+/// `NAME=FILE`, with the `example` of how an option is written.
+CameraFile parseNamed(const std::string& option, const std::string& text, const char* example) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals + 1 == text.size() || equals == 0) {
+    throw UserError(fmt::format("{} {}: write {}", option, text, example));
+  }
+  const std::string name = text.substr(0, equals);
+  if (!isName(name)) {
+    throw UserError(
+        fmt::format("{} {}: the name must begin with a letter and hold letters, digits, _ and - "
+                    "only; rename the camera",
+                    option, text));
+  }
+  return {name, text.substr(equals + 1)};
+}
+
+std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
+  std::vector<CameraFile> cameras;
+  std::set<std::string> names;
+  for (const std::string& text : texts) {
+    cameras.push_back(parseNamed("--camera", text, "NAME=FILE, as in --camera left=left_corners.csv"));
+    if (names.insert(cameras.back().name).second) continue;
+    throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text,
+                                cameras.back().name));
+  }
+  return cameras;
+}
+
+/// Words without a camera's name, as a shell makes of a pattern, belong to the camera before them.
+std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
+  std::vector<CameraFile> cameras;
+  std::size_t current = 0;
+  for (const std::string& word : words) {
+    if (!cameras.empty() && !isName(word.substr(0, std::min(word.find('='), word.size() - 1)))) {
+      cameras[current].patterns.push_back(word);
+      continue;
+    }
+    const CameraFile camera = parseNamed("--images", word, "NAME=PATTERN, as in --images left='left*.jpg'");
+    const auto known = std::find_if(cameras.begin(), cameras.end(),
+                                    [&](const CameraFile& c) { return c.name == camera.name; });
+    current = std::size_t(known - cameras.begin());
+    if (known == cameras.end()) cameras.push_back({camera.name, "", {}});
+    cameras[current].patterns.push_back(camera.file);
+  }
+  for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.patterns, " "));
+  return cameras;
+}
+
+}  // namespace
+
+void parseSources(const RawOptions& raw, Settings& settings) {
+  if (!raw.cameras.empty() && !raw.images.empty()) {
+    throw UserError(fmt::format(
+        "--images {}: give --images or --camera, not both; --corners-out makes corner files of photographs",
+        raw.images.front()));
+  }
+  if (raw.cameras.empty() && raw.images.empty()) {
+    throw UserError(
+        "no --camera; give at least one, as in --camera left=left_corners.csv, or photographs by --images");
+  }
+  settings.cameras = raw.images.empty() ? parseCameras(raw.cameras) : parseImages(raw.images);
+  if (!raw.images.empty()) {
+    settings.board = parseBoard(raw.board);
+  } else if (!raw.board.board.empty() || !settings.corners_folder.empty()) {
+    throw UserError(fmt::format(
+        "{}: it is about photographs, and there are none; add --images, or leave it out",
+        raw.board.board.empty() ? "--corners-out " + settings.corners_folder : "--board " + raw.board.board));
+  }
+}
+
+std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
+                                                 const std::vector<CameraFile>& cameras) {
+  std::map<std::string, ImageSize> sizes;
+  for (const std::string& text : texts) {
+    const auto equals = text.find('=');
+    const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
+    const std::string numbers = text.substr(equals == std::string::npos ? 0 : equals + 1);
+    const auto x = numbers.find('x');
+    ImageSize size;
+    const bool is_read = x != std::string::npos &&
+                         parseNumber(std::string_view(numbers).substr(0, x), size.width) &&
+                         parseNumber(std::string_view(numbers).substr(x + 1), size.height) &&
+                         size.width > 0 && size.height > 0;
+    if (!is_read)
+      throw UserError(
+          fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480", text));
+    bool is_known = false;
+    for (const CameraFile& camera : cameras) {
+      if (!name.empty() && camera.name != name) continue;
+      is_known = true;
+      sizes[camera.name] = size;
+    }
+    if (!is_known)
+      throw UserError(fmt::format("--image-size {}: there is no camera {}; correct the name", text, name));
+  }
+  return sizes;
+}
+
+}  // namespace slom::app::calib

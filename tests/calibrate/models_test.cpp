@@ -1,0 +1,281 @@
+// The camera models, what a calibration makes of data that one of them produced, and which one --compare
+// chooses.
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "calibrate/calibrate_command.hpp"
+#include "calibrate/camera_models.hpp"
+#include "calibrate/fit/calibration.hpp"
+#include "calibrate/fit/comparison.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<vec3> points{{0.1, -0.2, 1.},   {-0.5, 0.3, 0.8}, {0.02, 0.01, 2.},  {0.7, 0.6, 1.},
+                               {-1.1, -0.9, 1.2}, {0., 0., 1.},     {1e-9, -1e-9, 1.}, {0., 0.4, 0.5}};
+
+/// Written down once more, from OpenCV's documentation: g divided, tangential part, focal lengths.
+vec2 rationalPixel(const Eigen::VectorXd& c, const vec3& p) {
+  const double x = p.x() / p.z(), y = p.y() / p.z(), r2 = std::pow(std::hypot(x, y), 2), r4 = r2 * r2,
+               r6 = r4 * r2;
+  const double g = (1 + c[4] * r2 + c[5] * r4 + c[8] * r6) / (1 + c[9] * r2 + c[10] * r4 + c[11] * r6);
+  return vec2(c[0] * (x * g + 2 * c[6] * x * y + c[7] * (r2 + 2 * x * x)) + c[2],
+              c[1] * (y * g + c[6] * (r2 + 2 * y * y) + 2 * c[7] * x * y) + c[3]);
+}
+
+Eigen::VectorXd numbers(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size()));
+}
+
+/// Exact derivatives by all parameters and the point against central differences.
+template <template <class> class Model>
+void checkDerivatives(const Model<double>& camera, const std::vector<vec3>& at) {
+  constexpr int n = Model<double>::DOF;
+  using S = mtk::Dual<double, n + 3>;
+  for (const vec3& point : at) {
+    Model<S> lens;
+    mtk::vect<3, S> p;
+    for (int i = 0; i < n; ++i) lens[i].seed(camera[i], i);
+    for (int i = 0; i < 3; ++i) p[i].seed(point[i], n + i);
+    const mtk::vect<2, S> pixel = lens.project(p);
+    for (int i = 0; i < n + 3; ++i) {
+      const auto moved = [&](double step) {
+        Model<double> c = camera;
+        vec3 q = point;
+        (i < n ? c[i] : q[i - n]) += step;
+        return vec2(c.project(q));
+      };
+      const double step = 1e-6 * std::max(1.0, i < n ? std::abs(camera[i]) : 0.0);
+      const vec2 difference((moved(step) - moved(-step)) / (2 * step));
+      for (int row = 0; row < 2; ++row)
+        EXPECT_NEAR(pixel[row].partial(i), difference[row], 1e-5 * (1 + difference.norm()))
+            << "parameter " << i << " at " << point.transpose();
+    }
+  }
+}
+
+const Opencv8<> rational{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002, 0.02, 0.5, -0.05, 0.01};
+
+TEST(CameraModels, AgreeWithTheirFormulas) {
+  for (const vec3& p : points) {
+    EXPECT_LT((vec2(rational.project(p)) - rationalPixel(rational, p)).norm(), 1e-10);
+    const Opencv5<> five{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002, 0.02};
+    EXPECT_LT((vec2(five.project(p)) -
+               rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0, 0, 0}), p))
+                  .norm(),
+              1e-10);
+    const Opencv4<> four{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002};
+    EXPECT_LT((vec2(four.project(p)) -
+               rationalPixel(numbers({500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0, 0, 0, 0}), p))
+                  .norm(),
+              1e-10);
+    const Radial1<> one{500., 320., 240., -0.2};
+    EXPECT_LT(
+        (vec2(one.project(p)) - rationalPixel(numbers({500, 500, 320, 240, -0.2, 0, 0, 0, 0, 0, 0, 0}), p))
+            .norm(),
+        1e-10);
+  }
+}
+
+TEST(CameraModels, HaveExactDerivatives) {
+  checkDerivatives(rational, points);
+  checkDerivatives(Opencv5<>{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002, 0.02}, points);
+  checkDerivatives(Opencv4<>{500., 510., 320., 240., 0.3, -0.1, 0.001, -0.002}, points);
+  checkDerivatives(Radial1<>{500., 320., 240., -0.2}, points);
+  std::vector<vec3> sideways = points;
+  sideways.insert(sideways.end(), {vec3(1., 0.5, 0.1), vec3(-0.4, 1., -0.2)});
+  checkDerivatives(Fisheye<>{300., 310., 320., 240., 0.05, -0.01, 3e-3, -4e-4}, sideways);
+}
+
+TEST(CameraModels, SeeNothingBehindThem) {
+  EXPECT_FALSE(std::isfinite(rational.project(vec3(0.1, 0.1, -1.))[0]));
+  EXPECT_FALSE(std::isfinite(Radial1<>(500., 320., 240., -0.2).project(vec3(0.1, 0.1, 0.))[0]));
+}
+
+struct Scene {
+  int images = 12, columns = 10, rows = 7;
+  double square_m = 0.04, sigma_px = 0.2, nearest = 0.25;
+  double width = 640, height = 480;
+};
+
+/// Views of a board that fill the image of a lens, corners outside of it missing.
+template <class Camera>
+Dataset simulated(const Camera& lens, const Scene& scene, unsigned seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
+  std::normal_distribution<> normal;
+  CameraData camera;
+  camera.name = "cam";
+  camera.file = "cam.csv";
+  camera.image_size = ImageSize{int(scene.width), int(scene.height)};
+  int line = 1;
+  for (int image = 1; image <= scene.images; ++image) {
+    const SO3 orient = SO3::exp(vec3(uniform(-0.6, 0.6), uniform(-0.6, 0.6), uniform(-0.5, 0.5)));
+    const double distance = scene.nearest * uniform(1, 1.8);
+    const vec3 centre(distance * uniform(-0.5, 0.5), distance * uniform(-0.4, 0.4), distance);
+    const vec3 middle(scene.square_m * (scene.columns - 1) / 2, scene.square_m * (scene.rows - 1) / 2, 0.);
+    View view;
+    view.image = image;
+    for (int k = 0; k < scene.columns * scene.rows; ++k) {
+      const vec3 world(scene.square_m * (k % scene.columns), scene.square_m * (k / scene.columns), 0.);
+      const vec3 point(orient * vec3(world - middle) + centre);
+      const vec2 pixel(vec2(lens.project(point)) + scene.sigma_px * vec2(normal(random), normal(random)));
+      const bool inside =
+          pixel.x() > 0 && pixel.y() > 0 && pixel.x() < scene.width && pixel.y() < scene.height;
+      if (point.z() > 0.02 && inside) view.corners.push_back({k + 1, world, pixel, ++line});
+    }
+    if (view.corners.size() >= 12) camera.views.push_back(view);
+  }
+  Dataset data;
+  data.cameras.push_back(camera);
+  return data;
+}
+
+template <class Camera>
+void expectTruth(const Camera& truth, Model model, const Scene& scene, unsigned seed) {
+  Settings settings;
+  settings.model = model;
+  settings.sigma_px = std::max(scene.sigma_px, 0.01);
+  const Result result = calibrate(simulated(truth, scene, seed), settings);
+  ASSERT_TRUE(result.success()) << result.message << result.undetermined;
+  const auto& parameters = result.cameras[0].parameters;
+  ASSERT_EQ(parameters.size(), std::size_t(Camera::DOF));
+  for (int i = 0; i < Camera::DOF; ++i) {
+    const Parameter& p = parameters[std::size_t(i)];
+    EXPECT_NEAR(p.value, truth[i], scene.sigma_px > 0 ? 4.5 * p.std : 1e-4 * p.std + 1e-7)
+        << p.name << " seed " << seed;
+  }
+  if (scene.sigma_px > 0) {
+    EXPECT_NEAR(result.chi2PerDof(), 1, 0.2);
+  }
+}
+
+const Fisheye<> fisheye{230., 232., 322., 243., 0.03, -0.012, 0.004, -0.0008};
+
+TEST(Fisheye, FindsItsTruth) {
+  Scene scene;
+  scene.nearest = 0.12;
+  for (unsigned seed = 0; seed < 5; ++seed) expectTruth(fisheye, Model::fisheye, scene, seed);
+  scene.sigma_px = 0;
+  for (unsigned seed = 0; seed < 3; ++seed) expectTruth(fisheye, Model::fisheye, scene, seed);
+}
+
+TEST(Fisheye, FindsItsTruthOnARig) {
+  // The second camera sees the same boards from 5 cm aside.
+  Scene scene;
+  scene.nearest = 0.15;
+  Dataset data = simulated(fisheye, scene, 1);
+  Settings settings;
+  settings.model = Model::fisheye;
+  CameraData other = data.cameras[0];
+  other.name = "right";
+  data.cameras.push_back(other);
+  const Result result = calibrate(data, settings);
+  ASSERT_TRUE(result.success()) << result.message;
+  EXPECT_LT(result.cameras[1].left2camera.pos.norm(), 1e-6);
+}
+
+TEST(Opencv8, FindsItsTruth) {
+  Scene scene;
+  scene.images = 20;
+  expectTruth(Opencv8<>{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01},
+              Model::opencv8, scene, 1);
+}
+
+Comparison compared(const Dataset& data) {
+  Settings settings;
+  settings.sigma_px = 0.2;
+  return compareModels(data, settings,
+                       {Model::radial1, Model::opencv4, Model::opencv5, Model::opencv8, Model::fisheye});
+}
+
+TEST(Comparison, ChoosesTheModelThatMadeTheData) {
+  int too_large = 0;
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Dataset data =
+        simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, seed);
+    const Comparison comparison = compared(data);
+    ASSERT_TRUE(comparison.chosen);
+    EXPECT_EQ(comparison.chosenTrial().model, Model::opencv4) << seed;
+    EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not told apart";
+    too_large += comparison.standard_errors[1] > 1;
+    // Prediction of corners with sigma 0.2 px by poses from half of them.
+    EXPECT_NEAR(comparison.chosenTrial().heldOutRms(), 0.2 * std::sqrt(2), 0.03);
+  }
+  EXPECT_EQ(too_large, 0);
+}
+
+TEST(Comparison, ChoosesAFisheyeForOne) {
+  Scene scene;
+  scene.nearest = 0.12;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const Comparison comparison = compared(simulated(fisheye, scene, seed));
+    ASSERT_TRUE(comparison.chosen);
+    EXPECT_EQ(comparison.chosenTrial().model, Model::fisheye) << seed;
+  }
+}
+
+TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
+  const auto trial = [](Model model, int unknowns, const std::vector<double>& squares) {
+    ModelTrial t;
+    t.model = model;
+    t.unknowns = unknowns;
+    t.held_out_squares = squares;
+    return t;
+  };
+  Comparison comparison;
+  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {1, 2.1, 3, 2}),
+                       trial(Model::opencv5, 15, {1.1, 2, 2.9, 1.9}), trial(Model::opencv8, 18, {})};
+  comparison.trials[3].failure = "did not converge";
+  judge(comparison);
+  EXPECT_EQ(comparison.best, 2u);
+  EXPECT_EQ(comparison.chosen, 1u);
+  EXPECT_EQ(comparison.standard_errors[2], 0);
+  EXPECT_NEAR(comparison.standard_errors[1], 0.05 / (0.1 / 2),
+              1e-9);  // differences -0.1 0.1 0.1 0.1: mean 0.05, sd 0.1
+  EXPECT_TRUE(std::isnan(comparison.standard_errors[3]));
+}
+
+TEST(Comparison, IsPrintedAndStored) {
+  const slom::testing::TemporaryFolder folder;
+  slom::testing::writeFile(
+      folder / "cam.csv",
+      testing::cornerFile(
+          simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, 1).cameras[0]));
+  const std::string camera = "cam=" + (folder / "cam.csv").string(),
+                    json_file = (folder / "result.json").string();
+  auto result =
+      testing::runCalibrate({"--camera", camera, "--sigma-px", "0.2", "--compare", "--json", json_file});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_NE(result.output.find("\nmodels compared\n  model     parameters  unknowns          RSS   RSS/dof   "
+                               " RMS px  predicted px  behind best [se]\n"),
+            std::string::npos)
+      << result.output;
+  EXPECT_NE(result.output.find("  * The data carry opencv4: "), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("\neach camera alone, model opencv4\n"), std::string::npos);
+  const json stored = json::parse(slom::testing::readFile(folder / "result.json"));
+  EXPECT_EQ(stored["comparison"]["chosen"], "opencv4");
+  EXPECT_EQ(stored["comparison"]["models"].size(), 5u);
+  EXPECT_EQ(stored["cameras"]["cam"]["model"], "opencv4");
+
+  result = testing::runCalibrate({"--camera", camera, "--compare", "radial1,opencv4", "--intrinsics",
+                                  "opencv5", "--json", json_file, "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const json other = json::parse(slom::testing::readFile(folder / "result.json"));
+  EXPECT_EQ(other["comparison"]["models"].size(), 2u);
+  EXPECT_EQ(other["cameras"]["cam"]["model"], "opencv5");
+
+  result = testing::runCalibrate({"--camera", camera, "--compare", "opencv4,pinhole"});
+  EXPECT_EQ(result.errors,
+            "slom: --compare pinhole: the models are opencv4, opencv5, opencv8, fisheye and radial1\n");
+}
+
+}  // namespace
+}  // namespace slom::app::calib
