@@ -14,7 +14,7 @@
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
 #include "analyze/singular.hpp"
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -348,7 +348,11 @@ void Estimator::writeJacobian(double* J) const {
 
 void Estimator::setFreeGauge(FreeGauge gauge) { state_->gauge = gauge; }
 
+FreeGauge Estimator::freeGauge() const { return state_->gauge; }
+
 void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
+
+Sigma Estimator::sigma() const { return state_->sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;

@@ -11,6 +11,7 @@
 #include "calibrate/calibrate.hpp"
 #include "error.hpp"
 #include "graph/graph.hpp"
+#include "replay/replay.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
   addBundleCommand(app);
   addCalibrateCommand(app);
   addGraphCommand(app);
+  addReplayCommand(app);
   addSimulateCommand(app);
   try {
     app.parse(argc, argv);

@@ -7,7 +7,7 @@ from .tables import digits, ms, table, times
 FAMILIES = {"grid2d": "poses in the plane, square lattice", "sheet": "poses in space, square lattice",
             "grid3d": "poses in space, cubic lattice", "scene": "bundle adjustment, aerial photographs"}
 COLOURS = ("#1f6fb2", "#c8551b", "#3a8f3a", "#8a4fbe", "#777777")
-WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 420, 300, 60, 34, 12, 40
+WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 420, 300, 60, 34, 28, 40
 
 
 def size(comparison):

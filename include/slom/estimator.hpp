@@ -31,10 +31,13 @@
 #include "slom/analyze/uncertainty.hpp"
 #include "slom/model/callable.hpp"
 #include "slom/model/insertion.hpp"
+#include "slom/model/prior.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
 namespace slom {
+
+class Archive;
 
 namespace detail {
 
@@ -54,12 +57,6 @@ auto plainValue(const T& x) {
 }
 template <class T>
 using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
-
-/// The function of a prior.
-struct Itself {
-  static constexpr bool is_vectorized = true;
-  auto operator()(const auto& x) const { return x; }
-};
 
 template <class T>
 using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValue<T>>;
@@ -157,7 +154,7 @@ class Estimator {
   template <class T, class Noise>
   auto prior(const VarID<T>& id, const std::type_identity_t<T>& value, const Noise& uncertainty) {
     const auto insert = [&](const auto& noise) {
-      return insertMeasurement(detail::Itself(), id, measured(value), noise, named("prior"));
+      return insertMeasurement(Prior(), id, measured(value), noise, named("prior"));
     };
     if constexpr (detail::is_option<Noise>) {
       return insert(uncertainty);
@@ -345,8 +342,10 @@ class Estimator {
   /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
   /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.
   void setSigma(Sigma sigma);
+  Sigma sigma() const;
   /// What covariances are when a rigid motion or a scale of everything is free.
   void setFreeGauge(FreeGauge gauge);
+  FreeGauge freeGauge() const;
 
   /// Names of the components, as messages give them.
   template <class T>
@@ -390,6 +389,8 @@ class Estimator {
   std::vector<std::string> warnings() const;
 
  private:
+  friend class Archive;
+
   template <class T>
   auto insertVariable(const T& value, bool optimize, std::string name) {
     using V = detail::VariableType<T>;

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 
 namespace slom {
 

@@ -11,7 +11,7 @@
 #include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/singular.hpp"
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 
 namespace slom {
 

@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 
 namespace slom {
 

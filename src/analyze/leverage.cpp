@@ -6,7 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 #include "linearize/parallel.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"

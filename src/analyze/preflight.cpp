@@ -7,7 +7,7 @@
 
 #include "analyze/diagnose.hpp"
 #include "analyze/singular.hpp"
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 
 namespace slom {
 

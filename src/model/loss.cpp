@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "model/words.hpp"
 #include "mtk/error.hpp"
 
 namespace slom {
@@ -63,13 +63,6 @@ LossValue barron(double t, double alpha) {
   return {phi, weight, -weight / 2 * (b / (b + t))};
 }
 
-std::string number(double x) {
-  if (std::isnan(x)) return "nan";
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", x);
-  return text;
-}
-
 }  // namespace
 
 LossValue Loss::evaluate(double s, double widening) const {
@@ -100,18 +93,18 @@ std::string Loss::text() const {
     case Kind::cauchy: name = "Cauchy"; break;
     case Kind::tukey: name = "Tukey"; break;
     case Kind::geman_mcclure: name = "GemanMcClure"; break;
-    case Kind::barron: return "Barron(" + number(shape_) + ", " + number(scale_) + ")";
+    case Kind::barron: return "Barron(" + number(shape_, 6) + ", " + number(scale_, 6) + ")";
   }
-  return std::string(name) + "(" + number(scale_) + ")";
+  return std::string(name) + "(" + number(scale_, 6) + ")";
 }
 
 std::string detail::faultOf(const Loss& loss) {
   if (!(loss.scale() >= 1 / kLargestScale && loss.scale() <= kLargestScale)) {
-    return "has scale " + number(loss.scale()) +
+    return "has scale " + number(loss.scale(), 6) +
            "; pass a positive finite number, in standard deviations of the residual";
   }
   if (!(loss.shape() <= 2)) {
-    return "has shape " + number(loss.shape()) +
+    return "has shape " + number(loss.shape(), 6) +
            "; pass a number up to 2: 2 is least squares, 1 PseudoHuber, 0 Cauchy, -2 GemanMcClure";
   }
   return "";

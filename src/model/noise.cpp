@@ -1,11 +1,12 @@
 #include "slom/model/noise.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
+#include "model/words.hpp"
 #include "mtk/error.hpp"
 
 namespace slom {
@@ -16,18 +17,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using detail::NoiseComplaint;
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", x);
-  return text;
-}
-
 const char* nameOf(NoiseForm form) {
   switch (form) {
     case NoiseForm::covariance: return "covariance";
     case NoiseForm::standard_deviation: return "standard deviation";
     case NoiseForm::inv_covariance: return "inverse covariance";
     case NoiseForm::inv_standard_deviation: return "inverse standard deviation";
+    case NoiseForm::whitening: return "whitening matrix";
   }
   return "noise";
 }
@@ -42,13 +38,14 @@ double whiteningFactor(NoiseForm form, double x) {
     case NoiseForm::covariance: return 1 / std::sqrt(x);
     case NoiseForm::standard_deviation: return 1 / x;
     case NoiseForm::inv_covariance: return std::sqrt(x);
-    case NoiseForm::inv_standard_deviation: return x;
+    case NoiseForm::inv_standard_deviation:
+    case NoiseForm::whitening: return x;
   }
   return 1;
 }
 
 std::string entryText(int row, int col, double value) {
-  return "(" + std::to_string(row) + ", " + std::to_string(col) + ") = " + number(value);
+  return "(" + std::to_string(row) + ", " + std::to_string(col) + ") = " + number(value, 6);
 }
 
 bool checkSize(const NoiseView& noise, int dim, NoiseComplaint& complaint) {
@@ -71,8 +68,8 @@ bool fromPositiveNumbers(const NoiseView& noise, std::vector<double>& store, Noi
     if (x > 0 && std::isfinite(x) && std::isfinite(factor) && factor > 0) continue;
     complaint.id = "slom.not-positive-definite";
     complaint.value = noise.shape == NoiseView::Shape::scalar
-                          ? "is " + number(x)
-                          : "has entry " + std::to_string(i) + " = " + number(x);
+                          ? "is " + number(x, 6)
+                          : "has entry " + std::to_string(i) + " = " + number(x, 6);
     complaint.remedy = "pass positive finite numbers";
     return false;
   }
@@ -137,8 +134,15 @@ bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
     }
   }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(m, Eigen::EigenvaluesOnly);
-  complaint = {"slom.not-positive-definite", "", "has eigenvalue " + number(eigen.eigenvalues().minCoeff()),
+  complaint = {"slom.not-positive-definite", "", "has eigenvalue " + number(eigen.eigenvalues().minCoeff(), 6),
                "pass a symmetric positive definite matrix, or a standard deviation"};
+  return false;
+}
+
+/// Judged with rows of length 1, so that units do not matter.
+bool checkInvertible(const MatrixXd& m, NoiseComplaint& complaint) {
+  if (m.rowwise().norm().minCoeff() > 0 && m.rowwise().normalized().eval().fullPivLu().isInvertible()) return true;
+  complaint = {"slom.not-positive-definite", "", "is singular", "pass an invertible matrix"};
   return false;
 }
 
@@ -147,7 +151,10 @@ bool fromMatrix(const NoiseView& noise, int dim, std::vector<double>& store, Whi
   const MatrixXd m = Eigen::Map<const MatrixXd>(noise.entries, dim, dim);
   if (!checkFinite(m, complaint)) return false;
   MatrixXd W;
-  if (isDeviation(noise.form)) {
+  if (noise.form == NoiseForm::whitening) {
+    W = m;
+    if (!checkInvertible(W, complaint)) return false;
+  } else if (isDeviation(noise.form)) {
     if (!checkLowerTriangular(m, complaint)) return false;
     W = m;
   } else if (!checkSymmetric(m, complaint) || !factorize(m, W, complaint)) {

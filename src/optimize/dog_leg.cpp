@@ -46,7 +46,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
   outcome.rss_before = outcome.rss_after = system.linearize();
   const VectorXd scale = scales_.update(system).cwiseSqrt();
   VectorXd newton;
-  outcome.status = system.solver().solve({}, newton);
+  outcome.status = system.solveUndamped(newton);
   if (!outcome.status.ok) {
     outcome.kind = StepOutcome::Kind::singular;
     outcome.trials = 1;

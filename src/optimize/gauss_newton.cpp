@@ -11,7 +11,7 @@ StepOutcome GaussNewton::step(System& system, const Options&) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
   outcome.trials = 1;
-  outcome.status = system.solver().solve({}, outcome.step);
+  outcome.status = system.solveUndamped(outcome.step);
   if (!outcome.status.ok) {
     outcome.kind = StepOutcome::Kind::singular;
     return outcome;

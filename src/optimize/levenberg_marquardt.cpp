@@ -53,7 +53,7 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;
     const Eigen::VectorXd damping = mu_ * D;
-    outcome.status = system.solver().solve(damping, outcome.step);
+    outcome.status = system.solveDamped(damping, outcome.step);
     if (outcome.status.ok) {
       outcome.predicted_decrease = system.predictedDecrease(outcome.step, damping);
       const double rss = system.tryStep(outcome.step);

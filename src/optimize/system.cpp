@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "linearize/stopwatch.hpp"
@@ -10,6 +11,7 @@ namespace slom {
 
 namespace {
 constexpr int kMostActiveSets = 10;  // in one linearisation
+constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
 constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
 }  // namespace
 
@@ -159,13 +161,48 @@ double System::stepInDeviations(const Eigen::VectorXd& d) const {
   return d.size() == 0 ? 0 : d.cwiseAbs().cwiseProduct(solver_->diagonal().cwiseSqrt()).maxCoeff();
 }
 
-bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
-  Eigen::VectorXd magnitude(d.size());
+Eigen::VectorXd System::magnitudes() {
+  Eigen::VectorXd magnitude(structure_.system.unknowns());
   const auto& table = problem_.variables();
   for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
     const VariableRecord& record = table[static_cast<std::size_t>(structure_.variable_of_block[b])];
     record.store->magnitudes(record.slot, magnitude.data() + structure_.system.offset[b]);
   }
+  return magnitude;
+}
+
+/// The unknown that d moves though it is not seen, -1 without one.
+int System::unseenUnknown(const Eigen::VectorXd& d) {
+  const Eigen::VectorXd& H = solver_->diagonal();
+  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return -1;  // as nearly always
+  const Eigen::VectorXd magnitude = magnitudes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
+  const double rounding = std::numeric_limits<double>::epsilon() * effect.maxCoeff();
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    if (magnitude[i] > 0 && effect[i] < rounding && std::abs(d[i]) > magnitude[i]) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
+  const SolveStatus status = solver_->solve({}, step);
+  const int unseen = status.ok ? unseenUnknown(step) : -1;
+  return unseen < 0 ? status : SolveStatus{false, unseen, 0};
+}
+
+SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+  SolveStatus status = solver_->solve(damping, step);
+  int unseen = status.ok ? unseenUnknown(step) : -1;
+  if (unseen < 0) return status;
+  Eigen::VectorXd holding = damping;
+  for (; unseen >= 0; unseen = status.ok ? unseenUnknown(step) : -1) {
+    holding[unseen] = solver_->diagonal().maxCoeff();
+    status = solver_->solve(holding, step);
+  }
+  return status;
+}
+
+bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
+  const Eigen::VectorXd magnitude = magnitudes();
   for (Eigen::Index i = 0; i < d.size(); ++i) {
     const double column = std::sqrt(solver_->diagonal()[i]);
     const double limit = tolerance * (magnitude[i] + (column > 0 ? 1 / column : 0));

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "model/words.hpp"
 
 namespace slom {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-std::string text(double x) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", x);
-  return digits;
-}
-std::string text(double lower, double upper) { return "[" + text(lower) + ", " + text(upper) + "]"; }
+std::string intervalText(double lower, double upper) { return "[" + number(lower, 6) + ", " + number(upper, 6) + "]"; }
 }  // namespace
 
 int Problem::reserveVariable() {
@@ -62,6 +58,11 @@ std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) con
     for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
   }
   return result;
+}
+
+const std::string& Problem::labelOf(const MeasurementPool& pool) const {
+  const auto& entries = pools_of_type_.at(*pool.type().id);
+  return std::find_if(entries.begin(), entries.end(), [&](const LabelledPool& entry) { return entry.pool == &pool; })->label;
 }
 
 MeasurementPool& Problem::adoptPool(std::type_index type, std::string_view label,
@@ -116,8 +117,8 @@ void Problem::checkBounds(int variable, const void* value) const {
   for (const ComponentBound& bound : record.bounds) {
     const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
     if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
-    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " + text(x[at(bound.component)]) +
-                                          ", outside of its bound " + text(bound.lower, bound.upper) +
+    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " + number(x[at(bound.component)], 6) +
+                                          ", outside of its bound " + intervalText(bound.lower, bound.upper) +
                                           "; give it a value inside, or another bound");
   }
 }
@@ -149,7 +150,7 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
   VariableRecord& record = table_[at(variable)];
   if (!(lower <= upper)) {
-    throw Error("slom.bad-bound", "the bound of " + componentNames(variable)[at(components.front())] + " is " + text(lower, upper) +
+    throw Error("slom.bad-bound", "the bound of " + componentNames(variable)[at(components.front())] + " is " + intervalText(lower, upper) +
                                       "; pass a lower limit that is not above the upper one");
   }
   std::vector<double> x(at(record.dof));
@@ -303,9 +304,9 @@ std::string Problem::nameForPool(const std::string& name) const {
     return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == candidate; });
   };
   if (!taken(name)) return name;
-  int number = 2;
-  while (taken(name + "-" + std::to_string(number))) ++number;
-  return name + "-" + std::to_string(number);
+  int copy = 2;
+  while (taken(name + "-" + std::to_string(copy))) ++copy;
+  return name + "-" + std::to_string(copy);
 }
 
 void Problem::save() {

@@ -183,10 +183,25 @@ TEST(Fisheye, FindsItsTruthOnARig) {
 }
 
 TEST(Opencv8, FindsItsTruth) {
+  // k1 and k4, and the others of numerator and denominator, nearly do the same: what is determined is where
+  // points are seen.
+  const Opencv8<> truth{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01};
   Scene scene;
   scene.images = 20;
-  expectTruth(Opencv8<>{400., 402., 322., 243., 0.4, -0.1, 0.001, -0.002, 0.02, 0.6, -0.05, 0.01},
-              Model::opencv8, scene, 1);
+  scene.sigma_px = 0;
+  Settings settings;
+  settings.model = Model::opencv8;
+  settings.sigma_px = 0.2;
+  const Result result = calibrate(simulated(truth, scene, 1), settings);
+  ASSERT_TRUE(result.success()) << result.message << result.undetermined;
+  EXPECT_LT(result.cameras[0].rms_px, 1e-4);
+  ASSERT_EQ(result.cameras[0].parameters.size(), 12u);
+  Opencv8<> found;
+  for (int i = 0; i < 12; ++i) found[i] = result.cameras[0].parameters[std::size_t(i)].value;
+  for (const double x : {-0.6, -0.3, 0., 0.3, 0.6}) {
+    for (const double y : {-0.4, 0., 0.4})
+      EXPECT_LT((found.project(vec3(x, y, 1.)) - truth.project(vec3(x, y, 1.))).norm(), 1e-3);
+  }
 }
 
 Comparison compared(const Dataset& data) {
@@ -205,7 +220,7 @@ TEST(Comparison, ChoosesTheModelThatMadeTheData) {
     ASSERT_TRUE(comparison.chosen);
     EXPECT_EQ(comparison.chosenTrial().model, Model::opencv4) << seed;
     EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not told apart";
-    too_large += comparison.standard_errors[1] > 1;
+    too_large += comparison.standard_errors[1] > 2;
     // Prediction of corners with sigma 0.2 px by poses from half of them.
     EXPECT_NEAR(comparison.chosenTrial().heldOutRms(), 0.2 * std::sqrt(2), 0.03);
   }
@@ -222,7 +237,7 @@ TEST(Comparison, ChoosesAFisheyeForOne) {
   }
 }
 
-TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
+TEST(Comparison, ChoosesTheSimplestThatIsNotClearlyWorse) {
   const auto trial = [](Model model, int unknowns, const std::vector<double>& squares) {
     ModelTrial t;
     t.model = model;
@@ -231,15 +246,16 @@ TEST(Comparison, ChoosesTheSimplestOnOneStandardError) {
     return t;
   };
   Comparison comparison;
-  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {1, 2.1, 3, 2}),
-                       trial(Model::opencv5, 15, {1.1, 2, 2.9, 1.9}), trial(Model::opencv8, 18, {})};
+  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {0.9, 2, 3.4, 1.8}),
+                       trial(Model::opencv5, 15, {1, 2, 3, 2}), trial(Model::opencv8, 18, {})};
   comparison.trials[3].failure = "did not converge";
   judge(comparison);
   EXPECT_EQ(comparison.best, 2u);
   EXPECT_EQ(comparison.chosen, 1u);
   EXPECT_EQ(comparison.standard_errors[2], 0);
-  EXPECT_NEAR(comparison.standard_errors[1], 0.05 / (0.1 / 2),
-              1e-9);  // differences -0.1 0.1 0.1 0.1: mean 0.05, sd 0.1
+  // Logarithms of the ratios 0.9, 1, 3.4 / 3, 0.9: their mean over their standard deviation, by the square
+  // root of 4.
+  EXPECT_NEAR(comparison.standard_errors[1], -0.390314, 1e-6);
   EXPECT_TRUE(std::isnan(comparison.standard_errors[3]));
 }
 

@@ -140,7 +140,7 @@ TEST(Notes, ParametersThatAreNotDetermined) {
 TEST(Report, HelpOpensWithASampleRun) {
   const auto help = testing::runCalibrate({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_TRUE(help.output.starts_with("slom calibrate --camera left=left_corners.csv")) << help.output;
+  EXPECT_TRUE(help.output.starts_with("slom calibrate --board 9x6 --square 0.025 --images left=")) << help.output;
   for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix",
                                    "--json", "--output", "--quiet"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;

@@ -26,7 +26,8 @@ struct Photos : ::testing::Test {
   /// `1:left1.jpg 2:left2.jpg`, without the folder.
   std::string found(const CameraFile& camera) const {
     std::string text;
-    for (const Photo& photo : findPhotos({camera})[0].photos)
+    const auto cameras = findPhotos({camera});
+    for (const Photo& photo : cameras[0].photos)
       text += (text.empty() ? "" : " ") + std::to_string(photo.image) + ":" +
               std::filesystem::path(photo.file).filename().string();
     return text;

@@ -228,6 +228,36 @@ TEST(RankDeficiency, LevenbergMarquardtGoesOn) {
   EXPECT_EQ(*unseen, Vector3d(1, 2, 3));
 }
 
+/// x cancels, but for rounding: 0.1 * 3 - 0.3 = 5.6e-17.
+TEST(RankDeficiency, OfAComponentWhoseDerivativeIsRounding) {
+  const auto make = [](slom::Estimator& est) {
+    const auto x = est.insertRV(2.0, "x");
+    const auto y = est.insertRV(1.0, "y");
+    for (int i = 0; i < 4; ++i) {
+      const auto f = [](const auto& a, const auto& b, const double& t) { return (a * 0.1 * 3.0 - a * 0.3) * t + b; };
+      est.insertMeasurement(f, x, y, double(i), slom::measured(5.0 + (i == 2 ? 0.1 : 0.0)));
+    }
+    return std::pair(x, y);
+  };
+  for (const bool dog_leg : {false, true}) {
+    slom::Estimator est;
+    const auto [x, y] = make(est);
+    if (dog_leg) est.changeAlgorithm(slom::DogLeg());
+    const slom::Summary summary = est.optimize();
+    EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient) << summary;
+    EXPECT_NE(summary.message.find("x"), std::string::npos) << summary.message;
+    EXPECT_EQ(*x, 2.0);
+    EXPECT_EQ(*y, 1.0);
+  }
+  slom::Estimator est;
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  const auto [x, y] = make(est);
+  const slom::Summary summary = est.optimize();
+  EXPECT_TRUE(summary.converged) << summary;
+  EXPECT_EQ(*x, 2.0);
+  EXPECT_NEAR(*y, 5.025, 1e-9);
+}
+
 TEST(RankDeficiency, OfAnUnmeasuredVariableIsAWarningAndAnError) {
   const std::string sentence = "no measurement depends on variable bias, so nothing determines it; add measurements or fix "
                                "it with optimizeRV(id, false)";

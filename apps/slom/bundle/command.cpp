@@ -85,6 +85,7 @@ void addBundleCommand(CLI::App& app) {
   command.add_option("FILE", settings.file, "cameras, points and observations in BAL's format; also as .bz2")
       ->required();
   addFitOptions(command, raw->fit);
+  addLossOption(command, raw->fit);
   command
       .add_option("--tolerance", settings.tolerance,
                   "the fit has converged when a step makes the RSS smaller by less than this, relatively")

@@ -115,12 +115,14 @@ std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
 void run(const RawOptions& raw) {
   Settings settings = parseSettings(raw);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
+  if (settings.model_is_given) requireModelOf(settings);
   const Dataset data = readDataset(settings);
+  requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
   if (!settings.quiet) fmt::print("{}", dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings)) fmt::print("written: {}\n", file);
   const std::optional<Comparison> comparison = compare(data, settings);
-  requireFormat(settings, data.cameras);
+  requireModelOf(settings);
   if (!settings.quiet) fmt::print("{}", aloneHeader(settings));
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
   result.comparison = comparison;

@@ -125,17 +125,20 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
                   "ill-conditioned problems; a dense one, for small problems")
       ->type_name("auto|cholesky|cg|qr|dense-qr")
       ->capture_default_str();
-  command
-      .add_option("--robust", raw.loss,
-                  "loss of all measurements, with its scale in standard deviations: huber,\n"
-                  "pseudo-huber, cauchy, tukey, geman-mcclure, or barron:ALPHA:SCALE")
-      ->type_name("NAME:SCALE");
   command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
       ->type_name("NUMBER")
       ->capture_default_str();
   command.add_option("--max-iterations", raw.max_iterations, "of the fit")
       ->type_name("NUMBER")
       ->capture_default_str();
+}
+
+void addLossOption(CLI::App& command, RawFitOptions& raw) {
+  command
+      .add_option("--robust", raw.loss,
+                  "loss of all measurements, with its scale in standard deviations: huber,\n"
+                  "pseudo-huber, cauchy, tukey, geman-mcclure, or barron:ALPHA:SCALE")
+      ->type_name("NAME:SCALE");
 }
 
 FitOptions parseFitOptions(const RawFitOptions& raw) {

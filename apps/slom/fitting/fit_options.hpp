@@ -34,8 +34,10 @@ struct RawFitOptions {
   int max_iterations = 100;
 };
 
-/// Adds --algorithm, --solver, --robust, --threads and --max-iterations; `raw` must live as long as `command`.
+/// Adds --algorithm, --solver, --threads and --max-iterations; `raw` must live as long as `command`.
 void addFitOptions(CLI::App& command, RawFitOptions& raw);
+/// Adds --robust, for problems without losses of their own.
+void addLossOption(CLI::App& command, RawFitOptions& raw);
 
 /// Reads the texts and checks all values; UserError names the option.
 FitOptions parseFitOptions(const RawFitOptions& raw);

@@ -17,6 +17,44 @@ Json traceJson(const Summary& summary) {
   return trace;
 }
 
+Json groupsJson(const Summary& summary) {
+  Json groups = Json::array();
+  for (const GroupSummary& group : summary.groups) {
+    Json losses = Json::array();
+    for (const LossSummary& loss : group.losses) {
+      losses.push_back({{"loss", loss.loss},
+                        {"measurements", loss.measurements},
+                        {"down_weighted", loss.down_weighted},
+                        {"weightless", loss.weightless}});
+    }
+    groups.push_back({{"name", group.name},
+                      {"measurements", group.measurements},
+                      {"residuals", group.residuals},
+                      {"initial_rss", group.initial_rss},
+                      {"final_rss", group.final_rss},
+                      {"redundancy", group.redundancy < 0 ? Json() : Json(group.redundancy)},
+                      {"derivatives", group.derivatives},
+                      {"losses", losses}});
+  }
+  return groups;
+}
+
+Json parametersJson(const Summary& summary) {
+  Json parameters = Json::array();
+  for (const ParameterSummary& p : summary.parameters) {
+    parameters.push_back({{"name", p.name}, {"value", p.value}, {"std", p.standard_deviation}});
+  }
+  return parameters;
+}
+
+Json correlationsJson(const Summary& summary) {
+  Json correlations = Json::array();
+  for (const CorrelationSummary& c : summary.correlations) {
+    correlations.push_back({{"a", c.a}, {"b", c.b}, {"correlation", c.correlation}});
+  }
+  return correlations;
+}
+
 }  // namespace
 
 std::string toJson(const RunReport& report) {
@@ -24,12 +62,17 @@ std::string toJson(const RunReport& report) {
   const PhaseSeconds& phases = s.phases;
   const Json json = {{"converged", s.converged},
                      {"stop_reason", toString(s.stop_reason)},
+                     {"message", s.message},
+                     {"warnings", s.warnings},
                      {"iterations", s.iterations},
                      {"variables", s.variables},
                      {"measurements", s.measurements},
                      {"unknowns", s.unknowns},
+                     {"redundancy", s.redundancy},
                      {"initial_rss", s.initial_rss},
                      {"final_rss", s.final_rss},
+                     {"chi2_per_dof", s.chi2PerDof()},
+                     {"sigma", s.sigma_is_estimated ? "estimated" : "known"},
                      {"threads", report.threads},
                      {"solver", s.solver},
                      {"seconds",
@@ -40,6 +83,10 @@ std::string toJson(const RunReport& report) {
                        {"solve", phases.solve},
                        {"total", report.total_seconds}}},
                      {"peak_memory_mb", peakMemoryMb()},
+                     {"groups", groupsJson(s)},
+                     {"parameters", parametersJson(s)},
+                     {"correlations", correlationsJson(s)},
+                     {"active_bounds", s.active_bounds},
                      {"trace", traceJson(s)}};
   return json.dump(2) + "\n";
 }

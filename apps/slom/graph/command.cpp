@@ -115,6 +115,7 @@ void addGraphCommand(CLI::App& app) {
   command.footer(footer_text);
   command.add_option("FILE", settings.file, "the graph, with lines of g2o or TORO")->required();
   addFitOptions(command, raw->fit);
+  addLossOption(command, raw->fit);
   command
       .add_option("--init", raw->init,
                   "where the fit starts: at the vertices of the file, at the chain of edges i, i+1,\n"

@@ -5,13 +5,7 @@
 ///   variable  x    any manifold: numbers, vectors (dynamic ones too), rotations, poses, compounds, the user's own
 ///   datum     z    of the type of x
 ///   residual  x [-] z, in the tangent space at z; units and names are those of the components of x
+/// `est.prior(x, z, sigma)` is short for it.
 #pragma once
 
-namespace slom {
-
-struct Prior {
-  static constexpr bool is_vectorized = true;
-  auto operator()(const auto& x) const { return x; }
-};
-
-}  // namespace slom
+#include "slom/model/prior.hpp"

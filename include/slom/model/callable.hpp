@@ -371,6 +371,8 @@ class CallableMeasurement {
       return std::tie(std::get<I>(args_)...);
     }(VariableIndices{});
   }
+  /// As stored: VarArg<T> for variables, Measured<Z>, data.
+  const auto& arguments() const { return args_; }
   void evaluate(Residual<residual_dim>& ret) const {
     evaluateTo([&](int size) {
       if constexpr (residual_dim == mtk::Dynamic) ret.resize(size);

@@ -42,6 +42,12 @@ concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret)
 } && detail::IsVarArgTuple<decltype(std::declval<M&>().variableArgs())>::value;
 
 namespace detail {
+/// References to all arguments but the first, which lets a list be empty.
+template <class... T>
+std::tuple<const T&...> tieBehind(int, const T&... x) {
+  return {x...};
+}
+
 /// Writes the residual, `rows` entries, to r; entries that the measurement leaves out are NaN. Returns the residual's length;
 /// nothing is written when that is not `rows`.
 template <Measurement M>
@@ -101,6 +107,12 @@ namespace SLOM = slom;
 #define SLOM_DATUM_INIT_A_END
 #define SLOM_DATUM_INIT_B_END
 
+#define SLOM_DATUM_TIED_(type, name) , name
+#define SLOM_DATUM_TIED_A(pair) SLOM_DATUM_TIED_ pair SLOM_DATUM_TIED_B
+#define SLOM_DATUM_TIED_B(pair) SLOM_DATUM_TIED_ pair SLOM_DATUM_TIED_A
+#define SLOM_DATUM_TIED_A_END
+#define SLOM_DATUM_TIED_B_END
+
 #define SLOM_TIED_(type, name) name
 #define SLOM_TIED_A(pair) SLOM_TIED_ pair SLOM_TIED_MORE_A
 #define SLOM_TIED_MORE_A(pair) , SLOM_TIED_ pair SLOM_TIED_MORE_B
@@ -121,6 +133,7 @@ namespace SLOM = slom;
         : MTK_SEQUENCE(SLOM_ID_INIT, variables) MTK_SEQUENCE(SLOM_DATUM_INIT, data) {}               \
                                                                                                      \
     auto variableArgs() { return ::std::tie(MTK_SEQUENCE(SLOM_TIED, variables)); }                   \
+    auto dataArgs() const { return ::slom::detail::tieBehind(0 MTK_SEQUENCE(SLOM_DATUM_TIED, data)); } \
     void evaluate(ResidualVector& slom_ret) const;                                                   \
   };
 

@@ -17,7 +17,13 @@
 
 namespace slom {
 
-enum class NoiseForm { covariance, standard_deviation, inv_covariance, inv_standard_deviation };
+enum class NoiseForm {
+  covariance,
+  standard_deviation,
+  inv_covariance,
+  inv_standard_deviation,
+  whitening  ///< W itself, of any shape, as a NoiseView alone: for problems that are loaded
+};
 
 /// Value and form; T is double or a dense Eigen type of doubles.
 template <NoiseForm Form, class T>

@@ -7,7 +7,9 @@
 
 namespace slom {
 
+class Archive;
 class Problem;
+class StoredProblem;
 
 /// The part of a VarID that does not depend on the type.
 class VariableHandle {
@@ -53,6 +55,8 @@ class VarID : public VariableHandle {
 
  private:
   friend class Problem;
+  friend class Archive;
+  friend class StoredProblem;
 
   explicit VarID(VariableHandle handle) : VariableHandle(std::move(handle)) {}
 

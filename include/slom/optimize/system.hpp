@@ -51,6 +51,11 @@ class System {
   double stepInDeviations(const Eigen::VectorXd& d) const;
   /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
   bool isNegligible(const Eigen::VectorXd& d, double tolerance);
+  /// The Gauss-Newton step. Fails also at an unknown that it would move by more than its magnitude though such a move changes
+  /// the residuals by less than rounding does: then its column of J is rounding error, and no residual depends on it.
+  SolveStatus solveUndamped(Eigen::VectorXd& step);
+  /// The step with this damping, in which such unknowns stay where they are.
+  SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
   /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
   /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
@@ -72,6 +77,9 @@ class System {
   bool updateActiveBounds();
   Eigen::VectorXd withinBounds(const Eigen::VectorXd& d);
   void move(const Eigen::VectorXd& d);
+  int unseenUnknown(const Eigen::VectorXd& d);
+  /// |x_i| of every unknown (1 for angles).
+  Eigen::VectorXd magnitudes();
 
   Problem& problem_;
   Linearizer& linearizer_;

@@ -79,6 +79,7 @@ class MeasurementPool {
   MeasurementPool& operator=(const MeasurementPool&) = delete;
 
   const std::string& name() const { return name_; }
+  const MeasurementType& type() const { return type_; }
   /// `Gravity #12`: the name and the running number of insertion into this pool, from 1.
   std::string measurementName(int i) const;
   /// The name that the measurement inserted next will have.
@@ -96,6 +97,8 @@ class MeasurementPool {
   void sizes(int first, int last, int* rows, int* dof) const;
   /// The loss of measurement i; null: least squares. evaluate and linearize know nothing of it.
   const Loss* lossOf(int i) const { return loss_[at(i)]; }
+  /// W of measurement i: residuals are multiplied by it.
+  std::pair<WhiteningKind, const double*> whitening(int i) const { return {noise_kind_[at(i)], noise_.data() + noise_at_[at(i)]}; }
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
 
@@ -241,6 +244,8 @@ class TypedPool final : public MeasurementPool {
                                         &typeName, &make};
 
   TypedPool(std::string name, const std::vector<VariableRecord>& table) : MeasurementPool(std::move(name), type, table) {}
+
+  const M& operator[](int i) const { return measurements_[at(i)]; }
 
  protected:
   int run(int& i, int last, double* r, double* J) override {

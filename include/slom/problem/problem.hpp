@@ -101,6 +101,8 @@ class Problem {
     return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
+  /// The label of the measurements in a pool of this problem; empty: none, the pool has its type's name.
+  const std::string& labelOf(const MeasurementPool& pool) const;
   /// Non-const access for evaluation, which moves variables locally.
   std::vector<std::unique_ptr<MeasurementPool>>& pools() { return pools_; }
 

@@ -42,14 +42,16 @@ class EliminatedBlocks {
   /// the reduced system, of which all blocks are there that this one meets in pairs, and V^-1 + V^-1 W^T Z W V^-1 on it.
   void invert(const BlockLower& H, int e, const BlockLower& Z, BlockLower& inverse) const;
 
+  /// Lower triangular, column-major, with inverse diagonal.
+  const double* factor(int e) const { return factors_.data() + start_[static_cast<std::size_t>(e)]; }
+
   static SolveStatus status(const Failure& failure, const std::vector<int>& offset);
 
  private:
-  const double* factor(int e) const { return factors_.data() + start_[static_cast<std::size_t>(e)]; }
 
   int count_ = 0;
   std::vector<std::size_t> start_;  // of each factor
-  std::vector<double> factors_;     // lower, column-major, with inverse diagonals
+  std::vector<double> factors_;
 };
 
 }  // namespace slom

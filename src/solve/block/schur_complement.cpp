@@ -100,7 +100,7 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
     const std::size_t d = at(H.dof(e));
     std::size_t entries = 0;
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      entries += d * at(H.dof(H.row(k)) + dense::paddedRows(H.dof(H.row(k))));
+      entries += d * at(dense::paddedRows(H.dof(H.row(k))));
       work_[at(H.row(k) - eliminated) + 1] += k - H.begin(e);
     }
     reduced_.push_back(reduced_.back() + entries);
@@ -112,28 +112,21 @@ int SchurComplement::target(int row, int column) const {
   return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
 }
 
-/// For each neighbour of e: Y := L^-1 W^T, d x height, and behind it Y^T with filled-up columns.
+/// For each neighbour of e: Y := W L^-T, with filled-up columns.
 void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
+  const auto solve_right = dense::kernels().solveRight;
   const int d = H.dof(e);
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-    const int height = H.dof(H.row(k)), padded = dense::paddedRows(height);
-    const double* const W = H.values(k);
-    double* const transposed = Y + static_cast<std::ptrdiff_t>(d) * height;
-    for (int i = 0; i < height; ++i, Y += d) {
-      for (int c = 0; c < d; ++c) Y[c] = W[c * height + i];
-      eliminated_.forward(e, d, Y);
-      for (int c = 0; c < d; ++c) transposed[c * padded + i] = Y[c];
-    }
-    for (int c = 0; c < d; ++c) std::fill(transposed + c * padded + height, transposed + (c + 1) * padded, 0.0);
-    Y += static_cast<std::ptrdiff_t>(d) * padded;
+    const int height = H.dof(H.row(k));
+    solve_right(d, height, eliminated_.factor(e), H.values(k), Y);
+    Y += d * dense::paddedRows(height);
   }
 }
 
-/// S_ij -= Y_i^T Y_j for the neighbours i >= j of e with row first <= i < last.
+/// S_ij -= Y_i Y_j^T for the neighbours i >= j of e with row first <= i < last.
 void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y, int first, int last) {
   const auto subtract_outer = dense::kernels().subtractOuter;
   const int d = H.dof(e);
-  const auto length = [&](int i) { return static_cast<std::ptrdiff_t>(d) * (S_.dof(i) + dense::paddedRows(S_.dof(i))); };
   const double* Yi = Y;
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
     const int i = H.row(k) - eliminated_.count(), height = S_.dof(i);
@@ -142,11 +135,11 @@ void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y,
       const double* Yj = Y;
       for (int l = H.begin(e) + 1; l <= k; ++l) {
         const int j = H.row(l) - eliminated_.count();
-        subtract_outer(d, height, S_.dof(j), Yi + static_cast<std::ptrdiff_t>(d) * height, Yj, S_.values(target(i, j)));
-        Yj += length(j);
+        subtract_outer(d, height, S_.dof(j), Yi, Yj, S_.values(target(i, j)));
+        Yj += d * dense::paddedRows(S_.dof(j));
       }
     }
-    Yi += length(i);
+    Yi += d * dense::paddedRows(height);
   }
 }
 

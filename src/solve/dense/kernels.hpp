@@ -13,7 +13,7 @@ namespace slom::dense {
 
 inline constexpr int kStripe = 12;
 
-/// Rows of an operand of subtractOuter are filled up to a multiple of this.
+/// Rows of the operands of subtractOuter are filled up to a multiple of this.
 inline constexpr int kRowPadding = 4;
 constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 
@@ -69,8 +69,11 @@ struct Kernels {
   void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// H += A^T B for A rows x k, B rows x l, H k x l, all column-major and without gaps
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
-  /// H -= A B for A k x rows, column-major with paddedRows(k) rows; B rows x l and H as above.
-  void (*subtractOuter)(int rows, int k, int l, const double* A, const double* B, double* H);
+  /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
+  /// paddedRows(k) rows, those behind the k-th are 0.
+  void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);
+  /// H -= A B^T for A k x d and B l x d, column-major with rows filled up as those of Y; H k x l without gaps.
+  void (*subtractOuter)(int d, int k, int l, const double* A, const double* B, double* H);
 };
 
 /// For this processor.

@@ -327,8 +327,8 @@ constexpr int kMostRows = 16;
 constexpr int padded(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 static_assert(kRowPadding == kLanes);
 
-/// H +- A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
-template <int K, bool Add>
+/// H += A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
+template <int K>
 inline void accumulate(int rows, int l, const double* A, const double* B, int b, double* H) {
   constexpr int kVectors = padded(K) / kLanes;
   for (int j = 0; j < l; ++j, B += b, H += K) {
@@ -340,14 +340,8 @@ inline void accumulate(int rows, int l, const double* A, const double* B, int b,
       for (int v = 0; v < kVectors; ++v) sum[v] += load(A + r * padded(K) + kLanes * v) * all(B[r]);
     }
 #pragma GCC unroll 4
-    for (int v = 0; v < K / kLanes; ++v) {
-      const Vector old = load(H + kLanes * v);
-      store(H + kLanes * v, Add ? old + sum[v] : old - sum[v]);
-    }
-    for (int i = K / kLanes * kLanes; i < K; ++i) {
-      const double x = sum[i / kLanes][i % kLanes];
-      H[i] = Add ? H[i] + x : H[i] - x;
-    }
+    for (int v = 0; v < K / kLanes; ++v) store(H + kLanes * v, load(H + kLanes * v) + sum[v]);
+    for (int i = K / kLanes * kLanes; i < K; ++i) H[i] += sum[i / kLanes][i % kLanes];
   }
 }
 
@@ -361,7 +355,7 @@ void addProductOf(int rows, int l, const double* A, const double* B, double* H) 
       for (int i = 0; i < K; ++i) transposed[r * padded(K) + i] = A[i * rows + first + r];
       for (int i = K; i < padded(K); ++i) transposed[r * padded(K) + i] = 0;
     }
-    accumulate<K, true>(count, l, transposed, B + first, rows, H);
+    accumulate<K>(count, l, transposed, B + first, rows, H);
   }
 }
 
@@ -385,23 +379,99 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
   }
 }
 
-void subtractOuter(int rows, int k, int l, const double* A, const double* B, double* H) {
-  switch (k) {
-    case 3: accumulate<3, false>(rows, l, A, B, rows, H); return;
-    case 6: accumulate<6, false>(rows, l, A, B, rows, H); return;
-    case 9: accumulate<9, false>(rows, l, A, B, rows, H); return;
+/// The K rows of a column as vectors, 0 behind the last.
+template <int K>
+inline __attribute__((always_inline)) void loadColumn(const double* column, Vector (&x)[padded(K) / kLanes]) {
+#pragma GCC unroll 4
+  for (int v = 0; v < K / kLanes; ++v) x[v] = load(column + kLanes * v);
+  if constexpr (K % kLanes != 0) {
+    Vector last = all(0);
+    for (int i = K / kLanes * kLanes; i < K; ++i) last[i % kLanes] = column[i];
+    x[K / kLanes] = last;
+  }
+}
+
+template <int D, int K>
+void solveRightOf(const double* L, const double* W, double* Y) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector y[D][kVectors];
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    loadColumn<K>(W + c * K, y[c]);
+#pragma GCC unroll 3
+    for (int j = 0; j < c; ++j) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) y[c][v] -= all(L[j * D + c]) * y[j][v];
+    }
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      y[c][v] *= all(L[c * D + c]);
+      store(Y + c * padded(K) + kLanes * v, y[c][v]);
+    }
+  }
+}
+
+void solveRight(int d, int k, const double* L, const double* W, double* Y) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: solveRightOf<3, 9>(L, W, Y); return;
+    case 4 * 6 + 3: solveRightOf<3, 6>(L, W, Y); return;
+    case 4 * 3 + 2: solveRightOf<2, 3>(L, W, Y); return;
+    default: break;
+  }
+  for (int c = 0; c < d; ++c) {
+    double* const y = Y + c * padded(k);
+    for (int i = 0; i < k; ++i) y[i] = W[c * k + i];
+    for (int i = k; i < padded(k); ++i) y[i] = 0;
+    for (int j = 0; j < c; ++j) {
+      for (int i = 0; i < k; ++i) y[i] -= L[j * d + c] * Y[j * padded(k) + i];
+    }
+    for (int i = 0; i < k; ++i) y[i] *= L[c * d + c];
+  }
+}
+
+/// A stays in registers.
+template <int D, int K>
+void subtractOuterOf(int l, const double* A, const double* B, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector a[D][kVectors];
+#pragma GCC unroll 3
+  for (int r = 0; r < D; ++r) {
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) a[r][v] = load(A + r * padded(K) + kLanes * v);
+  }
+  const int b = padded(l);
+  for (int j = 0; j < l; ++j, ++B, H += K) {
+    Vector sum[kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[v] = a[0][v] * all(B[0]);
+#pragma GCC unroll 3
+    for (int r = 1; r < D; ++r) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[v] += a[r][v] * all(B[r * b]);
+    }
+#pragma GCC unroll 4
+    for (int v = 0; v < K / kLanes; ++v) store(H + kLanes * v, load(H + kLanes * v) - sum[v]);
+    for (int i = K / kLanes * kLanes; i < K; ++i) H[i] -= sum[i / kLanes][i % kLanes];
+  }
+}
+
+void subtractOuter(int d, int k, int l, const double* A, const double* B, double* H) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractOuterOf<3, 9>(l, A, B, H); return;
+    case 4 * 6 + 3: subtractOuterOf<3, 6>(l, A, B, H); return;
+    case 4 * 3 + 2: subtractOuterOf<2, 3>(l, A, B, H); return;
     default: break;
   }
   for (int j = 0; j < l; ++j) {
     for (int i = 0; i < k; ++i) {
-      for (int r = 0; r < rows; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[j * rows + r];
+      for (int r = 0; r < d; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[r * padded(l) + j];
     }
   }
 }
 
 constexpr Kernels makeKernels(const char* name) {
   return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
-          &forwardRows, &backwardRows, &backwardPivots, &addProduct,  &subtractOuter};
+          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &solveRight, &subtractOuter};
 }
 
 }  // namespace

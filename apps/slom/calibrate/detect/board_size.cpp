@@ -25,21 +25,36 @@ Board resized(Board board, int more_columns, int more_rows) {
   return board;
 }
 
+/// The chessboard of a size near `board` that a photograph shows.
+std::optional<Board> shownInstead(const Board& board, const std::string& photo) {
+  constexpr std::pair<int, int> neighbours[] = {{1, 1}, {1, 0}, {0, 1}, {0, -1}, {-1, 0}, {-1, -1}};
+  for (const auto& [columns, rows] :
+       neighbours) {  // larger ones first: a detector may find a part of a board
+    const Board other = resized(board, columns, rows);
+    if (other.columns >= 3 && other.rows >= 3 && shows(other, photo)) return other;
+  }
+  return {};
+}
+
 }  // namespace
 
-std::string adviceOnSize(const Board& board, const std::vector<std::string>& photos) {
-  if (board.kind != BoardKind::chessboard) return "check its size, and that it is that kind of board";
-  // Larger ones first: a detector may find a part of a board.
-  constexpr std::pair<int, int> neighbours[] = {{1, 1}, {1, 0}, {0, 1}, {0, -1}, {-1, 0}, {-1, -1}};
+void requireSizeLikely(const Board& board, const std::vector<std::string>& photos) {
+  if (board.kind != BoardKind::chessboard || photos.empty()) return;
+  std::string seen;
   for (std::size_t i = 0; i < std::min(photos_to_try, photos.size()); ++i) {
-    for (const auto& [columns, rows] : neighbours) {
-      const Board other = resized(board, columns, rows);
-      if (other.columns < 3 || other.rows < 3 || !shows(other, photos[i])) continue;
-      return fmt::format(
-          "{} shows one of {}: count the inner corners, where four squares meet, and give --board {}",
-          photos[i], toString(other), toString(other));
-    }
+    if (shows(board, photos[i])) return;
+    const auto other = shownInstead(board, photos[i]);
+    if (!other || (i > 0 && toString(*other) != seen)) return;
+    seen = toString(*other);
   }
+  throw UserError(fmt::format(
+      "{}: it shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
+      "--board {}",
+      photos.front(), seen, toString(board), seen));
+}
+
+std::string adviceOnSize(const Board& board) {
+  if (board.kind != BoardKind::chessboard) return "check its size, and that it is that kind of board";
   return "count its inner corners, where four squares meet, and see whether all of them are in the "
          "photographs";
 }

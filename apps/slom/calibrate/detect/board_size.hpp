@@ -8,9 +8,12 @@
 
 namespace slom::app::calib {
 
-/// For photographs in which the board was not found: what to do, with the right size where one near it is
-/// found.
-std::string adviceOnSize(const Board& board, const std::vector<std::string>& photos);
+/// A quick look before the search in all photographs, which takes long where there is nothing: UserError when
+/// the first ones show no chessboard of this size, but all of them one of another size.
+void requireSizeLikely(const Board& board, const std::vector<std::string>& photos);
+
+/// What to do where the board was found in no photograph.
+std::string adviceOnSize(const Board& board);
 
 /// For photographs in which the board was found: UserError when it is a part of a larger one, of which the
 /// detector may take another part in each photograph.

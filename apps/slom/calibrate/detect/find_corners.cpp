@@ -98,7 +98,7 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
                     camera.photos.front().file, seen.front().reason, camera.name));
   }
   throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(),
-                              camera.name, toString(board), adviceOnSize(board, readable)));
+                              camera.name, toString(board), adviceOnSize(board)));
 }
 
 }  // namespace
@@ -106,6 +106,11 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
 std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
                                     const std::vector<CameraPhotos>& photos, const Board& board,
                                     bool with_progress) {
+  for (const CameraPhotos& camera : photos) {
+    std::vector<std::string> files;
+    for (const Photo& photo : camera.photos) files.push_back(photo.file);
+    requireSizeLikely(board, files);
+  }
   const auto seen = lookAtAll(photos, board, with_progress);
   std::vector<CameraData> result;
   for (std::size_t c = 0; c < cameras.size(); ++c) {

@@ -15,13 +15,13 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
-/// Mean difference of two models' squares over its standard error; 0 for the same model.
+/// Mean logarithm of the ratio of two models' squares over its standard error; 0 for the same model.
 double standardErrors(const std::vector<double>& worse, const std::vector<double>& best) {
-  std::vector<double> difference(worse.size());
-  for (std::size_t i = 0; i < worse.size(); ++i) difference[i] = worse[i] - best[i];
-  const double average = mean(difference), count = double(difference.size());
+  std::vector<double> ratios(worse.size());
+  for (std::size_t i = 0; i < worse.size(); ++i) ratios[i] = std::log(worse[i] / best[i]);
+  const double average = mean(ratios), count = double(ratios.size());
   double square = 0;
-  for (const double d : difference) square += (d - average) * (d - average);
+  for (const double ratio : ratios) square += (ratio - average) * (ratio - average);
   const double error = std::sqrt(square / (count - 1) / count);
   return average == 0 ? 0 : average / error;
 }
@@ -62,7 +62,11 @@ void judge(Comparison& comparison) {
     if (!trials[i].failure.empty()) continue;
     const double behind = standardErrors(trials[i].held_out_squares, best.held_out_squares);
     comparison.standard_errors[i] = behind;
-    if (behind <= 1 && trials[i].unknowns < trials[*comparison.chosen].unknowns) comparison.chosen = i;
+    const ModelTrial& chosen = comparison.chosenTrial();
+    const bool is_simpler =
+        trials[i].unknowns < chosen.unknowns ||
+        (trials[i].unknowns == chosen.unknowns && trials[i].heldOutRms() < chosen.heldOutRms());
+    if (behind <= clearly_worse && is_simpler) comparison.chosen = i;
   }
 }
 

@@ -18,6 +18,10 @@ namespace slom::app::calib {
 
 inline constexpr int most_folds = 5;
 
+/// Behind the best by more standard errors than this: clearly worse. One would be too few, as the images of a
+/// fold share one fitted lens: in one of five simulations it chose a parameter that is 0 in truth.
+inline constexpr double clearly_worse = 2;
+
 /// One model on all images, and in cross-validation.
 struct ModelTrial {
   Model model = Model::opencv5;
@@ -44,9 +48,9 @@ struct Comparison {
 /// Fits each model. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 
-/// From the trials: best, standard errors and choice. The difference to the best is averaged over images, and
-/// its standard error follows from how much that varies between images; a model is clearly worse when it is
-/// so by more than one of them.
+/// From the trials: best, standard errors and choice. The logarithm of the ratio of a model's squares to the
+/// best one's is averaged over the images, and its standard error follows from how much it varies between
+/// them.
 void judge(Comparison& comparison);
 
 /// Defined in calibrate_model.hpp.

@@ -11,7 +11,7 @@ std::string row(const ModelTrial& trial, double standard_errors) {
   const std::string name =
       fmt::format("  {:<10}{:>10}", toString(trial.model), parametersOf(trial.model).size());
   if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, trial.failure);
-  return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>17.1f}\n", name, trial.unknowns,
+  return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
                      trial.rss, trial.rss / trial.redundancy, trial.rms_px, trial.heldOutRms(),
                      standard_errors);
 }
@@ -21,9 +21,9 @@ std::string verdict(const Comparison& comparison) {
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
   std::string text = fmt::format("The data carry {}: ", toString(chosen.model));
   if (comparison.chosen == comparison.best)
-    return text + "it predicts best, and none with fewer parameters comes within one standard error.";
+    return text + "it predicts best, and none with fewer parameters comes within two standard errors.";
   return text +
-         fmt::format("{} predicts better, but not by more than one standard error, and has more parameters.",
+         fmt::format("{} predicts better, but not by more than two standard errors, and has more parameters.",
                      toString(best.model));
 }
 
@@ -31,7 +31,7 @@ std::string verdict(const Comparison& comparison) {
 
 std::string comparisonText(const Comparison& comparison) {
   std::string text =
-      fmt::format("\nmodels compared\n  {:<10}{:>10}{:>10}{:>13}{:>10}{:>10}{:>14}{:>17}\n", "model",
+      fmt::format("\nmodels compared\n  {:<10}{:>10}{:>10}{:>13}{:>10}{:>10}{:>14}{:>18}\n", "model",
                   "parameters", "unknowns", "RSS", "RSS/dof", "RMS px", "predicted px", "behind best [se]");
   for (std::size_t i = 0; i < comparison.trials.size(); ++i)
     text += row(comparison.trials[i], comparison.standard_errors[i]);

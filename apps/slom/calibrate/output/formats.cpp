@@ -22,22 +22,25 @@ std::vector<OutputText> outputTexts(const Result& result, const Settings& settin
   return files;
 }
 
-void requireFormat(const Settings& settings, const std::vector<CameraData>& cameras) {
+void requireModelOf(const Settings& settings) {
+  const bool is_unknown = settings.model == Model::opencv5 || settings.model == Model::opencv8;
+  if (settings.yaml_file.empty() || settings.format != OutputFormat::kalibr || !is_unknown) return;
+  throw UserError(
+      fmt::format("--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics opencv4 "
+                  "(its radtan) or "
+                  "fisheye (its equidistant)",
+                  settings.yaml_file, toString(settings.model)));
+}
+
+void requireImageSizes(const Settings& settings, const std::vector<CameraData>& cameras) {
   if (settings.yaml_file.empty() || settings.format == OutputFormat::opencv) return;
-  const bool is_kalibr = settings.format == OutputFormat::kalibr;
-  if (is_kalibr && (settings.model == Model::opencv5 || settings.model == Model::opencv8)) {
-    throw UserError(
-        fmt::format("--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics "
-                    "opencv4 (its radtan) or "
-                    "fisheye (its equidistant)",
-                    settings.yaml_file, toString(settings.model)));
-  }
   for (const CameraData& camera : cameras) {
     if (camera.image_size) continue;
-    throw UserError(
-        fmt::format("--output {}: {} stores the size of the images, which {} does not say; give it as in "
-                    "--image-size {}=640x480",
-                    settings.yaml_file, is_kalibr ? "a camchain" : "camera_info", camera.file, camera.name));
+    throw UserError(fmt::format(
+        "--output {}: {} stores the size of the images, which {} does not say; give it as in --image-size "
+        "{}=640x480",
+        settings.yaml_file, settings.format == OutputFormat::kalibr ? "a camchain" : "camera_info",
+        camera.file, camera.name));
   }
 }
 

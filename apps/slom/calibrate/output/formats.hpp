@@ -17,9 +17,11 @@ struct OutputText {
 /// The files of --output.
 std::vector<OutputText> outputTexts(const Result& result, const Settings& settings);
 
-/// UserError when the format cannot say what is to be found: a model that its readers do not know, or images
-/// of unknown size.
-void requireFormat(const Settings& settings, const std::vector<CameraData>& cameras);
+/// UserError when the readers of the format do not know the model.
+void requireModelOf(const Settings& settings);
+
+/// UserError when the format stores the size of the images and it is unknown.
+void requireImageSizes(const Settings& settings, const std::vector<CameraData>& cameras);
 
 /// ROS camera_info of one camera.
 std::string toRosYaml(const CameraResult& camera);

@@ -1,5 +1,6 @@
-#include "analyze/words.hpp"
+#include "model/words.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 namespace slom {
@@ -31,6 +32,7 @@ std::string abridged(const std::vector<std::string>& items) {
 }
 
 std::string number(double x, int digits) {
+  if (std::isnan(x)) return "nan";  // of either sign
   char text[40];
   std::snprintf(text, sizeof text, "%.*g", digits, x);
   return text;

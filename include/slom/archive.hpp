@@ -1,0 +1,270 @@
+/// Saves a problem into a text file and loads it again: values, data, noise, losses, names, and what is fixed or bounded.
+///
+///     slom::Archive archive;  // is told which measurements there are
+///     archive.measurement<slom::RelativePose, slom::VarID<Pose>, slom::VarID<Pose>, slom::Measured<Pose>>();
+///     archive.measurement<Observation>();  // declared by SLOM_BUILD_MEASUREMENT
+///     archive.save(est, file);
+///
+///     slom::StoredProblem problem = archive.load(file);
+///     std::cout << problem.estimator.optimize().report() << *problem.variable<Pose>("start");
+///
+/// The types of a callable's arguments are those of the call of insertMeasurement: VarID<T> for variables, Measured<Z> for
+/// measured(z), the type itself for other data. Values and data go through their stream operators, with 17 digits, so that a
+/// loaded problem is the saved one but for rounding in the last digit. docs/replay.md describes the format.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <typeindex>
+#include <utility>
+#include <vector>
+
+#include "slom/datum_stream.hpp"
+#include "slom/estimator.hpp"
+
+namespace slom {
+
+class ArchiveReader;
+
+/// A problem that was loaded.
+class StoredProblem {
+ public:
+  Estimator estimator;
+
+  /// The first variable of this name. Throws [slom.no-variable], also when it is of another type.
+  template <class T>
+  VarID<T> variable(const std::string& name) const {
+    return VarID<T>(handle(name, typeid(VariableStore<T>), &typeName<T>));
+  }
+  /// All variables of a type, in the order of their insertion.
+  template <class T>
+  std::vector<VarID<T>> variables() const {
+    std::vector<VarID<T>> ids;
+    for (const Entry& entry : entries_) {
+      if (entry.type == typeid(VariableStore<T>)) ids.push_back(VarID<T>(entry.handle));
+    }
+    return ids;
+  }
+
+ private:
+  friend class Archive;
+  friend class ArchiveReader;
+  struct Entry {
+    std::string name;
+    std::type_index type;  // of its store
+    VariableHandle handle;
+  };
+  VariableHandle handle(const std::string& name, std::type_index type, std::string (*type_name)()) const;
+
+  std::vector<Entry> entries_;
+};
+
+namespace detail {
+
+/// How variables of one type are written and read.
+struct StoredVariable {
+  std::string name;
+  std::type_index type;  ///< of their store
+  void (*write)(std::ostream&, const VariableStoreBase&, std::uint32_t slot);
+  /// Whether the stream has a value, which is inserted unless there is no problem.
+  bool (*read)(std::istream&, Problem*, bool optimize, const std::string& name, VariableHandle& id);
+};
+
+/// What stands beside the data of a measurement.
+struct StoredOptions {
+  NoiseView noise;
+  std::string label;
+  Loss loss;
+};
+
+/// How measurements of one type are written and read.
+struct StoredMeasurement {
+  std::string name;
+  std::type_index type;
+  std::vector<std::type_index> variables;  ///< their stores
+  void (*write)(std::ostream&, const MeasurementPool&, int i);
+  /// Whether the stream has data, of which a measurement is made unless there is no problem.
+  bool (*read)(std::istream&, Problem*, const VariableHandle* variables, const StoredOptions& options);
+};
+
+}  // namespace detail
+
+class Archive {
+ public:
+  /// Measurements of a type declared by SLOM_BUILD_MEASUREMENT, or of a callable with these arguments. It must be a function
+  /// object without captures or members. `name` is what the file calls them; without one it is made of the names of the types,
+  /// which suffices where these differ. Throws [slom.archive-name] for a name that has another meaning already.
+  template <class F, class... Args>
+  void measurement(std::string name = "");
+  /// Another name than its type's for a variable type, as the file calls it; before measurements of such variables.
+  template <class T>
+  void variable(std::string name);
+
+  /// Throws [slom.not-in-archive] for measurements that were not named, [slom.not-savable] for values and data that cannot be
+  /// read again, such as NaN.
+  void save(const Estimator& estimator, std::ostream& os) const;
+  /// `source` is what messages call the stream. Throws [slom.bad-archive] with the line.
+  StoredProblem load(std::istream& is, const std::string& source = "the problem") const;
+
+ private:
+  template <class F, class... Args>
+  struct Kind;
+  template <class M>
+  struct DeclaredKind;
+  template <class T>
+  void knowVariable(std::string name = "");
+  void add(detail::StoredVariable kind, bool is_named);
+  void add(detail::StoredMeasurement kind);
+  const detail::StoredVariable* findVariable(std::type_index type) const;
+
+  friend class ArchiveReader;
+  static Problem& problemOf(const Estimator& estimator);
+  template <class T>
+  static VarID<T> idOf(const VariableHandle& handle) {
+    return VarID<T>(handle);
+  }
+
+  std::vector<detail::StoredVariable> variables_;
+  std::vector<detail::StoredMeasurement> measurements_;
+};
+
+// ---- implementation
+
+template <class T>
+void Archive::variable(std::string name) {
+  knowVariable<T>(std::move(name));
+}
+
+template <class T>
+void Archive::knowVariable(std::string name) {
+  static_assert(std::is_default_constructible_v<T>, "slom: to be loaded, a variable type needs a default constructor");
+  static_assert(mtk::isWritable<T>(), "slom: to be saved, this variable type or one of its parts needs an operator<<");
+  const bool is_named = !name.empty();
+  add({is_named ? std::move(name) : typeName<T>(), typeid(VariableStore<T>),
+      [](std::ostream& os, const VariableStoreBase& store, std::uint32_t slot) { mtk::write(os, store.value<T>(slot)); },
+      [](std::istream& is, Problem* problem, bool optimize, const std::string& own_name, VariableHandle& id) {
+        T value{};
+        if (!mtk::read(is, value)) return false;
+        if (problem != nullptr) id = problem->insertVariable<T>(value, optimize, own_name);
+        return true;
+      }}, is_named);
+}
+
+/// A callable: its stored arguments are the data.
+template <class F, class... Args>
+struct Archive::Kind {
+  using M = CallableMeasurement<F, Args...>;
+  static_assert(std::is_empty_v<F> && std::is_default_constructible_v<F>,
+                "slom: only function objects without captures or members can be loaded: pass what they hold as further "
+                "arguments of insertMeasurement, and put a function into a lambda");
+
+  template <class A>
+  struct Argument {
+    static std::string name() { return "datum " + typeName<A>(); }
+    static void know(Archive&, std::vector<std::type_index>&) {}
+    A value{};
+    bool read(std::istream& is) { return detail::readDatum(is, value); }
+    A take(const VariableHandle*&) { return std::move(value); }
+  };
+  template <class T>
+  struct Argument<VarID<T>> {
+    static std::string name() { return typeName<T>(); }
+    static void know(Archive& archive, std::vector<std::type_index>& variables) {
+      archive.knowVariable<T>();
+      variables.push_back(typeid(VariableStore<T>));
+    }
+    bool read(std::istream&) { return true; }
+    VarID<T> take(const VariableHandle*& next) { return idOf<T>(*next++); }
+  };
+  template <class Z>
+  struct Argument<Measured<Z>> {
+    static std::string name() { return "measured " + typeName<Z>(); }
+    static void know(Archive&, std::vector<std::type_index>&) {}
+    Z value{};
+    bool read(std::istream& is) { return detail::readDatum(is, value); }
+    Measured<Z> take(const VariableHandle*&) { return {value}; }
+  };
+
+  static std::string name() {
+    std::string all;
+    ((all += (all.empty() ? "" : ", ") + Argument<Args>::name()), ...);
+    return typeName<F>() + "(" + all + ")";
+  }
+  static void know(Archive& archive, std::vector<std::type_index>& variables) {
+    (Argument<Args>::know(archive, variables), ...);
+  }
+  static void write(std::ostream& os, const MeasurementPool& pool, int i) {
+    const auto one = [&]<class Stored>(const Stored& stored) {
+      if constexpr (!std::is_base_of_v<VariableArgument, Stored>) detail::writeDatum(os, detail::held(stored));
+    };
+    std::apply([&](const auto&... stored) { (one(stored), ...); }, static_cast<const TypedPool<M>&>(pool)[i].arguments());
+  }
+  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
+    std::tuple<Argument<Args>...> arguments;
+    const bool good = std::apply([&](auto&... argument) { return (argument.read(is) && ...); }, arguments);
+    if (good && problem != nullptr) {
+      std::apply([&](auto&... argument) {
+        // in braces: from left to right, as the variables come
+        const std::tuple<Args...> all{argument.take(variables)...};
+        problem->insertMeasurement(std::apply([](const Args&... a) { return M(F(), a...); }, all), options.noise,
+                                   options.label, options.loss);
+      }, arguments);
+    }
+    return good;
+  }
+};
+
+/// A type declared by SLOM_BUILD_MEASUREMENT.
+template <class M>
+struct Archive::DeclaredKind {
+  using Variables = decltype(std::declval<M&>().variableArgs());
+  using Data = decltype(std::declval<const M&>().dataArgs());
+
+  static std::string name() { return typeName<M>(); }
+  static void know(Archive& archive, std::vector<std::type_index>& variables) {
+    [&]<class... T>(std::type_identity<std::tuple<VarArg<T>&...>>) {
+      (archive.knowVariable<T>(), ...);
+      (variables.push_back(typeid(VariableStore<T>)), ...);
+    }(std::type_identity<Variables>{});
+  }
+  static void write(std::ostream& os, const MeasurementPool& pool, int i) {
+    std::apply([&](const auto&... datum) { (detail::writeDatum(os, datum), ...); },
+               static_cast<const TypedPool<M>&>(pool)[i].dataArgs());
+  }
+  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
+    return [&]<class... T, class... D>(std::type_identity<std::tuple<VarArg<T>&...>>,
+                                       std::type_identity<std::tuple<const D&...>>) {
+      std::tuple<D...> data;
+      if (!std::apply([&](auto&... datum) { return (detail::readDatum(is, datum) && ...); }, data)) return false;
+      if (problem == nullptr) return true;
+      const auto ids = [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return std::tuple<VarID<T>...>(idOf<T>(variables[I])...);
+      }(std::index_sequence_for<T...>{});
+      problem->insertMeasurement(std::make_from_tuple<M>(std::tuple_cat(ids, data)), options.noise, options.label,
+                                 options.loss);
+      return true;
+    }(std::type_identity<Variables>{}, std::type_identity<Data>{});
+  }
+};
+
+template <class F, class... Args>
+void Archive::measurement(std::string name) {
+  const auto addKind = [&]<class K>(std::type_identity<K>, std::type_index type) {
+    std::vector<std::type_index> variables;
+    K::know(*this, variables);
+    add(detail::StoredMeasurement{name.empty() ? K::name() : std::move(name), type, std::move(variables), &K::write, &K::read});
+  };
+  if constexpr (Measurement<F>) {
+    static_assert(sizeof...(Args) == 0, "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
+    addKind(std::type_identity<DeclaredKind<F>>{}, typeid(F));
+  } else {
+    using Function = std::remove_const_t<F>;  // that of a constexpr lambda is const
+    addKind(std::type_identity<Kind<Function, Args...>>{}, typeid(CallableMeasurement<Function, Args...>));
+  }
+}
+
+}  // namespace slom

@@ -1,0 +1,11 @@
+/// The function of a prior: the variable itself. See slom/measurements/prior.hpp.
+#pragma once
+
+namespace slom {
+
+struct Prior {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& x) const { return x; }
+};
+
+}  // namespace slom

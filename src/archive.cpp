@@ -1,0 +1,489 @@
+#include "slom/archive.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <istream>
+#include <limits>
+#include <locale>
+#include <ostream>
+#include <sstream>
+
+#include "model/words.hpp"
+
+namespace slom {
+
+namespace {
+
+constexpr int kVersion = 1;
+constexpr const char* kFirstWords = "slom problem";
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::string inQuotes(const std::string& text) {
+  std::ostringstream os;
+  os << std::quoted(text);
+  return os.str();
+}
+
+constexpr std::pair<Loss::Kind, const char*> kLosses[] = {
+    {Loss::Kind::huber, "huber"}, {Loss::Kind::pseudo_huber, "pseudo-huber"},    {Loss::Kind::cauchy, "cauchy"},
+    {Loss::Kind::tukey, "tukey"}, {Loss::Kind::geman_mcclure, "geman-mcclure"}, {Loss::Kind::barron, "barron"}};
+
+Loss lossOf(Loss::Kind kind, double shape, double scale) {
+  switch (kind) {
+    case Loss::Kind::none: break;
+    case Loss::Kind::huber: return Huber(scale);
+    case Loss::Kind::pseudo_huber: return PseudoHuber(scale);
+    case Loss::Kind::cauchy: return Cauchy(scale);
+    case Loss::Kind::tukey: return Tukey(scale);
+    case Loss::Kind::geman_mcclure: return GemanMcClure(scale);
+    case Loss::Kind::barron: return Barron(shape, scale);
+  }
+  return {};
+}
+
+/// Numbers may be infinite, as bounds and Barron's shape are.
+bool readNumber(std::istream& is, double& x) {
+  std::string word;
+  if (!(is >> word)) return false;
+  std::size_t used = 0;
+  try {
+    x = std::stod(word, &used);
+  } catch (const std::exception&) {
+    return false;
+  }
+  return used == word.size();
+}
+
+bool isAtEnd(std::istream& is) { return !is.fail() && (is >> std::ws).eof(); }
+
+}  // namespace
+
+VariableHandle StoredProblem::handle(const std::string& name, std::type_index type, std::string (*type_name)()) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.name == name; });
+  if (found == entries_.end()) {
+    throw Error("slom.no-variable", "the problem has no variable " + inQuotes(name) + "; names are those given to insertRV");
+  }
+  if (found->type != type) {
+    throw Error("slom.no-variable", "variable " + inQuotes(name) + " is no " + type_name() + "; ask for it by its own type");
+  }
+  return found->handle;
+}
+
+const detail::StoredVariable* Archive::findVariable(std::type_index type) const {
+  const auto found = std::find_if(variables_.begin(), variables_.end(), [&](const auto& kind) { return kind.type == type; });
+  return found == variables_.end() ? nullptr : &*found;
+}
+
+// Writing.
+
+namespace {
+
+/// Writes one thing and makes sure that it can be read again.
+class Writer {
+ public:
+  explicit Writer(std::ostream& os) : os_(os) {
+    for (std::ios* stream : {static_cast<std::ios*>(&text_), static_cast<std::ios*>(&check_)}) stream->imbue(std::locale::classic());
+    text_.precision(std::numeric_limits<double>::max_digits10);
+  }
+  /// `write` and `read` are of one value; `subject()` names it when the text is not that of a value.
+  template <class Write, class Read, class Subject>
+  void add(const Write& write, const Read& read, const Subject& subject) {
+    text_.str("");
+    write(text_);
+    std::string text = text_.str();
+    if (!text.empty() && text.back() == ' ') text.pop_back();
+    check_.clear();
+    check_.str(text);
+    if (text.find('\n') != std::string::npos || !read(check_) || !isAtEnd(check_)) {
+      throw Error("slom.not-savable", subject() + " is not finite, or cannot be read again from what its operator<< writes: " + text);
+    }
+    os_ << text;
+  }
+  /// A number of the file's own.
+  std::string number(double x) { return slom::number(x, std::numeric_limits<double>::max_digits10); }
+
+ private:
+  std::ostream& os_;
+  std::ostringstream text_;
+  std::istringstream check_;
+};
+
+void writeNoise(std::ostream& os, Writer& writer, const MeasurementPool& pool, int i) {
+  const auto [kind, W] = pool.whitening(i);
+  const int n = pool.rows(i);
+  constexpr const char* names[] = {"unit", "scalar", "diagonal", "matrix"};
+  os << names[static_cast<int>(kind)];
+  for (int k = 0; k < whiteningSize(kind, n); ++k) {
+    os << ' ' << writer.number(kind == WhiteningKind::full ? W[k / n + k % n * n] : W[k]);  // row by row
+  }
+}
+
+void writeLoss(std::ostream& os, Writer& writer, const Loss* loss) {
+  if (loss == nullptr) return;
+  const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.first == loss->kind(); });
+  os << ' ' << name->second;
+  if (loss->kind() == Loss::Kind::barron) os << ' ' << writer.number(loss->shape());
+  os << ' ' << writer.number(loss->scale());
+}
+
+void writeConstraints(std::ostream& os, Writer& writer, const VariableRecord& record, int number) {
+  const std::vector<std::string> names = record.store->componentNames(record.slot, "");
+  for (std::size_t c = 0; c < record.fixed.size(); ++c) {
+    if (record.fixed[c] != 0) os << "fix " << number << ' ' << inQuotes(names[c]) << '\n';
+  }
+  for (const ComponentBound& bound : record.bounds) {
+    os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << writer.number(bound.lower) << ' '
+       << writer.number(bound.upper) << '\n';
+  }
+}
+
+}  // namespace
+
+void Archive::save(const Estimator& estimator, std::ostream& os) const {
+  const Problem& problem = estimator.problem();
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  Writer writer(text);
+  text << kFirstWords << ' ' << kVersion << '\n';
+  if (estimator.sigma() == Sigma::estimated) text << "sigma estimated\n";
+  if (estimator.freeGauge() == FreeGauge::inner_constraints) text << "gauge inner-constraints\n";
+
+  std::vector<int> number(problem.variables().size(), -1);
+  int count = 0;
+  const detail::StoredVariable* last = nullptr;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    const VariableRecord& record = problem.variables()[v];
+    if (record.store == nullptr) continue;
+    const VariableStoreBase& store = *record.store;
+    const detail::StoredVariable* const kind = findVariable(typeid(store));
+    if (kind == nullptr) {
+      throw Error("slom.not-in-archive", "variable " + problem.variableName(static_cast<int>(v)) + " is of the type " +
+                                             store.typeName() + ", which the archive was not told; name it by "
+                                             "archive.variable<" + store.typeName() + ">");
+    }
+    if (kind != last) text << "variables " << inQuotes(kind->name) << '\n';
+    last = kind;
+    text << inQuotes(record.name) << (record.optimize ? " free " : " fixed ");
+    VariableHandle unused;
+    writer.add([&](std::ostream& value) { kind->write(value, store, record.slot); },
+               [&](std::istream& is) { return kind->read(is, nullptr, true, "", unused); },
+               [&] { return "variable " + problem.variableName(static_cast<int>(v)); });
+    text << '\n';
+    number[v] = count++;
+  }
+  for (const int v : problem.constrained()) writeConstraints(text, writer, problem.variables()[at(v)], number[at(v)]);
+
+  for (const auto& pool : problem.pools()) {
+    if (pool->size() == 0) continue;
+    const auto kind = std::find_if(measurements_.begin(), measurements_.end(),
+                                   [&](const auto& known) { return known.type == *pool->type().id; });
+    if (kind == measurements_.end()) {
+      throw Error("slom.not-in-archive", "the archive was not told of the type of the measurements " + pool->name() +
+                                             "; name it by archive.measurement, with the function's type and those of its "
+                                             "arguments");
+    }
+    text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(problem.labelOf(*pool)) << '\n';
+    for (int i = 0; i < pool->size(); ++i) {
+      for (int k = 0; k < pool->arity(); ++k) text << number[at(pool->variables(i)[k])] << ' ';
+      text << "| ";
+      writeNoise(text, writer, *pool, i);
+      writeLoss(text, writer, pool->lossOf(i));
+      text << " | ";
+      writer.add([&](std::ostream& data) { kind->write(data, *pool, i); },
+                 [&](std::istream& is) { return kind->read(is, nullptr, nullptr, {}); },
+                 [&] { return "the data of measurement " + pool->measurementName(i); });
+      text << '\n';
+    }
+  }
+  text << "end\n";
+  os << text.str();
+}
+
+// Reading.
+
+class ArchiveReader {
+ public:
+  ArchiveReader(const Archive& archive, std::istream& is, const std::string& source)
+      : archive_(archive), is_(is), source_(source) {
+    line_.imbue(std::locale::classic());
+    rest_.imbue(std::locale::classic());
+  }
+
+  StoredProblem read() {
+    readFirstLine();
+    while (nextLine()) {
+      if (text_ == "end") {
+        if (nextLine()) raise("there is text behind the line \"end\"; remove it");
+        return std::move(result_);
+      }
+      readLine();
+    }
+    throw Error("slom.bad-archive", source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end");
+  }
+
+ private:
+  [[noreturn]] void raise(const std::string& what) const {
+    throw Error("slom.bad-archive", source_ + ":" + std::to_string(line_number_) + ": " + what);
+  }
+
+  /// Blank lines and lines that begin with # are skipped.
+  bool nextLine() {
+    while (std::getline(is_, text_)) {
+      ++line_number_;
+      if (!text_.empty() && text_.back() == '\r') text_.pop_back();
+      if (text_.find_first_not_of(" \t") == std::string::npos || text_[0] == '#') continue;
+      line_.clear();
+      line_.str(text_);
+      return true;
+    }
+    return false;
+  }
+
+  void readFirstLine() {
+    std::string first, second;
+    int version = 0;
+    if (!nextLine() || !(line_ >> first >> second >> version) || first + " " + second != kFirstWords) {
+      line_number_ = std::max(line_number_, 1);
+      raise(std::string("this is no saved problem: its first line is not \"") + kFirstWords + " " + std::to_string(kVersion) + "\"");
+    }
+    if (version != kVersion) {
+      raise("the problem is saved in version " + std::to_string(version) + " of the format, this program reads version " +
+            std::to_string(kVersion) + "; use a newer one");
+    }
+  }
+
+  void readLine() {
+    if (text_[0] == '"') return readVariable();
+    if (text_[0] >= '0' && text_[0] <= '9') return readMeasurement();
+    std::string word;
+    line_ >> word;
+    if (word == "variables") return readVariableKind();
+    if (word == "measurements") return readMeasurementKind();
+    if (word == "fix") return readConstraint(false);
+    if (word == "bound") return readConstraint(true);
+    if (word == "sigma" || word == "gauge") return readChoice(word);
+    raise("a line cannot begin with " + inQuotes(word) + "; it begins with a quoted name, a number, variables, fix, bound, "
+          "measurements, sigma, gauge or end");
+  }
+
+  void readChoice(const std::string& word) {
+    std::string choice;
+    line_ >> choice;
+    if (word == "sigma" && choice == "estimated") return result_.estimator.setSigma(Sigma::estimated);
+    if (word == "gauge" && choice == "inner-constraints") return result_.estimator.setFreeGauge(FreeGauge::inner_constraints);
+    raise(word == "sigma" ? "write \"sigma estimated\", or nothing for stated ones"
+                          : "write \"gauge inner-constraints\", or nothing for an error at a free gauge");
+  }
+
+  template <class Kinds>
+  const auto* kindNamed(const Kinds& kinds, const std::string& name, const char* what) const {
+    for (const auto& kind : kinds) {
+      if (kind.name == name) return &kind;
+    }
+    std::vector<std::string> known;
+    for (const auto& kind : kinds) known.push_back(inQuotes(kind.name));
+    raise(std::string(what) + " " + inQuotes(name) + " are not known to this program" +
+          (known.empty() ? "" : ", which knows " + listed(known, known.size())) + "; a program that includes slom/archive.hpp can be told of more");
+  }
+
+  void readVariableKind() {
+    std::string name;
+    if (!(line_ >> std::quoted(name)) || !isAtEnd(line_)) raise("write variables \"TYPE\"");
+    variable_kind_ = kindNamed(archive_.variables_, name, "variables");
+  }
+
+  void readVariable() {
+    std::string name, state;
+    if (variable_kind_ == nullptr) raise("a variable stands before the first line that begins with variables");
+    if (!(line_ >> std::quoted(name) >> state) || (state != "free" && state != "fixed")) {
+      raise("write \"NAME\" free VALUE or \"NAME\" fixed VALUE");
+    }
+    VariableHandle id;
+    if (!variable_kind_->read(rest(), nullptr, true, "", id) || !isAtEnd(rest_)) {
+      raise("variable " + inQuotes(name) + " has no value that is a " + variable_kind_->name + ":" + rest_.str());
+    }
+    variable_kind_->read(restAgain(), &problem(), state == "free", name, id);
+    result_.entries_.push_back({name, variable_kind_->type, id});
+    indices_.push_back(static_cast<int>(problem().variables().size()) - 1);
+  }
+
+  int readVariableNumber() {
+    long number = -1;
+    if (!(line_ >> number)) raise("here the number of a variable is due");
+    if (number < 0 || number >= static_cast<long>(indices_.size())) {
+      raise("there is no variable " + std::to_string(number) +
+            (indices_.empty() ? "; none stands above" : "; above are those from 0 to " + std::to_string(indices_.size() - 1)));
+    }
+    return static_cast<int>(number);
+  }
+
+  void readConstraint(bool is_bound) {
+    const int variable = indices_[at(readVariableNumber())];
+    std::string component;
+    double lower = 0, upper = 0;
+    if (!(line_ >> std::quoted(component)) || (is_bound && !(readNumber(line_, lower) && readNumber(line_, upper))) || !isAtEnd(line_)) {
+      raise(is_bound ? "write bound NUMBER \"COMPONENT\" LOWER UPPER" : "write fix NUMBER \"COMPONENT\"");
+    }
+    withLine([&] {
+      const std::vector<int> components = problem().componentsAt(variable, component);
+      is_bound ? problem().setBound(variable, components, lower, upper) : problem().setFixed(variable, components, true);
+    });
+  }
+
+  void readMeasurementKind() {
+    std::string name;
+    if (!(line_ >> std::quoted(name) >> std::quoted(options_.label)) || !isAtEnd(line_)) raise("write measurements \"TYPE\" \"LABEL\"");
+    measurement_kind_ = kindNamed(archive_.measurements_, name, "measurements");
+  }
+
+  void readMeasurement() {
+    if (measurement_kind_ == nullptr) raise("a measurement stands before the first line that begins with measurements");
+    handles_.clear();
+    for (const std::type_index type : measurement_kind_->variables) {
+      const int number = readVariableNumber();
+      const StoredProblem::Entry& entry = result_.entries_[at(number)];
+      if (entry.type != type) {
+        raise("variable " + std::to_string(number) + ", " + inQuotes(entry.name) + ", is a " + archive_.findVariable(entry.type)->name + " where " +
+              measurement_kind_->name + " takes a " + archive_.findVariable(type)->name);
+      }
+      handles_.push_back(entry.handle);
+    }
+    expectBar("the numbers of " + counted(static_cast<int>(handles_.size()), "variable"));
+    readOptions();
+    if (!measurement_kind_->read(rest(), nullptr, nullptr, {}) || !isAtEnd(rest_)) {
+      raise("what stands behind the second | is not the data of " + measurement_kind_->name + ":" + rest_.str());
+    }
+    withLine([&] { measurement_kind_->read(restAgain(), &problem(), handles_.data(), options_); });
+  }
+
+  /// What of the line has not been read yet.
+  std::istream& rest() {
+    std::string text;
+    std::getline(line_, text);
+    rest_.str(text);
+    return restAgain();
+  }
+  std::istream& restAgain() {
+    rest_.clear();
+    rest_.seekg(0);
+    return rest_;
+  }
+
+  void expectBar(const std::string& before) {
+    std::string word;
+    if (!(line_ >> word) || word != "|") raise("a | is due behind " + before);
+  }
+
+  /// The noise, which needs the length of no residual to be read, and the loss, up to the second bar.
+  void readOptions() {
+    std::string word;
+    line_ >> word;
+    noise_.clear();
+    const std::string kind = word;
+    if (kind != "unit" && kind != "scalar" && kind != "diagonal" && kind != "matrix") {
+      raise("the noise is " + inQuotes(kind) + "; it is unit, scalar, diagonal or matrix and its numbers");
+    }
+    for (double x = 0; line_ >> word;) {
+      std::istringstream one(word);
+      if (!readNumber(one, x)) break;
+      noise_.push_back(x);
+    }
+    options_.loss = Loss();
+    if (line_ && word != "|") readLoss(word);
+    setNoise(kind);
+  }
+
+  void readLoss(const std::string& word) {
+    const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.second == word; });
+    double shape = 0, scale = 0;
+    if (name == std::end(kLosses)) raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |");
+    if ((name->first == Loss::Kind::barron && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
+      raise("numbers are missing behind " + word);
+    }
+    options_.loss = lossOf(name->first, shape, scale);
+    expectBar("the noise and the loss");
+  }
+
+  void setNoise(const std::string& kind) {
+    const int n = static_cast<int>(noise_.size());
+    options_.noise = {NoiseView::Shape::unit, NoiseForm::whitening, noise_.data(), n, 1};
+    if (kind == "scalar" && n == 1) options_.noise.shape = NoiseView::Shape::scalar;
+    if (kind == "diagonal") options_.noise.shape = NoiseView::Shape::vector;
+    if (kind == "matrix") {
+      int side = 0;
+      while (side * side < n) ++side;
+      if (side * side != n) raise("the noise matrix has " + counted(n, "number") + ", which is no square");
+      std::vector<double> by_columns(noise_.size());
+      for (int k = 0; k < n; ++k) by_columns[at(k % side * side + k / side)] = noise_[at(k)];
+      noise_ = by_columns;
+      options_.noise = {NoiseView::Shape::matrix, NoiseForm::whitening, noise_.data(), side, side};
+    }
+    if ((kind == "unit" && n != 0) || (kind == "scalar" && n != 1)) {
+      raise("the noise is " + kind + " with " + counted(n, "number") + "; unit has none, scalar one");
+    }
+  }
+
+  /// f(), whose errors get the line before them.
+  template <class F>
+  void withLine(const F& f) const {
+    try {
+      f();
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      raise(what.substr(what.find("] ") + 2));
+    }
+  }
+
+  Problem& problem() { return Archive::problemOf(result_.estimator); }
+
+  const Archive& archive_;
+  std::istream& is_;
+  const std::string& source_;
+  StoredProblem result_;
+  std::string text_;
+  std::istringstream line_, rest_;
+  int line_number_ = 0;
+  const detail::StoredVariable* variable_kind_ = nullptr;
+  const detail::StoredMeasurement* measurement_kind_ = nullptr;
+  std::vector<int> indices_;  // in the problem, by number in the file
+  std::vector<VariableHandle> handles_;
+  std::vector<double> noise_;
+  detail::StoredOptions options_;
+};
+
+StoredProblem Archive::load(std::istream& is, const std::string& source) const {
+  return ArchiveReader(*this, is, source).read();
+}
+
+Problem& Archive::problemOf(const Estimator& estimator) { return estimator.problem(); }
+
+void Archive::add(detail::StoredVariable kind, bool is_named) {
+  if (const detail::StoredVariable* const known = findVariable(kind.type)) {
+    if (!is_named || kind.name == known->name) return;
+    throw Error("slom.archive-name", "the archive calls these variables " + inQuotes(known->name) + " already, not " + inQuotes(kind.name) +
+                                         "; name them before the measurements that have them");
+  }
+  for (const detail::StoredVariable& other : variables_) {
+    if (other.name == kind.name) {
+      throw Error("slom.archive-name", "the archive has variables " + inQuotes(kind.name) + " of another type; give one of them "
+                                       "another name by archive.variable");
+    }
+  }
+  variables_.push_back(std::move(kind));
+}
+
+void Archive::add(detail::StoredMeasurement kind) {
+  for (const detail::StoredMeasurement& other : measurements_) {
+    if (other.type == kind.type && other.name == kind.name) return;
+    if (other.type != kind.type && other.name != kind.name) continue;
+    throw Error("slom.archive-name", other.type == kind.type
+                                         ? "the archive calls these measurements " + inQuotes(other.name) + " already, not " + inQuotes(kind.name) +
+                                               "; name them once"
+                                         : "the archive has measurements " + inQuotes(kind.name) + " of another type; give one of "
+                                           "them another name");
+  }
+  measurements_.push_back(std::move(kind));
+}
+
+}  // namespace slom
