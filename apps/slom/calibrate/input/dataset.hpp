@@ -42,11 +42,8 @@ struct CameraData {
   std::string file;                     ///< of the corners; or the patterns of the photographs
   std::vector<View> views;              ///< by rising image number, none empty
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
-<<<<<<< HEAD
-=======
   std::vector<UnusedPhoto> unused{};    ///< by rising image number
   int board_symmetry = 1;               ///< in how many ways the board looks the same (Board::symmetry)
->>>>>>> 2a235573a6132a8cdf0a8f245935c86ec01faa67
 
   std::size_t cornerCount() const;
   /// The view of an image, or nullptr.
