@@ -8,11 +8,13 @@
 #include "calibrate/calibrate.hpp"
 #include "calibrate/detect/read_photos.hpp"
 #include "calibrate/fit/calibration.hpp"
+#include "calibrate/html/page.hpp"
 #include "calibrate/input/read.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/formats.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/report.hpp"
+#include "calibrate/quality/assess.hpp"
 #include "calibrate/result_paths.hpp"
 #include "calibrate/settings.hpp"
 #include "error.hpp"
@@ -70,7 +72,7 @@ Progress printedProgress() {
 }
 
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
-void writeFiles(const Result& result, const Settings& settings) {
+void writeFiles(const Dataset& data, const Result& result, const Settings& settings) {
   OutputFiles files;
   std::string said;
   if (!settings.json_file.empty()) {
@@ -85,6 +87,10 @@ void writeFiles(const Result& result, const Settings& settings) {
   } else {
     for (const std::string& file : outputFiles(settings)) said += fmt::format("not written, because the fit failed: {}\n", file);
   }
+  if (!settings.report_file.empty()) {
+    files.add(settings.report_file, toHtml(data, result));
+    said += fmt::format("written: {}\n", settings.report_file);
+  }
   files.commit();
   if (!settings.quiet && !said.empty()) fmt::print("\n{}", said);
 }
@@ -93,6 +99,7 @@ void writeFiles(const Result& result, const Settings& settings) {
 void requireResultsWritable(const Settings& settings) {
   std::vector<std::string> files = outputFiles(settings);
   files.push_back(settings.json_file);
+  files.push_back(settings.report_file);
   requireWritable(files);
 }
 
@@ -119,8 +126,9 @@ void run(const RawOptions& raw) {
   if (!settings.quiet) fmt::print("{}", aloneHeader(settings));
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
   result.comparison = comparison;
+  if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) fmt::print("{}", reportText(result));
-  writeFiles(result, settings);
+  writeFiles(data, result, settings);
   if (result.success()) return;
   fmt::print(stderr, "slom: the calibration failed: {}\n",
              result.converged ? "the data do not determine all parameters" : result.message);
@@ -194,6 +202,8 @@ void addCalibrateCommand(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
   command.add_option("--output", settings.yaml_file, "calibration as YAML for other programs; ROS wants '{name}' in it")
+      ->type_name("FILE");
+  command.add_option("--report", settings.report_file, "how far the calibration can be trusted, as a page for the browser")
       ->type_name("FILE");
   command
       .add_option("--format", raw->format,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "calibrate/fit/comparison.hpp"
+#include "calibrate/quality/quality.hpp"
 #include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
@@ -103,6 +104,7 @@ struct Result {
   std::vector<Stray> strays;
   std::vector<ImageResult> images;  ///< by rising number
   std::optional<Comparison> comparison;  ///< where it was asked for
+  std::optional<Quality> quality;   ///< where it was asked for
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
   bool success() const { return converged && undetermined.empty(); }

@@ -55,6 +55,7 @@ struct Settings {
   int max_iterations = 100;
   std::string json_file;  ///< empty: none
   std::string yaml_file;  ///< empty: none
+  std::string report_file;  ///< empty: none
   OutputFormat format = OutputFormat::opencv;
   std::map<std::string, ImageSize> image_sizes;  ///< by camera, where the user gave them
   bool quiet = false;

@@ -118,6 +118,27 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
 }
 
 template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  std::vector<Camera> cameras;
+  RigStart rig;
+  for (const CameraResult& camera : start.cameras) {
+    cameras.emplace_back();
+    for (int i = 0; i < Camera::DOF; ++i) cameras.back()[i] = camera.parameters[std::size_t(i)].value;
+    rig.left2camera.push_back(camera.left2camera);
+  }
+  const std::vector<int> wanted = data.images();
+  for (const ImageResult& image : start.images) {
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image)) rig.left2world[image.image] = image.left2world;
+  }
+  JointProblem<Camera> problem(data, settings, cameras, rig, {});
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.most_parameters = 0;
+  return problem.result(problem.optimize(options));
+}
+
+template <class Camera>
 ModelTrial tryModel(const Dataset& data, const Settings& settings) {
   ModelTrial trial;
   trial.model = settings.model;

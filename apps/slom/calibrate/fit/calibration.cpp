@@ -6,6 +6,27 @@
 #include "calibrate/input/check.hpp"
 
 namespace slom::app::calib {
+namespace {
+
+/// f<Camera>() for the camera type of a model.
+template <class F>
+Result withModel(Model model, const F& f) {
+  switch (model) {
+    case Model::radial1:
+      return f.template operator()<Radial1<>>();
+    case Model::opencv4:
+      return f.template operator()<Opencv4<>>();
+    case Model::opencv5:
+      return f.template operator()<Opencv5<>>();
+    case Model::opencv8:
+      return f.template operator()<Opencv8<>>();
+    case Model::fisheye:
+      return f.template operator()<Fisheye<>>();
+  }
+  throw std::logic_error("slom calibrate: unknown model");
+}
+
+}  // namespace
 
 std::string sentenceOf(const slom::Error& error) {
   const std::string text = error.what();
@@ -16,19 +37,12 @@ std::string sentenceOf(const slom::Error& error) {
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkDataset(data);
-  switch (settings.model) {
-    case Model::radial1:
-      return calibrateModel<Radial1<>>(data, settings, progress);
-    case Model::opencv4:
-      return calibrateModel<Opencv4<>>(data, settings, progress);
-    case Model::opencv5:
-      return calibrateModel<Opencv5<>>(data, settings, progress);
-    case Model::opencv8:
-      return calibrateModel<Opencv8<>>(data, settings, progress);
-    case Model::fisheye:
-      return calibrateModel<Fisheye<>>(data, settings, progress);
-  }
-  throw std::logic_error("slom calibrate: unknown model");
+  return withModel(settings.model, [&]<class Camera>() { return calibrateModel<Camera>(data, settings, progress); });
+}
+
+Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  checkDataset(data);
+  return withModel(settings.model, [&]<class Camera>() { return calibrateModelFrom<Camera>(start, data, settings); });
 }
 
 }  // namespace slom::app::calib

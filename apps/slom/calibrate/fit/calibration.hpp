@@ -25,11 +25,17 @@ struct Progress {
   std::function<void(const IterationRecord&)> iteration;
 };
 
-/// For one of the camera models, from data that were checked. Defined in calibrate_model.hpp.
+/// The functions below for one of the camera models, from data that were checked. Defined in calibrate_model.hpp.
 template <class Camera>
 Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress);
+template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings);
 
 /// Start values, each camera alone, then all together. UserError when the data cannot determine the model.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
+
+/// The joint fit alone, of images that are among those of an earlier result, from the values found there. An IMU is left
+/// out.
+Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings);
 
 }  // namespace slom::app::calib

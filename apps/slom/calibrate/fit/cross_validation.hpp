@@ -10,16 +10,6 @@
 
 namespace slom::app::calib {
 
-/// The images `is_wanted(number)` alone.
-template <class Predicate>
-Dataset withImages(const Dataset& data, const Predicate& is_wanted) {
-  Dataset part;
-  part.cameras = data.cameras;
-  for (CameraData& camera : part.cameras)
-    std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
-  return part;
-}
-
 /// Sum of squared distances between the corners of one image whose place in their view is odd or even, as
 /// `fitted` says not, and where the rig puts them when its pose is fitted to the others [px^2].
 template <class Camera>
@@ -68,7 +58,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
       is_held_out[images[i]] = i % folds == fold;
       if (i % folds != fold) start.left2world[images[i]] = rig.left2world.at(images[i]);
     }
-    const Dataset others = withImages(data, [&](int image) { return !is_held_out[image]; });
+    const Dataset others = data.withImages([&](int image) { return !is_held_out[image]; });
     JointProblem<Camera> problem(others, settings, cameras, start, {});
     Options options;
     options.max_iterations = settings.max_iterations;

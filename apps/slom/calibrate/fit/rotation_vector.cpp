@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "calibrate/cross_matrix.hpp"
+
 namespace slom::app::calib {
 
 vec3 rotationVectorStd(const SO3& R, const Eigen::Matrix3d& covariance) {
   const vec3 v = SO3::log(R);
   const double angle = v.norm();
-  Eigen::Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  const Eigen::Matrix3d cross = crossMatrix(v);
   // (1 - (t/2) cot(t/2)) / t^2 = 1/12 + t^2/720 + ...
   const double factor = angle < 1e-3 ? 1.0 / 12 : (1 - angle / 2 / std::tan(angle / 2)) / (angle * angle);
   const Eigen::Matrix3d J = Eigen::Matrix3d::Identity() + 0.5 * cross + factor * cross * cross;

@@ -29,4 +29,12 @@ std::vector<int> Dataset::images() const {
   return {numbers.begin(), numbers.end()};
 }
 
+Dataset Dataset::withImages(const std::function<bool(int)>& is_wanted) const {
+  Dataset part;
+  part.cameras = cameras;
+  for (CameraData& camera : part.cameras)
+    std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
+  return part;
+}
+
 }  // namespace slom::app::calib

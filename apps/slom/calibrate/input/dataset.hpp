@@ -1,6 +1,7 @@
 // What was measured: corners of a board seen by cameras, and accelerometer readings, linked by image numbers.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,6 +70,8 @@ struct Dataset {
 
   /// Image numbers that any camera has, rising.
   std::vector<int> images() const;
+  /// The images `is_wanted(number)` alone, of all cameras, without the IMU.
+  Dataset withImages(const std::function<bool(int)>& is_wanted) const;
 };
 
 }  // namespace slom::app::calib

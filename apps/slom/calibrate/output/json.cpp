@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calibrate/output/quality_json.hpp"
+
 namespace slom::app::calib {
 namespace {
 
@@ -136,7 +138,8 @@ std::string toJson(const Result& result) {
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", worst},
                      {"strays", strays},
-                     {"images", images}};
+                     {"images", images},
+                     {"quality", result.quality ? qualityJson(result) : Json()}};
   return json.dump(2) + "\n";
 }
 

@@ -3,6 +3,7 @@
 namespace slom::app::calib {
 
 template Result calibrateModel<Opencv8<>>(const Dataset&, const Settings&, const Progress&);
+template Result calibrateModelFrom<Opencv8<>>(const Result&, const Dataset&, const Settings&);
 template ModelTrial tryModel<Opencv8<>>(const Dataset&, const Settings&);
 
 }  // namespace slom::app::calib

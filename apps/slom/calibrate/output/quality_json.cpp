@@ -1,0 +1,113 @@
+#include "calibrate/output/quality_json.hpp"
+
+#include "calibrate/quality/verdict.hpp"
+#include "calibrate/quality/words.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json projectionJson(const ProjectionUncertainty& map) {
+  return {{"distance_m", map.distance_m},  // null: at infinity
+          {"middle_px", map.middle_px},
+          {"median_px", map.median_px},
+          {"worst_px", map.worst_px},
+          {"std_px", map.std_px}};
+}
+
+Json cameraJson(const CameraQuality& camera) {
+  const ImageBox& box = camera.grid.box;
+  Json projection = Json::array();
+  for (const ProjectionUncertainty& map : camera.projection) projection.push_back(projectionJson(map));
+  return {
+      {"image_size", {box.width, box.height}},
+      {"image_size_is_assumed", box.is_assumed},
+      {"grid", {{"columns", camera.grid.columns}, {"rows", camera.grid.rows}}},
+      {"projection", projection},
+      {"by_distance",
+       {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
+}
+
+Json splitHalfJson(const Result& result) {
+  const SplitHalf& split = result.quality->split_half;
+  if (!split.why_not.empty()) return {{"why_not", split.why_not}};
+  Json json;
+  for (std::size_t c = 0; c < split.cameras.size(); ++c) {
+    const SplitHalfCamera& camera = split.cameras[c];
+    json[result.cameras[c].name] = {{"rms_px", camera.rms_px},
+                                    {"expected_rms_px", camera.expected_rms_px},
+                                    {"largest_px", camera.largest_px},
+                                    {"chi2", camera.chi2},
+                                    {"parameters", camera.dof},
+                                    {"probability", camera.probability},
+                                    {"difference_px", camera.difference_px}};
+  }
+  return json;
+}
+
+Json correlationsJson(const Correlations& correlations) {
+  Json matrix = Json::array(), strong = Json::array();
+  for (Eigen::Index i = 0; i < correlations.matrix.rows(); ++i) {
+    const Eigen::VectorXd row = correlations.matrix.row(i);
+    matrix.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  for (const auto& pair : correlations.strong)
+    strong.push_back({{"a", pair.a}, {"b", pair.b}, {"coefficient", pair.coefficient}});
+  return {{"names", correlations.names}, {"strong", strong}, {"matrix", matrix}};
+}
+
+Json worstJson(const Result& result) {
+  Json list = Json::array();
+  for (const WorstResidual& worst : result.quality->worst) {
+    const CornerResidual& corner = worst.corner;
+    list.push_back({{"camera", result.cameras[worst.camera].name},
+                    {"image", corner.image},
+                    {"corner", corner.corner},
+                    {"line", corner.line},
+                    {"error_px", worst.error_px},
+                    {"pixel", {corner.pixel.x(), corner.pixel.y()}},
+                    {"residual_px", {corner.residual.x(), corner.residual.y()}}});
+  }
+  return list;
+}
+
+Json viewsJson(const Result& result) {
+  Json list = Json::array();
+  for (const FurtherView& view : result.quality->further_views) {
+    list.push_back({{"camera", result.cameras[view.camera].name},
+                    {"pixel", {view.pixel.x(), view.pixel.y()}},
+                    {"tilt_deg", view.tilt_deg},
+                    {"edge_away", view.edge_away},
+                    {"distance_m", view.distance_m},
+                    {"before_px", view.before_px},
+                    {"after_px", view.after_px},
+                    {"sentence", sentenceOf(view, result)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json qualityJson(const Result& result) {
+  const Quality& quality = *result.quality;
+  const Verdict verdict = verdictOf(result);
+  Json cameras, seconds;
+  for (std::size_t c = 0; c < quality.cameras.size(); ++c)
+    cameras[result.cameras[c].name] = cameraJson(quality.cameras[c]);
+  for (const PhaseTime& time : quality.times) seconds[time.phase] = time.seconds;
+  Json json = {
+      {"verdict",
+       {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
+      {"cameras", cameras},
+      {"worst_corners", worstJson(result)},
+      {"seconds", seconds}};
+  if (!result.success()) return json;
+  json["board_distance_m"] = quality.board_distance_m;
+  json["split_half"] = splitHalfJson(result);
+  json["correlations"] = correlationsJson(quality.correlations);
+  json["further_views"] = viewsJson(result);
+  return json;
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,181 @@
+#include "calibrate/quality/further_views.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "calibrate/quality/board.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+constexpr double tilt = 40;  // degrees
+
+struct Candidate {
+  FurtherView view;
+  ImageInformation information;
+};
+
+/// The board faces the camera, its upper edge up, and turned by the tilt about an axis in the image.
+struct Attitude {
+  const char* edge_away;
+  vec3 rotation;  ///< in the camera's axes [rad]
+};
+const std::array<Attitude, 5>& attitudes() {
+  constexpr double a = tilt * std::numbers::pi / 180;
+  static const std::array<Attitude, 5> all{{{"", vec3(0., 0., 0.)},
+                                            {"right", vec3(0., -a, 0.)},
+                                            {"left", vec3(0., a, 0.)},
+                                            {"upper", vec3(-a, 0., 0.)},
+                                            {"lower", vec3(a, 0., 0.)}}};
+  return all;
+}
+
+/// The board with its normal towards the cameras, and its corners in the world.
+struct Target {
+  SE3 board2world;
+  std::vector<vec3> corners;
+};
+Target targetOf(const View& view, const SE3& some_left2world) {
+  Target board{outlineOf(view).board2world, {}};
+  for (const Corner& corner : view.corners) board.corners.push_back(corner.world);
+  const SE3 camera_in_board = board.board2world.inverse() * some_left2world;
+  if (camera_in_board.pos.z() < 0)
+    board.board2world = board.board2world * SE3(SO3::exp(vec3(std::numbers::pi, 0., 0.)));
+  return board;
+}
+
+/// left2world for a board whose centre stands at `centre` before camera c: its normal points against the
+/// camera's z axis before it is tilted, its longer side right.
+SE3 placed(const FittedRig& rig, std::size_t c, const Target& board, const vec3& centre,
+           const Attitude& attitude) {
+  const SO3 facing = SO3::exp(vec3(std::numbers::pi, 0., 0.));
+  const SE3 board2camera(SO3::exp(attitude.rotation) * facing, centre);
+  return board.board2world * board2camera.inverse() * rig.left2camera[c];
+}
+
+/// What of space a camera sees. Points farther from its axis than any ray of its image are projected into it
+/// as well where a distortion polynomial folds back.
+struct FieldOfView {
+  ImageBox box;
+  double least_cosine = 1;  ///< of the angle of a ray of the image with the optical axis
+
+  bool holds(const Lens& lens, const vec3& point) const {
+    if (!(point.z() > least_cosine * point.norm())) return false;
+    const vec2 pixel = lens.project(point);
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < box.width && pixel.y() < box.height;
+  }
+};
+
+std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<ImageGrid>& grids) {
+  std::vector<FieldOfView> fields;
+  for (std::size_t c = 0; c < grids.size(); ++c) {
+    fields.push_back({grids[c].box});
+    for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
+      if (ray) fields.back().least_cosine = std::min(fields.back().least_cosine, ray->z());
+    }
+  }
+  return fields;
+}
+
+/// What the cameras would see of the board.
+Sight sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields, const std::vector<vec3>& board,
+              const SE3& left2world) {
+  constexpr std::size_t fewest = 4;  // a pose needs as many
+  Sight sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
+  const SE3 to_left = left2world.inverse();
+  for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
+    for (const vec3& corner : board) {
+      if (fields[c].holds(*rig.lenses[c], rig.left2camera[c] * (to_left * corner)))
+        sight.points[c].push_back(corner);
+    }
+    if (sight.points[c].size() < fewest) sight.points[c].clear();
+  }
+  return sight;
+}
+
+/// Boards of which the camera sees two thirds or more.
+void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields, const Target& board,
+                   std::size_t c, double distance_m, std::vector<Candidate>& candidates) {
+  constexpr int places = 3;
+  const ImageBox& box = fields[c].box;
+  for (int place = 0; place < places * places; ++place) {
+    const int column = place % places, row = place / places;
+    const vec2 pixel(box.width * (0.16 + 0.34 * column), box.height * (0.16 + 0.34 * row));
+    const auto ray = rig.lenses[c]->unproject(pixel);
+    if (!ray) continue;
+    for (const Attitude& attitude : attitudes()) {
+      const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
+      const Sight sight = sightOf(rig, fields, board.corners, left2world);
+      if (3 * sight.points[c].size() < 2 * board.corners.size()) continue;
+      FurtherView view;
+      view.camera = c;
+      view.pixel = pixel;
+      view.column = column;
+      view.row = row;
+      view.tilt_deg = *attitude.edge_away ? tilt : 0;
+      view.edge_away = attitude.edge_away;
+      view.distance_m = distance_m;
+      view.left2world = left2world;
+      candidates.push_back({view, informationOf(rig, sight)});
+    }
+  }
+}
+
+}  // namespace
+
+ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                   double distance_m) {
+  std::vector<ProjectedPoint> points;
+  for (std::size_t c = 0; c < grids.size(); ++c) {
+    for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
+      if (ray) points.push_back(projectedPoint(rig, c, *ray, distance_m));
+    }
+  }
+  return ProjectedPoints(points);
+}
+
+double worstStd(const ProjectedPoints& points, const Knowledge& knowledge) {
+  const std::vector<double> all = points.std(knowledge);
+  return all.empty() ? 0 : *std::max_element(all.begin(), all.end());
+}
+
+std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
+                                      const std::vector<ImageGrid>& grids,
+                                      const FurtherViewOptions& options) {
+  const Target board = targetOf(view, rig.left2world.at(view.image));
+  std::vector<ImageGrid> coarse = grids;
+  for (ImageGrid& grid : coarse) grid.columns = options.grid_columns, grid.rows = options.grid_rows;
+  const ProjectedPoints points = pointsOfAllCameras(rig, coarse, options.board_distance_m);
+
+  const std::vector<FieldOfView> fields = fieldsOfView(rig, coarse);
+  std::vector<Candidate> candidates;
+  for (std::size_t c = 0; c < grids.size(); ++c) {
+    for (const double nearer : {1.0, 0.6}) {
+      addCandidates(rig, fields, board, c, nearer * options.board_distance_m, candidates);
+    }
+  }
+
+  Information so_far = information;
+  double before = worstStd(points, Knowledge(so_far));
+  std::vector<FurtherView> best_ones;
+  for (int k = 0; k < options.count; ++k) {
+    const Candidate* best = nullptr;
+    double least = before;
+    for (const Candidate& candidate : candidates) {
+      Information with = so_far;
+      with.add(candidate.information);
+      const double after = worstStd(points, Knowledge(with));
+      if (after < least) best = &candidate, least = after;
+    }
+    if (!best) break;
+    so_far.add(best->information);
+    best_ones.push_back(best->view);
+    best_ones.back().before_px = before;
+    best_ones.back().after_px = before = least;
+  }
+  return best_ones;
+}
+
+}  // namespace slom::app::calib

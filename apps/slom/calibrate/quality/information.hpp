@@ -1,0 +1,90 @@
+// What images say about the parameters that all of them share: lenses, camera to camera, IMU.
+//
+// The pose of the board in image i is seen by that image alone, so the normal equations are an arrow, and
+// eliminating the poses leaves a sum over the images:
+//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs,   covariance of the shared parameters  C = (sum_i
+//   Lambda_i)^-1
+// s: shared parameters, f: the pose left2world of image i, H = J^T J of its whitened measurements.
+//
+// A calibration knows its own frame only through the boards: another sample of the noise gives another one.
+// The motion between the two is where the boards, moved by it, are seen best by the cameras as they are
+// ("cross-reprojection", https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To
+// first order it is
+//   motion = G^-1 F ds + noise of covariance G^-1 N G^-1, independent of ds,
+//   G = sum P^T H_cc P,  F = sum P^T H_cc H_ff^-1 H_fs,  N = sum P^T H_cc H_ff^-1 H_cc P
+// with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibrate/input/dataset.hpp"
+#include "calibrate/quality/lens.hpp"
+#include "calibrate/result.hpp"
+
+namespace slom::app::calib {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Where the shared parameters stand: for each camera its lens and, but for the first, its pose left2camera
+/// (translation, rotation); then the IMU's rotation, acc_bias and gravity.
+struct SharedColumns {
+  std::vector<int> lens, pose;  ///< first column, by camera; -1 where there is none
+  int imu = -1;
+  int size = 0;
+  std::vector<int> free;           ///< those that are estimated, rising
+  std::vector<std::string> names;  ///< `left.fx`
+};
+
+/// The calibrated rig.
+struct FittedRig {
+  explicit FittedRig(const Result& result);
+
+  std::vector<std::unique_ptr<Lens>> lenses;
+  std::vector<SE3> left2camera;
+  std::map<int, SE3> left2world;
+  std::optional<ImuResult> imu;
+  double sigma_px, sigma_acc;
+  SharedColumns columns;
+};
+
+/// What is seen in one image: by camera the points of the board that it sees, in the world, and a reading.
+struct Sight {
+  SE3 left2world;
+  std::vector<std::vector<vec3>> points;
+  std::optional<vec3> acc;
+};
+
+/// Of one image.
+struct ImageInformation {
+  Matrix6 pose, pose_from_corners;  ///< H_ff, H_cc
+  Eigen::MatrixXd pose_shared;      ///< H_fs, 6 x shared
+  Eigen::MatrixXd shared;           ///< Lambda
+  Matrix6 motion;                   ///< P
+};
+ImageInformation informationOf(const FittedRig& rig, const Sight& sight);
+
+/// Of a set of images.
+class Information {
+ public:
+  explicit Information(const SharedColumns& columns);
+  void add(const ImageInformation& image);
+  /// Of the shared parameters; 0 for those that are not estimated.
+  Eigen::MatrixXd covariance() const;
+  /// The motion of the frame per change of the shared parameters, G^-1 F, and the covariance of the rest of
+  /// it.
+  Eigen::MatrixXd motionByShared() const;
+  Matrix6 motionNoise() const;
+
+ private:
+  std::vector<int> free_;
+  Eigen::MatrixXd shared_, motion_shared_;  // S, F
+  Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();
+};
+
+/// By image number.
+std::map<int, Sight> sightsOf(const Dataset& data, const FittedRig& rig);
+
+}  // namespace slom::app::calib

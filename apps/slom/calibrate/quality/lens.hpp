@@ -1,0 +1,35 @@
+// The lens of a calibrated camera, whatever its model is: where it projects points to, and the ray of a
+// pixel.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "calibrate/result.hpp"
+
+namespace slom::app::calib {
+
+class Lens {
+ public:
+  /// A pixel and how it changes with the lens parameters (2 x n) and with the point (2 x 3, [px/m]).
+  struct Projection {
+    vec2 pixel;
+    Eigen::Matrix<double, 2, Eigen::Dynamic> by_parameters;
+    Eigen::Matrix<double, 2, 3> by_point;
+  };
+
+  virtual ~Lens() = default;
+  virtual int parameters() const = 0;
+  virtual vec2 project(const vec3& point) const = 0;
+  virtual Projection differentiate(const vec3& point) const = 0;
+  virtual Eigen::Matrix<double, 2, 3> byPoint(const vec3& point) const = 0;
+
+  /// The direction, of length 1, that is projected to a pixel. Found by walking there from a ray whose pixel
+  /// is known to have one, the optical axis; nothing where the model folds over on the way, as distortion
+  /// polynomials do outside of the corners that they were fitted to.
+  std::optional<vec3> unproject(const vec2& pixel, vec3 from = vec3(0., 0., 1.)) const;
+};
+
+std::unique_ptr<Lens> makeLens(const CameraResult& camera);
+
+}  // namespace slom::app::calib

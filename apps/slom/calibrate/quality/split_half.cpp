@@ -1,0 +1,190 @@
+#include "calibrate/quality/split_half.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "calibrate/cross_matrix.hpp"
+#include "calibrate/fit/calibration.hpp"
+#include "calibrate/quality/projection.hpp"
+#include "error.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+/// One half: its calibration and what it knows.
+struct Half {
+  Half(const Result& result, const Dataset& data) : rig(result), knowledge(informationOfAll(data, rig)) {}
+
+  static Knowledge informationOfAll(const Dataset& data, const FittedRig& rig) {
+    Information sum(rig.columns);
+    for (const auto& [image, sight] : sightsOf(data, rig)) sum.add(informationOf(rig, sight));
+    return Knowledge(sum);
+  }
+
+  FittedRig rig;
+  Knowledge knowledge;
+};
+
+/// A node that both halves have a ray for.
+struct Compared {
+  int node;
+  vec3 ray;  ///< by the first half
+  vec2 difference;
+  Lens::Projection at;  ///< in the second half
+  double weight;
+};
+
+Eigen::Matrix<double, 2, 3> byRotation(const Lens::Projection& q, const vec3& ray) {
+  return -q.by_point * crossMatrix(ray);
+}
+
+/// Turns the first half's rays so that the second projects them as near to the nodes as can be.
+void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGrid& grid) {
+  constexpr int steps = 5;
+  for (int step = 0; step < steps; ++step) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    for (const Compared& c : nodes) {
+      const Eigen::Matrix<double, 2, 3> J = byRotation(c.at, c.ray);
+      H += c.weight * J.transpose() * J;
+      g += c.weight * J.transpose() * c.difference;
+    }
+    const SO3 turn = SO3::exp(vec3(-H.ldlt().solve(g)));
+    for (Compared& c : nodes) {
+      c.ray = turn * c.ray;
+      c.at = second.differentiate(c.ray);
+      c.difference = vec2(c.at.pixel - grid.node(c.node));
+    }
+  }
+}
+
+/// Mean over the nodes of the variance of the difference after the fit, when it comes from the lens
+/// parameters having this covariance [px^2].
+double expectedSquare(const std::vector<Compared>& nodes, const Eigen::MatrixXd& covariance) {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::MatrixXd g = Eigen::MatrixXd::Zero(3, covariance.cols());
+  for (const Compared& c : nodes) {
+    const Eigen::Matrix<double, 2, 3> J = byRotation(c.at, c.ray);
+    H += c.weight * J.transpose() * J;
+    g += c.weight * J.transpose() * c.at.by_parameters;
+  }
+  const Eigen::MatrixXd turn = H.ldlt().solve(g);
+  double sum = 0;
+  for (const Compared& c : nodes) {
+    const Eigen::MatrixXd J = c.at.by_parameters - byRotation(c.at, c.ray) * turn;
+    sum += (J * covariance * J.transpose()).trace();
+  }
+  return sum / double(nodes.size());
+}
+
+/// Of a chi-square variable to be as large or larger (Wilson and Hilferty, "The distribution of chi-square",
+/// 1931).
+double probabilityOf(double chi2, int dof) {
+  if (dof == 0) return 1;
+  const double z = (std::cbrt(chi2 / dof) - (1 - 2 / (9.0 * dof))) / std::sqrt(2 / (9.0 * dof));
+  return std::erfc(z / std::sqrt(2.0)) / 2;
+}
+
+/// Difference of the lens parameters, for those that are estimated, against its covariance.
+void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen::MatrixXd& covariance,
+                       SplitHalfCamera& result) {
+  std::vector<int> free;
+  for (int i = 0; i < covariance.rows(); ++i) {
+    if (covariance(i, i) > 0) free.push_back(i);
+  }
+  Eigen::VectorXd difference(Eigen::Index(free.size()));
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const auto p = std::size_t(free[i]);
+    difference[Eigen::Index(i)] = a.parameters[p].value - b.parameters[p].value;
+  }
+  const Eigen::MatrixXd C = covariance(free, free);
+  const Eigen::VectorXd scale = C.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd z = scale.asDiagonal() * difference;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * C * scale.asDiagonal();
+  result.chi2 = z.dot(scaled.ldlt().solve(z));
+  result.dof = int(free.size());
+  result.probability = probabilityOf(result.chi2, result.dof);
+}
+
+SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const ImageGrid& grid,
+                        const Eigen::MatrixXd& covariance) {
+  const Lens& first = *a.rig.lenses[c];
+  const Lens& second = *b.rig.lenses[c];
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto rays = raysOf(first, grid), others = raysOf(second, grid);
+  const auto stds = projectionUncertainty(a.rig, a.knowledge, c, grid, rays, infinity).std_px;
+  const auto other_stds = projectionUncertainty(b.rig, b.knowledge, c, grid, others, infinity).std_px;
+  std::vector<Compared> nodes;
+  for (int i = 0; i < grid.size(); ++i) {
+    const auto k = std::size_t(i);
+    if (!rays[k] || !others[k]) continue;
+    const Lens::Projection at = second.differentiate(*rays[k]);
+    const double weight = 1 / (stds[k] * stds[k] + other_stds[k] * other_stds[k]);
+    nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, weight});
+  }
+  SplitHalfCamera result;
+  result.difference_px.assign(std::size_t(grid.size()), unknown);
+  if (nodes.size() < 3) return result;
+  fitRotation(nodes, second, grid);
+  double sum = 0;
+  for (const Compared& node : nodes) {
+    const double error = node.difference.norm();
+    result.difference_px[std::size_t(node.node)] = error;
+    result.largest_px = std::max(result.largest_px, error);
+    sum += error * error;
+  }
+  result.rms_px = std::sqrt(sum / double(nodes.size()));
+  result.expected_rms_px = std::sqrt(expectedSquare(nodes, covariance));
+  return result;
+}
+
+}  // namespace
+
+Dataset halfOf(const Dataset& data, int half) {
+  const std::vector<int> images = data.images();
+  return data.withImages([&](int image) {
+    return (std::lower_bound(images.begin(), images.end(), image) - images.begin()) % 2 == half;
+  });
+}
+
+SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,
+                    const std::vector<ImageGrid>& grids) {
+  constexpr std::size_t fewest_images = 2;
+  SplitHalf result;
+  std::vector<Result> results;
+  std::vector<std::unique_ptr<Half>> halves;
+  for (int half = 0; half < 2; ++half) {
+    const Dataset part = halfOf(data, half);
+    const std::string which = half == 0 ? "first" : "second";
+    for (const CameraData& camera : part.cameras) {
+      if (camera.views.size() >= fewest_images) continue;
+      result.why_not =
+          fmt::format("the {} half has fewer than {} images of camera {}", which, fewest_images, camera.name);
+      return result;
+    }
+    try {
+      results.push_back(calibrateFrom(fit, part, settings));
+    } catch (const UserError&) {
+      result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
+      return result;
+    }
+    if (!results.back().success()) {
+      result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
+      return result;
+    }
+    halves.push_back(std::make_unique<Half>(results.back(), part));
+  }
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
+    const Eigen::MatrixXd covariance = halves[0]->knowledge.shared.block(first, first, n, n) +
+                                       halves[1]->knowledge.shared.block(first, first, n, n);
+    result.cameras.push_back(compare(*halves[0], *halves[1], c, grids[c], covariance));
+    compareParameters(results[0].cameras[c], results[1].cameras[c], covariance, result.cameras.back());
+  }
+  return result;
+}
+
+}  // namespace slom::app::calib

@@ -1,0 +1,21 @@
+// Cross-validation: calibrates from every second image and from the others, and compares where the two
+// project the same rays to. The rotation between their frames that the two imply is fitted out first, over
+// the image, each place weighted by how well it is known (https://mrcal.secretsauce.net/differencing.html).
+// Residuals cannot show a model that bends to its own images; two halves that disagree by more than their
+// noise do.
+#pragma once
+
+#include "calibrate/input/dataset.hpp"
+#include "calibrate/quality/quality.hpp"
+#include "calibrate/result.hpp"
+
+namespace slom::app::calib {
+
+/// The images of even or of odd place in the order of their numbers, without the IMU.
+Dataset halfOf(const Dataset& data, int half);
+
+/// `fit` was found from all `data` and is the start of both halves.
+SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,
+                    const std::vector<ImageGrid>& grids);
+
+}  // namespace slom::app::calib
