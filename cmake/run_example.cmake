@@ -1,7 +1,7 @@
 # Runs one example and compares its standard output with what its folder says it prints.
-#   cmake -DPROGRAM=<executable> -DEXPECTED=<text file, may be absent> -DACTUAL=<file to write> -P run_example.cmake
+#   cmake -DPROGRAM=<executable> [-DARGUMENT=<word>] -DEXPECTED=<text file, may be absent> -DACTUAL=<file to write> -P run_example.cmake
 # A changed output that is right: copy the file named in the message over the expected one.
-execute_process(COMMAND "${PROGRAM}" OUTPUT_FILE "${ACTUAL}" ERROR_VARIABLE errors RESULT_VARIABLE status)
+execute_process(COMMAND "${PROGRAM}" ${ARGUMENT} OUTPUT_FILE "${ACTUAL}" ERROR_VARIABLE errors RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
   file(READ "${ACTUAL}" printed)
   message(FATAL_ERROR "${PROGRAM} ended with ${status}\n${printed}\n${errors}")
