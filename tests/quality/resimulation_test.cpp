@@ -36,8 +36,6 @@ SE3 motionToTruth(const RigTruth& truth, const Dataset& data, const Result& resu
   Estimator est;
   const auto motion_back = est.insertRV(SE3(), "motion^-1");
   for (std::size_t c = 0; c < truth.cameras.size(); ++c) {
-    const auto camera = est.insertRV(truth.cameras[c], false, "camera");
-    const auto left2camera = est.insertRV(truth.left2camera[c], false, "left2camera");
     for (const ImageResult& image : result.images) {
       const View* view = data.cameras[c].find(image.image);
       if (!view) continue;
@@ -45,8 +43,8 @@ SE3 motionToTruth(const RigTruth& truth, const Dataset& data, const Result& resu
       for (const Corner& corner : view->corners) {
         const vec3 in_left = image.left2world.inverse() * corner.world;
         const vec2 pixel = truth.cameras[c].project(true_world2camera * corner.world);
-        est.insertMeasurement(corner_in_other, camera, left2camera, motion_back, in_left, pixel,
-                              StandardDeviation(0.25));
+        est.insertMeasurement(CornerInOther(), truth.cameras[c], truth.left2camera[c], motion_back, in_left,
+                              measured(pixel), StandardDeviation(0.25));
       }
     }
   }

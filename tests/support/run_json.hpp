@@ -23,9 +23,13 @@ inline void expectPlausibleSeconds(const nlohmann::json& seconds) {
 inline void expectRunJson(const nlohmann::json& json) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys, (std::vector<std::string>{"converged", "final_rss", "initial_rss", "iterations",
-                                            "measurements", "peak_memory_mb", "seconds", "solver",
-                                            "stop_reason", "threads", "trace", "unknowns", "variables"}));
+  EXPECT_EQ(keys, (std::vector<std::string>{
+                      "active_bounds", "chi2_per_dof", "converged", "correlations", "final_rss", "groups", "initial_rss", "iterations",
+                      "measurements", "message", "parameters", "peak_memory_mb", "redundancy", "seconds", "sigma", "solver",
+                      "stop_reason", "threads", "trace", "unknowns", "variables", "warnings"}));
+  double rss = 0;
+  for (const auto& group : json["groups"]) rss += group["final_rss"].get<double>();
+  EXPECT_NEAR(rss, json["final_rss"].get<double>(), 1e-9 * rss);
   expectPlausibleSeconds(json["seconds"]);
   const nlohmann::json& trace = json["trace"];
   ASSERT_EQ(trace.size(), json["iterations"].get<std::size_t>() + 1);

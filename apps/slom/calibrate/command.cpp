@@ -131,7 +131,8 @@ void run(const RawOptions& raw) {
   writeFiles(data, result, settings);
   if (result.success()) return;
   fmt::print(stderr, "slom: the calibration failed: {}\n",
-             result.converged ? "the data do not determine all parameters" : result.message);
+             result.undetermined.empty() ? result.message
+                                         : "the data do not determine all parameters: " + result.undetermined);
   throw CLI::RuntimeError(exit_not_converged);
 }
 

@@ -84,8 +84,6 @@ ModelStart<Camera> startModel(const Dataset& data, const Settings& settings, con
     start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
     if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
   }
-  if (std::all_of(start.rms_px_alone.begin(), start.rms_px_alone.end(), [](double rms) { return std::isnan(rms); }))
-    requireTiltedViews(data);
   start.rig = startRig(data, world2camera);
   return start;
 }
@@ -107,7 +105,9 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   options.max_iterations = settings.max_iterations;
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
-  if (hasOpenFocalLength(result)) requireTiltedViews(data);
+  if (hasOpenFocalLength(result)) {
+    if (const std::string cause = parallelViews(data); !cause.empty()) result.undetermined = cause;
+  }
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
   result.strays = findStrays(data, cameras, rig);
   if (imu) {

@@ -7,8 +7,6 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
-#include "error.hpp"
-
 namespace slom::app::calib {
 
 namespace {
@@ -40,14 +38,12 @@ double normalSpread(const std::vector<PlaneView>& views) {
   return largest;
 }
 
-void requireTiltedViews(const Dataset& data) {
+std::string parallelViews(const Dataset& data) {
   double largest = 0;
   for (const CameraData& camera : data.cameras) largest = std::max(largest, normalSpread(planeViews(camera)));
-  if (largest > hardly_tilted) return;
-  throw UserError(fmt::format(
-      "{}: all {} images show the board at the same tilt, within {:.2g} degrees, which leaves the focal length open; add "
-      "images with the board tilted by 20 to 40 degrees in other directions",
-      data.cameras.front().file, data.images().size(), std::max(0.1, largest / degree)));
+  if (largest > hardly_tilted) return "";
+  return fmt::format("all {} images show the board at the same tilt, within {:.2g} degrees, which leaves the focal length open",
+                     data.images().size(), std::max(0.1, largest / degree));
 }
 
 }  // namespace slom::app::calib

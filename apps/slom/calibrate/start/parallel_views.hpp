@@ -1,6 +1,7 @@
 // Boards that are all parallel to each other leave the focal length open, however many there are.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "calibrate/start/plane_view.hpp"
@@ -13,7 +14,7 @@ namespace slom::app::calib {
 ///   source   Zhang, "A flexible new technique for camera calibration", 2000, section 4 (degenerate configurations)
 double normalSpread(const std::vector<PlaneView>& views);
 
-/// Throws UserError when the boards that each of the cameras sees are parallel, within 2 degrees.
-void requireTiltedViews(const Dataset& data);
+/// A sentence when the boards that each of the cameras sees are parallel, within 2 degrees; empty otherwise.
+std::string parallelViews(const Dataset& data);
 
 }  // namespace slom::app::calib
