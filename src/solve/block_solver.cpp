@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
 
 #include "block/multifrontal.hpp"
 #include "block/normal_equations.hpp"
@@ -188,27 +187,15 @@ void BlockSolver::Implementation::analyzeWhole(const BlockGraph& graph) {
   factor.analyze(structure.offset, std::move(fronts), equations.H());
 }
 
-/// The eliminated blocks first, then the others: `block`, at these positions of their own. Eliminated blocks with the same
-/// neighbours come after one another, so that what they are subtracted from stays in the cache.
+/// The eliminated blocks first, then the others: `block`, at these positions of their own.
 std::vector<int> BlockSolver::Implementation::positionsBehind(const BlockGraph& graph, const std::vector<int>& block,
                                                               const std::vector<int>& position) {
-  std::vector<int> result(at(graph.size()), -1), first;
-  for (std::size_t i = 0; i < block.size(); ++i) result[at(block[i])] = count() + position[i];
+  std::vector<int> result(at(graph.size()));
+  int next = 0;
   for (int b = 0; b < graph.size(); ++b) {
-    if (isReduced() && eliminated[at(b)]) first.push_back(b);
+    if (isReduced() && eliminated[at(b)]) result[at(b)] = next++;
   }
-  std::vector<int> sorted = graph.neighbour;  // of each eliminated block by position
-  const auto neighbours = [&](int b) {
-    return std::span<int>(sorted.data() + graph.start[at(b)], at(graph.start[at(b) + 1] - graph.start[at(b)]));
-  };
-  for (const int b : first) {
-    for (int& neighbour : neighbours(b)) neighbour = result[at(neighbour)];
-    std::sort(neighbours(b).begin(), neighbours(b).end());
-  }
-  std::stable_sort(first.begin(), first.end(), [&](int a, int b) {
-    return std::lexicographical_compare(neighbours(a).begin(), neighbours(a).end(), neighbours(b).begin(), neighbours(b).end());
-  });
-  for (std::size_t i = 0; i < first.size(); ++i) result[at(first[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < block.size(); ++i) result[at(block[i])] = next + position[i];
   return result;
 }
 
