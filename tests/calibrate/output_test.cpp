@@ -1,8 +1,10 @@
 // How numbers and sentences are written.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/output/format.hpp"
+#include "calibrate/output/json.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/output/report.hpp"
 
@@ -136,6 +138,12 @@ TEST(Notes, ParametersThatAreNotDetermined) {
                                       "deviations, and the values must not be used. Add "
                                       "images from other directions and distances, or "
                                       "choose a model with fewer parameters by --intrinsics."}));
+}
+
+TEST(Notes, AreInTheJsonToo) {
+  Result result = goodResult();
+  result.undetermined = "the measurements do not determine left.k3";
+  EXPECT_EQ(nlohmann::json::parse(toJson(result))["notes"], nlohmann::json(notes(result)));
 }
 
 TEST(Report, HelpOpensWithASampleRun) {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calibrate/output/notes.hpp"
 #include "calibrate/output/quality_json.hpp"
 
 namespace slom::app::calib {
@@ -138,6 +139,7 @@ std::string toJson(const Result& result) {
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", worst},
                      {"strays", strays},
+                     {"notes", notes(result)},
                      {"images", images},
                      {"quality", result.quality ? qualityJson(result) : Json()}};
   return json.dump(2) + "\n";
