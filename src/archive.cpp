@@ -42,6 +42,9 @@ Loss lossOf(Loss::Kind kind, double shape, double scale) {
   return {};
 }
 
+/// With all digits.
+std::string exact(double x) { return number(x, std::numeric_limits<double>::max_digits10); }
+
 /// Numbers may be infinite, as bounds and Barron's shape are.
 bool readNumber(std::istream& is, double& x) {
   std::string word;
@@ -100,41 +103,38 @@ class Writer {
     }
     os_ << text;
   }
-  /// A number of the file's own.
-  std::string number(double x) { return slom::number(x, std::numeric_limits<double>::max_digits10); }
-
  private:
   std::ostream& os_;
   std::ostringstream text_;
   std::istringstream check_;
 };
 
-void writeNoise(std::ostream& os, Writer& writer, const MeasurementPool& pool, int i) {
+void writeNoise(std::ostream& os, const MeasurementPool& pool, int i) {
   const auto [kind, W] = pool.whitening(i);
   const int n = pool.rows(i);
   constexpr const char* names[] = {"unit", "scalar", "diagonal", "matrix"};
   os << names[static_cast<int>(kind)];
   for (int k = 0; k < whiteningSize(kind, n); ++k) {
-    os << ' ' << writer.number(kind == WhiteningKind::full ? W[k / n + k % n * n] : W[k]);  // row by row
+    os << ' ' << exact(kind == WhiteningKind::full ? W[k / n + k % n * n] : W[k]);  // row by row
   }
 }
 
-void writeLoss(std::ostream& os, Writer& writer, const Loss* loss) {
+void writeLoss(std::ostream& os, const Loss* loss) {
   if (loss == nullptr) return;
   const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.first == loss->kind(); });
   os << ' ' << name->second;
-  if (loss->kind() == Loss::Kind::barron) os << ' ' << writer.number(loss->shape());
-  os << ' ' << writer.number(loss->scale());
+  if (loss->kind() == Loss::Kind::barron) os << ' ' << exact(loss->shape());
+  os << ' ' << exact(loss->scale());
 }
 
-void writeConstraints(std::ostream& os, Writer& writer, const VariableRecord& record, int number) {
+void writeConstraints(std::ostream& os, const VariableRecord& record, int number) {
   const std::vector<std::string> names = record.store->componentNames(record.slot, "");
   for (std::size_t c = 0; c < record.fixed.size(); ++c) {
     if (record.fixed[c] != 0) os << "fix " << number << ' ' << inQuotes(names[c]) << '\n';
   }
   for (const ComponentBound& bound : record.bounds) {
-    os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << writer.number(bound.lower) << ' '
-       << writer.number(bound.upper) << '\n';
+    os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << exact(bound.lower) << ' '
+       << exact(bound.upper) << '\n';
   }
 }
 
@@ -172,7 +172,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     text << '\n';
     number[v] = count++;
   }
-  for (const int v : problem.constrained()) writeConstraints(text, writer, problem.variables()[at(v)], number[at(v)]);
+  for (const int v : problem.constrained()) writeConstraints(text, problem.variables()[at(v)], number[at(v)]);
 
   for (const auto& pool : problem.pools()) {
     if (pool->size() == 0) continue;
@@ -187,8 +187,8 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     for (int i = 0; i < pool->size(); ++i) {
       for (int k = 0; k < pool->arity(); ++k) text << number[at(pool->variables(i)[k])] << ' ';
       text << "| ";
-      writeNoise(text, writer, *pool, i);
-      writeLoss(text, writer, pool->lossOf(i));
+      writeNoise(text, *pool, i);
+      writeLoss(text, pool->lossOf(i));
       text << " | ";
       writer.add([&](std::ostream& data) { kind->write(data, *pool, i); },
                  [&](std::istream& is) { return kind->read(is, nullptr, nullptr, {}); },

@@ -48,7 +48,6 @@ class EliminatedBlocks {
   static SolveStatus status(const Failure& failure, const std::vector<int>& offset);
 
  private:
-
   int count_ = 0;
   std::vector<std::size_t> start_;  // of each factor
   std::vector<double> factors_;

@@ -1,10 +1,10 @@
 // The calibration boards: where their corners are, and in how many ways a board looks the same.
 //   chessboard  columns x rows inner corners, x along the rows, y down, the first inner square dark where the
 //               colours tell the ends apart
-//   charuco     columns x rows squares, black ones and white ones with ArUco markers in them; corners are the
-//   inner ones aprilgrid   columns x rows tags of the family 36h11, small squares between them; x right, y
-//   up, four corners for each tag.
-//               As Kalibr prints it; tag 0 is at the lower left
+//   charuco     columns x rows squares, black ones and white ones with ArUco markers in them; corners are
+//               the inner ones
+//   aprilgrid   columns x rows tags of the family 36h11, small squares between them; x right, y up, four
+//               corners for each tag. As Kalibr prints it; tag 0 is at the lower left
 #pragma once
 
 #include <string>

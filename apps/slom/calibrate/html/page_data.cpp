@@ -12,6 +12,7 @@
 #include "calibrate/quality/board.hpp"
 #include "calibrate/quality/verdict.hpp"
 #include "calibrate/quality/words.hpp"
+#include "script_text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -240,14 +241,6 @@ Json viewsJson(const Result& result) {
         {{"sentence", sentenceOf(view, result)}, {"before", view.before_px}, {"after", view.after_px}});
   }
   return list;
-}
-
-/// Inside <script> "</" would end it.
-std::string scriptText(const Json& json) {
-  std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6)
-    text.replace(at, 1, "\\u003c");
-  return text;
 }
 
 }  // namespace

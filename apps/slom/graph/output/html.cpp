@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/output/html_page.hpp"
+#include "script_text.hpp"
 
 namespace slom::app::graph {
 
@@ -54,14 +55,6 @@ Json dataOf(const Sketch& sketch) {
           {"closures", pairs(sketch.closures)},
           {"landmarks", coordinates(sketch.landmarks, centre, size)},
           {"held", sketch.held}};
-}
-
-/// As JSON inside <script>, where "</" would end it.
-std::string scriptText(const Json& json) {
-  std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6)
-    text.replace(at, 1, "\\u003c");
-  return text;
 }
 
 }  // namespace
