@@ -2,6 +2,7 @@
 
 #include "analyze/diagnose.hpp"
 #include "analyze/free_network.hpp"
+#include "slom/analyze/uncertainty.hpp"
 
 namespace slom {
 
@@ -25,6 +26,13 @@ Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGaug
   }
   const Eigen::MatrixXd block = columns.middleRows(a, dof_a);
   return variable_a == variable_b ? Eigen::MatrixXd((block + block.transpose()) / 2) : block;
+}
+
+void detail::propagate(const double* J, const double* C, int m, int n, double* out) {
+  using Eigen::Map;
+  using Eigen::MatrixXd;
+  const Map<const MatrixXd> jacobian(J, m, n), covariance(C, n, n);
+  Map<MatrixXd>(out, m, m) = jacobian * covariance * jacobian.transpose();
 }
 
 std::unique_ptr<InverseBlocks> inverseBlocks(System& system, Linearizer& linearizer, FreeGauge gauge) {

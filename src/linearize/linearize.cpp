@@ -37,12 +37,17 @@ std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, int pe
 void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
   const int count = range.last - range.first;
+  const bool is_laid_out = chunk.type == &pool.type() && chunk.last - chunk.first == count && pool.hasFixedSizes() &&
+                           (chunk.has_jacobian || !with_jacobian);
+  chunk.type = &pool.type();
+  chunk.has_jacobian = with_jacobian;
   chunk.group = range.group;
   chunk.first = range.first;
   chunk.last = range.last;
   chunk.bad = -1;
   chunk.threw.reset();
   chunk.held.clear();
+  if (is_laid_out) return;
   chunk.rows.resize(at(count));
   chunk.dof.resize(at(count) * at(pool.arity()));
   pool.sizes(range.first, range.last, chunk.rows.data(), chunk.dof.data());

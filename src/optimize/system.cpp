@@ -148,13 +148,10 @@ void System::setLossWidening(double widening) {
 }
 
 double System::gradientCosine() const {
-  double largest = 0;
   const double r = std::sqrt(squared_norm_);
-  for (Eigen::Index i = 0; i < solver_->gradient().size(); ++i) {
-    const double column = std::sqrt(solver_->diagonal()[i]);
-    if (column > 0 && r > 0) largest = std::max(largest, std::abs(solver_->gradient()[i]) / column / r);
-  }
-  return largest;
+  const auto g = solver_->gradient().array();
+  const auto column = solver_->diagonal().array().sqrt();
+  return g.size() == 0 || !(r > 0) ? 0 : (column > 0).select(g.abs() / column, 0.0).maxCoeff() / r;
 }
 
 double System::stepInDeviations(const Eigen::VectorXd& d) const {

@@ -73,6 +73,8 @@ class Linearizer {
     int group = 0, first = 0, last = 0;
     int bad = -1;
     std::optional<MeasurementThrew> threw;
+    const MeasurementType* type = nullptr;  ///< that the arrays have room for
+    bool has_jacobian = false;
     std::vector<int> rows, dof;
     std::vector<double> r, J;
     double rss = 0;

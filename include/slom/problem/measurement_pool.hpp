@@ -93,6 +93,8 @@ class MeasurementPool {
   int rows(int i) const { return type_.rows != Dynamic ? type_.rows : rows_[at(i)]; }
   /// Degrees of freedom of all variables of measurement i, fixed ones included.
   int columns(int i) const { return columns_ != Dynamic ? columns_ : sumOfDof(i); }
+  /// Whether all measurements have the same `rows` and `columns`, known from type() alone.
+  bool hasFixedSizes() const { return type_.rows != Dynamic && columns_ != Dynamic; }
   /// Writes the lengths of the residuals of [first, last), and the degrees of freedom of all their variables.
   void sizes(int first, int last, int* rows, int* dof) const;
   /// The loss of measurement i; null: least squares. evaluate and linearize know nothing of it.

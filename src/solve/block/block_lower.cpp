@@ -45,8 +45,6 @@ void BlockLower::layOutAs(const BlockLower& other) {
   values_.resize(start_.back());
 }
 
-void BlockLower::setZero() { std::fill_n(values_.data(), start_.back(), 0.0); }
-
 int BlockLower::find(int i, int j) const {
   const auto first = row_.begin() + begin(j), last = row_.begin() + begin(j + 1);
   return static_cast<int>(std::lower_bound(first, last, i) - row_.begin());

@@ -17,7 +17,6 @@ class BlockLower {
   void layOut(const BlockGraph& graph, const std::vector<int>& position);
   /// As another one, with any numbers.
   void layOutAs(const BlockLower& other);
-  void setZero();
 
   int columns() const { return static_cast<int>(dof_.size()); }
   int dof(int position) const { return dof_[static_cast<std::size_t>(position)]; }

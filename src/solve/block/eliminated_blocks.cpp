@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "linearize/parallel.hpp"
+#include "solve/dense/kernels.hpp"
 
 namespace slom {
 
@@ -22,7 +23,8 @@ void EliminatedBlocks::analyze(const BlockLower& H, int count) {
   factors_.assign(start_.back(), 0.0);
 }
 
-EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset,
+EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int first, int last,
+                                                      const std::vector<int>& offset,
                                                       const Eigen::VectorXd& damping, double tolerance) {
   for (int e = first; e < last; ++e) {
     const int d = H.dof(e);
@@ -32,7 +34,8 @@ EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int f
       const double diagonal = V[j * d + j] + (damping.size() > 0 ? damping[offset[at(e)] + j] : 0);
       double pivot = diagonal;
       for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
-      if (!(pivot > tolerance * diagonal)) return {e, j, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
+      if (!(pivot > tolerance * diagonal))
+        return {e, j, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
       const double inverse = 1 / std::sqrt(pivot);
       L[j * d + j] = inverse;
       for (int i = j + 1; i < d; ++i) {
@@ -45,14 +48,15 @@ EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int f
   return {};
 }
 
-SolveStatus EliminatedBlocks::factorizeAll(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                                           double tolerance) {
+SolveStatus EliminatedBlocks::factorizeAll(const BlockLower& H, const std::vector<int>& offset,
+                                           const Eigen::VectorXd& damping, double tolerance) {
   std::vector<Failure> failures(at((count_ + kPerTask - 1) / kPerTask));
   detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
     failures[at(task)] =
         factorize(H, task * kPerTask, std::min(count_, (task + 1) * kPerTask), offset, damping, tolerance);
   });
-  const auto bad = std::find_if(failures.begin(), failures.end(), [](const Failure& f) { return f.happened(); });
+  const auto bad =
+      std::find_if(failures.begin(), failures.end(), [](const Failure& f) { return f.happened(); });
   return bad == failures.end() ? SolveStatus{} : status(*bad, offset);
 }
 
@@ -96,7 +100,8 @@ void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, B
     below.setZero();
     for (int l = first; l < last; ++l) {
       const int j = H.row(l) - count_;
-      const Block z(Z.values(Z.find(std::max(i, j), std::min(i, j))), Z.dof(std::max(i, j)), Z.dof(std::min(i, j)));
+      const Block z(Z.values(Z.find(std::max(i, j), std::min(i, j))), Z.dof(std::max(i, j)),
+                    Z.dof(std::min(i, j)));
       if (i >= j) {
         below.noalias() -= z * T[at(l - first)].transpose();
       } else {
@@ -108,7 +113,9 @@ void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, B
   Eigen::Map<MatrixXd>(inverse.values(H.begin(e)), d, d) = (own + own.transpose()) / 2;
 }
 
-void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const {
+void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>& offset,
+                                    Eigen::VectorXd& b) const {
+  const auto subtract_product = dense::kernels().subtractProduct;
   std::vector<double> solved;
   for (int e = 0; e < count_; ++e) {
     const int d = H.dof(e);
@@ -116,28 +123,20 @@ void EliminatedBlocks::reduceVector(const BlockLower& H, const std::vector<int>&
     forward(e, d, solved.data());
     backward(e, d, solved.data());
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      const int height = H.dof(H.row(k));
-      const double* const W = H.values(k);
-      double* const target = b.data() + offset[at(H.row(k))];
-      for (int c = 0; c < d; ++c) {
-        for (int i = 0; i < height; ++i) target[i] -= W[c * height + i] * solved[at(c)];
-      }
+      subtract_product(d, H.dof(H.row(k)), H.values(k), solved.data(), b.data() + offset[at(H.row(k))]);
     }
   }
 }
 
-void EliminatedBlocks::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void EliminatedBlocks::substitute(const BlockLower& H, const std::vector<int>& offset,
+                                  Eigen::VectorXd& x) const {
+  const auto subtract_product = dense::kernels().subtractTransposedProduct;
   detail::forEachIndex((count_ + kPerTask - 1) / kPerTask, [&](int task) {
     for (int e = task * kPerTask; e < std::min(count_, (task + 1) * kPerTask); ++e) {
       const int d = H.dof(e);
       double* const own = x.data() + offset[at(e)];
       for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-        const int height = H.dof(H.row(k));
-        const double* const W = H.values(k);
-        const double* const other = x.data() + offset[at(H.row(k))];
-        for (int c = 0; c < d; ++c) {
-          for (int i = 0; i < height; ++i) own[c] -= W[c * height + i] * other[i];
-        }
+        subtract_product(d, H.dof(H.row(k)), H.values(k), x.data() + offset[at(H.row(k))], own);
       }
       forward(e, d, own);
       backward(e, d, own);

@@ -235,7 +235,10 @@ void MultifrontalCholesky::planUpdates() {
 void MultifrontalCholesky::assemble(const BlockLower& H, const Front& front, const Layout& layout) {
   double* const D = L_.data() + layout.D;
   double* const B = L_.data() + layout.B;
-  std::fill(D, B + dense::panelSize(front.u, front.p), 0.0);
+  for (int end = kStripe; end - kStripe < front.p; end += kStripe) {
+    std::fill_n(D + kStripe * front.p * (end / kStripe - 1), kStripe * std::min(end, front.p), 0.0);
+  }
+  std::fill_n(B, dense::panelSize(front.u, front.p), 0.0);
   const auto address = [&](int row) {
     const auto in_panel = [&](double* panel, int i) {
       return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + i % kStripe;
@@ -370,7 +373,6 @@ void MultifrontalCholesky::backward(int f) {
     const int position = fronts_.row[at(r)];
     for (int i = fronts_.offset[at(position)]; i < fronts_.offset[at(position) + 1]; ++i) *to++ = x_[at(i)];
   }
-  std::fill(to, vectors_.data() + layout.vector + kStripe * stripesOf(front.u), 0.0);
   kernel.backwardRows(L_.data() + layout.B, front.p, front.u, vectors_.data() + layout.vector, x);
   kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
 }

@@ -11,33 +11,41 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
-void NormalEquations::layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position) {
+void NormalEquations::layOut(const BlockStructure& structure, const BlockGraph& graph,
+                             const std::vector<int>& position) {
   structure_ = &structure;
-  position_ = position;
   H_.layOut(graph, position);
-  offset_.resize(position.size());
-  for (int b = 0; b < graph.size(); ++b) offset_[at(position[at(b)])] = structure.offset[at(b)];
   gradient_ = Eigen::VectorXd::Zero(structure.unknowns());
+  offset_.resize(position.size());
+  place_.resize(position.size());
+  for (int b = 0; b < graph.size(); ++b) {
+    const int column = position[at(b)];
+    offset_[at(column)] = structure.offset[at(b)];
+    place_[at(b)] = {column, H_.begin(column), gradient_.data() + structure.offset[at(b)]};
+  }
   findDestinations();
 }
 
 void NormalEquations::findDestinations() {
   destination_.assign(structure_->groups.size(), {});
-  work_.assign(position_.size() + 1, 0.0);
+  work_.assign(place_.size() + 1, 0.0);
+  std::vector<char> is_touched(at(H_.begin(H_.columns())), 0);
   for (std::size_t g = 0; g < structure_->groups.size(); ++g) {
     const MeasurementGroup& group = structure_->groups[g];
     destination_[g].reserve(at(group.size()) * at(group.arity * (group.arity - 1) / 2));
     for (int m = 0; m < group.size(); ++m) {
       const int* blocks = group.blocks.data() + at(m) * at(group.arity);
       for (int k = 0; k < group.arity; ++k) {
-        if (blocks[k] >= 0) ++work_[at(position_[at(blocks[k])]) + 1];
+        if (blocks[k] >= 0) ++work_[at(position(blocks[k])) + 1];
         for (int l = k + 1; l < group.arity; ++l) {
           if (blocks[k] < 0 || blocks[l] < 0) {
-            destination_[g].push_back(-1);
+            destination_[g].push_back({-1, 0});
             continue;
           }
-          const int a = position_[at(blocks[k])], b = position_[at(blocks[l])];
-          destination_[g].push_back(H_.find(std::max(a, b), std::min(a, b)));
+          const int a = position(blocks[k]), b = position(blocks[l]),
+                    block = H_.find(std::max(a, b), std::min(a, b));
+          destination_[g].push_back({block, a != b && is_touched[at(block)] == 0});
+          is_touched[at(block)] = 1;
           ++work_[at(std::min(a, b)) + 1];
         }
       }
@@ -46,8 +54,10 @@ void NormalEquations::findDestinations() {
   for (std::size_t j = 1; j < work_.size(); ++j) work_[j] += work_[j - 1];
 }
 
+/// The blocks off the diagonal get their zeros when something is added to them first: then they are in the
+/// cache.
 void NormalEquations::setZero() {
-  H_.setZero();
+  for (int j = 0; j < H_.columns(); ++j) std::fill_n(H_.values(H_.begin(j)), H_.dof(j) * H_.dof(j), 0.0);
   gradient_.setZero();
 }
 
@@ -58,6 +68,28 @@ void NormalEquations::add(std::span<const JacobianBatch> batches) {
   });
 }
 
+/// The numbers of a block off the diagonal, which have a value.
+double* NormalEquations::begun(Destination destination, int size) {
+  double* const values = H_.values(destination.block);
+  if (destination.is_first) std::fill_n(values, size, 0.0);
+  return values;
+}
+
+/// What a measurement of two free variables adds, at once, to the same bits as one after the other. Returns
+/// false, with nothing done, where that is not possible.
+bool NormalEquations::addPair(int rows, const int* blocks, const int* dof, Destination destination,
+                              const double* J, const double* r, int first, int last) {
+  if (blocks[0] < 0 || blocks[1] < 0) return false;
+  const Place* const place[] = {&place_[at(blocks[0])], &place_[at(blocks[1])]};
+  const int later = place[0]->column > place[1]->column ? 0 : 1, earlier = 1 - later;
+  if (blocks[0] == blocks[1] || place[earlier]->column < first || place[later]->column >= last) return false;
+  const double* const of[] = {J, J + static_cast<std::ptrdiff_t>(rows) * dof[0]};
+  return dense::kernels().addPair(
+      rows, dof[later], dof[earlier], of[later], of[earlier], r,
+      {H_.values(place[later]->diagonal), H_.values(place[earlier]->diagonal),
+       begun(destination, dof[0] * dof[1]), place[later]->gradient, place[earlier]->gradient});
+}
+
 /// What the batch adds to the columns [first, last) of H and to their entries of g.
 void NormalEquations::addColumns(const JacobianBatch& batch, int first, int last) {
   const auto add_product = dense::kernels().addProduct;
@@ -65,11 +97,18 @@ void NormalEquations::addColumns(const JacobianBatch& batch, int first, int last
   const int arity = group.arity;
   const double* r = batch.r;
   const double* J = batch.J;
-  const int* destination = destination_[at(batch.group)].data() + at(batch.first) * at(arity * (arity - 1) / 2);
+  const Destination* destination =
+      destination_[at(batch.group)].data() + at(batch.first) * at(arity * (arity - 1) / 2);
   const int* blocks = group.blocks.data() + at(batch.first) * at(arity);
   const int* dof = batch.dof;
   for (int m = 0; m < batch.count; ++m, blocks += arity, dof += arity) {
     const int rows = batch.rows[m];
+    if (arity == 2 && addPair(rows, blocks, dof, *destination, J, r, first, last)) {
+      ++destination;
+      J += static_cast<std::ptrdiff_t>(rows) * (dof[0] + dof[1]);
+      r += rows;
+      continue;
+    }
     for (int k = 0; k < arity; ++k) {
       const double* const Jk = J;
       J += static_cast<std::ptrdiff_t>(rows) * dof[k];
@@ -77,22 +116,20 @@ void NormalEquations::addColumns(const JacobianBatch& batch, int first, int last
         destination += arity - 1 - k;
         continue;
       }
-      const int column = position_[at(blocks[k])];
+      const Place& place = place_[at(blocks[k])];
+      const int column = place.column;
       if (first <= column && column < last) {
-        double* const g = gradient_.data() + offset_[at(column)];
-        for (int i = 0; i < dof[k]; ++i) {
-          for (int row = 0; row < rows; ++row) g[i] += Jk[i * rows + row] * r[row];
-        }
-        add_product(rows, dof[k], dof[k], Jk, Jk, H_.values(H_.begin(column)));
+        add_product(rows, dof[k], 1, Jk, r, place.gradient);
+        add_product(rows, dof[k], dof[k], Jk, Jk, H_.values(place.diagonal));
       }
       const double* Jl = J;
       for (int l = k + 1; l < arity; ++l, ++destination) {
         const double* const Jl_here = Jl;
         Jl += static_cast<std::ptrdiff_t>(rows) * dof[l];
         if (blocks[l] < 0) continue;
-        const int other = position_[at(blocks[l])], earlier = std::min(column, other);
+        const int other = position(blocks[l]), earlier = std::min(column, other);
         if (earlier < first || earlier >= last) continue;
-        double* const H = H_.values(*destination);
+        double* const H = begun(*destination, dof[k] * dof[l]);
         if (other >= column) add_product(rows, dof[l], dof[k], Jl_here, Jk, H);
         if (other <= column) add_product(rows, dof[k], dof[l], Jk, Jl_here, H);
       }
@@ -110,6 +147,8 @@ Eigen::VectorXd NormalEquations::diagonal() const {
   return result;
 }
 
-double NormalEquations::squaredImage(const Eigen::VectorXd& d) const { return H_.squaredForm(offset_, d.data()); }
+double NormalEquations::squaredImage(const Eigen::VectorXd& d) const {
+  return H_.squaredForm(offset_, d.data());
+}
 
 }  // namespace slom

@@ -26,19 +26,35 @@ class NormalEquations {
   /// d^T H d
   double squaredImage(const Eigen::VectorXd& d) const;
   /// Of a block of the structure, in the order of elimination.
-  int position(int block) const { return position_[static_cast<std::size_t>(block)]; }
+  int position(int block) const { return place_[static_cast<std::size_t>(block)].column; }
   /// First unknown of each position.
   const std::vector<int>& offset() const { return offset_; }
 
  private:
+  /// Where a block of the structure adds to.
+  struct Place {
+    int column = -1;
+    int diagonal = 0;  ///< block of H
+    double* gradient = nullptr;
+  };
+  /// A block of H that two blocks of a measurement add to.
+  struct Destination {
+    int block : 31;
+    unsigned is_first : 1;  ///< nothing was added to it before
+  };
   void findDestinations();
+  bool addPair(int rows, const int* blocks, const int* dof, Destination destination, const double* J,
+               const double* r, int first, int last);
   void addColumns(const JacobianBatch& batch, int first, int last);
+
+  double* begun(Destination destination, int size);
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<int> position_, offset_;
-  std::vector<std::vector<int>> destination_;  // block of H; of each group: measurement x pairs (k < l)
-  std::vector<double> work_;                   // by position: products that go to its column and those before it
+  std::vector<Place> place_;  // by block of the structure
+  std::vector<int> offset_;
+  std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
+  std::vector<double> work_;  // by position: products that go to its column and those before it
   Eigen::VectorXd gradient_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
@@ -18,9 +20,9 @@ constexpr int kLargestEliminated = 3;  // degrees of freedom
 /// In graphs without such a structure, paths for one, fewer of all blocks are independent.
 constexpr double kLeastShare = 2.0 / 3;
 /// With more blocks left, the block of S at a place is searched for instead of looked up.
-constexpr int kMostInTable = 2048;
+constexpr int kMostInTable = 1024;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
-constexpr int kBlocksPerWave = 2048;
+constexpr int kPerWave = 128;
 
 }  // namespace
 
@@ -70,7 +72,8 @@ ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& elimi
       if (!eliminated[at(c)]) {
         add(node[at(c)]);
       } else {
-        for (int f = graph.start[at(c)]; f < graph.start[at(c) + 1]; ++f) add(node[at(graph.neighbour[at(f)])]);
+        for (int f = graph.start[at(c)]; f < graph.start[at(c) + 1]; ++f)
+          add(node[at(graph.neighbour[at(f)])]);
       }
     }
     std::sort(neighbour.begin() + static_cast<std::ptrdiff_t>(first), neighbour.end());
@@ -79,72 +82,131 @@ ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& elimi
   return result;
 }
 
-void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position) {
+void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced,
+                              const std::vector<int>& position) {
   eliminated_.analyze(H, eliminated);
   S_.layOut(reduced, position);
   const int n = S_.columns();
-  table_.clear();
-  if (n <= kMostInTable) {
-    table_.assign(at(n) * at(n), -1);
-    for (int j = 0; j < n; ++j) {
-      for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) table_[at(S_.row(k)) * at(n) + at(j)] = k;
-    }
-  }
+  column_.clear();
+  for (int j = 0; j < n; ++j) column_.resize(at(S_.begin(j + 1)), j);
   copied_.assign(at(S_.begin(n)), -1);
   for (int j = 0; j < n; ++j) {
-    for (int k = H.begin(eliminated + j); k < H.begin(eliminated + j + 1); ++k) copied_[at(target(H.row(k) - eliminated, j))] = k;
+    for (int k = H.begin(eliminated + j); k < H.begin(eliminated + j + 1); ++k)
+      copied_[at(S_.find(H.row(k) - eliminated, j))] = k;
   }
+  depth_ = 0;
+  for (int e = 0; e < eliminated; ++e) depth_ = std::max(depth_, H.dof(e));
   reduced_.assign(1, 0);
-  work_.assign(at(n) + 1, 0.0);
   for (int e = 0; e < eliminated; ++e) {
-    const std::size_t d = at(H.dof(e));
     std::size_t entries = 0;
-    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      entries += d * at(dense::paddedRows(H.dof(H.row(k))));
-      work_[at(H.row(k) - eliminated) + 1] += k - H.begin(e);
-    }
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k)
+      entries += at(depth_ * dense::paddedRows(H.dof(H.row(k))));
     reduced_.push_back(reduced_.back() + entries);
   }
-  for (std::size_t i = 1; i < work_.size(); ++i) work_[i] += work_[i - 1];
+  std::size_t largest = 0;
+  for (int wave = 0; wave < eliminated; wave += kPerWave) {
+    largest = std::max(largest, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);
+  }
+  Y_.resize(largest);
+  listPairs(H);
 }
 
-int SchurComplement::target(int row, int column) const {
-  return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
+/// Finds blocks of S, and counts.
+class SchurComplement::Places {
+ public:
+  explicit Places(const BlockLower& S) : count(at(S.begin(S.columns())), 0), S_(S) {
+    const int n = S.columns();
+    if (n > kMostInTable) return;
+    table_.assign(at(n) * at(n), -1);
+    for (int j = 0; j < n; ++j) {
+      for (int k = S.begin(j); k < S.begin(j + 1); ++k) table_[at(S.row(k)) * at(n) + at(j)] = k;
+    }
+  }
+  int find(int row, int column) const {
+    return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
+  }
+
+  std::vector<int> count;  // of each block
+  std::vector<int> found;  // blocks, of the pairs of a wave
+
+ private:
+  const BlockLower& S_;
+  std::vector<int> table_;  // when there are few
+};
+
+void SchurComplement::listPairs(const BlockLower& H) {
+  std::size_t pairs = 0;
+  for (int e = 0; e < eliminated_.count(); ++e) {
+    const std::size_t neighbours = at(H.begin(e + 1) - H.begin(e) - 1);
+    pairs += neighbours * (neighbours + 1) / 2;
+  }
+  pair_ = std::vector<dense::Pair>();
+  pair_.reserve(pairs);
+  meeting_.clear();
+  first_meeting_.assign(1, 0);
+  Places places(S_);
+  for (int wave = 0; wave < eliminated_.count(); wave += kPerWave) {
+    listWave(H, wave, places);
+    first_meeting_.push_back(static_cast<int>(meeting_.size()));
+  }
+  meeting_.push_back({-1, static_cast<int>(pair_.size())});
 }
 
-/// For each neighbour of e: Y := W L^-T, with filled-up columns.
+/// Sorts the pairs of a wave by block, by counting.
+void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
+  const int end = std::min(wave + kPerWave, eliminated_.count());
+  const auto first = static_cast<std::ptrdiff_t>(meeting_.size());
+  places.found.clear();
+  for (int e = wave; e < end; ++e) {
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      for (int l = H.begin(e) + 1; l <= k; ++l) {
+        const int block = places.find(H.row(k) - eliminated_.count(), H.row(l) - eliminated_.count());
+        if (places.count[at(block)]++ == 0) meeting_.push_back({block, 0});
+        places.found.push_back(block);
+      }
+    }
+  }
+  std::sort(meeting_.begin() + first, meeting_.end(),
+            [](const Meeting& a, const Meeting& b) { return a.block < b.block; });
+  int next = static_cast<int>(pair_.size());
+  for (auto meeting = meeting_.begin() + first; meeting != meeting_.end(); ++meeting) {
+    meeting->first = next;
+    next += std::exchange(places.count[at(meeting->block)], next);
+  }
+  pair_.resize(at(next));
+  auto block = places.found.begin();
+  for (int e = wave; e < end; ++e) {
+    const auto width = [&](int k) {
+      return static_cast<std::uint32_t>(depth_ * dense::paddedRows(H.dof(H.row(k))) / dense::kRowPadding);
+    };
+    const auto begin =
+        static_cast<std::uint32_t>((reduced_[at(e)] - reduced_[at(wave)]) / dense::kRowPadding);
+    std::uint32_t Yi = begin;
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); Yi += width(k++)) {
+      std::uint32_t Yj = begin;
+      for (int l = H.begin(e) + 1; l <= k; Yj += width(l++))
+        pair_[at(places.count[at(*block++)]++)] = {Yi, Yj};
+    }
+  }
+  for (auto meeting = meeting_.begin() + first; meeting != meeting_.end(); ++meeting)
+    places.count[at(meeting->block)] = 0;
+}
+
+/// For each neighbour of e: Y := W L^-T, with filled-up columns and, where e is smaller than others, columns
+/// of 0.
 void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   const auto solve_right = dense::kernels().solveRight;
   const int d = H.dof(e);
   for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-    const int height = H.dof(H.row(k));
+    const int height = H.dof(H.row(k)), rows = dense::paddedRows(height);
     solve_right(d, height, eliminated_.factor(e), H.values(k), Y);
-    Y += d * dense::paddedRows(height);
+    std::fill_n(Y + d * rows, (depth_ - d) * rows, 0.0);
+    Y += depth_ * rows;
   }
 }
 
-/// S_ij -= Y_i Y_j^T for the neighbours i >= j of e with row first <= i < last.
-void SchurComplement::subtractOuter(const BlockLower& H, int e, const double* Y, int first, int last) {
-  const auto subtract_outer = dense::kernels().subtractOuter;
-  const int d = H.dof(e);
-  const double* Yi = Y;
-  for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-    const int i = H.row(k) - eliminated_.count(), height = S_.dof(i);
-    if (i >= last) break;
-    if (i >= first) {
-      const double* Yj = Y;
-      for (int l = H.begin(e) + 1; l <= k; ++l) {
-        const int j = H.row(l) - eliminated_.count();
-        subtract_outer(d, height, S_.dof(j), Yi, Yj, S_.values(target(i, j)));
-        Yj += d * dense::paddedRows(S_.dof(j));
-      }
-    }
-    Yi += d * dense::paddedRows(height);
-  }
-}
-
-SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                                    double tolerance) {
+SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset,
+                                    const Eigen::VectorXd& damping, double tolerance) {
   detail::forEachIndex(S_.columns(), [&](int j) {
     for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
       const std::size_t size = at(S_.dof(j)) * at(S_.dof(S_.row(k)));
@@ -156,24 +218,28 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     }
   });
   constexpr int kPerTask = 64;
+  const auto subtract_outers = dense::kernels().subtractOuters;
   const int count = eliminated_.count();
-  for (int wave = 0; wave < count; wave += kBlocksPerWave) {
-    const int end = std::min(wave + kBlocksPerWave, count);
-    Y_.resize(std::max(Y_.size(), reduced_[at(end)] - reduced_[at(wave)]));
-    const auto Y = [&](int e) { return Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]); };
+  for (int wave = 0; wave < count; wave += kPerWave) {
+    const int end = std::min(wave + kPerWave, count);
     std::vector<EliminatedBlocks::Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
     detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
       const int first = wave + task * kPerTask, last = std::min(end, first + kPerTask);
       failures[at(task)] = eliminated_.factorize(H, first, last, offset, damping, tolerance);
       if (failures[at(task)].happened()) return;
-      for (int e = first; e < last; ++e) halfReduce(H, e, Y(e));
+      for (int e = first; e < last; ++e) halfReduce(H, e, Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]));
     });
     for (const EliminatedBlocks::Failure& failure : failures) {
       if (failure.happened()) return EliminatedBlocks::status(failure, offset);
     }
-    detail::forEachRange(work_, tbb::this_task_arena::max_concurrency(), [&](int first, int last) {
-      for (int e = wave; e < end; ++e) subtractOuter(H, e, Y(e), first, last);
-    });
+    // Each block of S is one thread's, and adds up in registers what it takes.
+    const Meeting* const meetings = meeting_.data() + first_meeting_[at(wave / kPerWave)];
+    detail::forEachIndex(
+        first_meeting_[at(wave / kPerWave) + 1] - first_meeting_[at(wave / kPerWave)], [&](int m) {
+          const int first = meetings[m].first, block = meetings[m].block;
+          subtract_outers(depth_, S_.dof(S_.row(block)), S_.dof(column_[at(block)]),
+                          meetings[m + 1].first - first, &pair_[at(first)], Y_.data(), S_.values(block));
+        });
   }
   return {};
 }

@@ -8,12 +8,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace slom::dense {
 
 inline constexpr int kStripe = 12;
 
-/// Rows of the operands of subtractOuter are filled up to a multiple of this.
+/// Rows of the operands of subtractOuters are filled up to a multiple of this.
 inline constexpr int kRowPadding = 4;
 constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 
@@ -46,6 +47,16 @@ struct Child {
   const double* update;
 };
 
+/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r.
+struct PairTarget {
+  double *AA, *BB, *AB, *Ar, *Br;
+};
+
+/// Where two matrices begin, in units of kRowPadding numbers.
+struct Pair {
+  std::uint32_t a, b;
+};
+
 struct Kernels {
   const char* name;  ///< of the instruction set
   /// D := its Cholesky factor, inverse[i] := 1 / its diagonal. Returns the first pivot that is not above least[i] and
@@ -63,17 +74,24 @@ struct Kernels {
   void (*forwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// y := -B x; y has full stripes
   void (*forwardRows)(const double* B, int p, int u, const double* x, double* y);
-  /// x -= B^T y; y has full stripes, 0 in rows that fill up the last one
+  /// x -= B^T y
   void (*backwardRows)(const double* B, int p, int u, const double* y, double* x);
   /// x := D^-T x
   void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// H += A^T B for A rows x k, B rows x l, H k x l, all column-major and without gaps
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
+  /// AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as for
+  /// addProduct. Returns false, with nothing done, for sizes it is not made for.
+  bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
   /// paddedRows(k) rows, those behind the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);
-  /// H -= A B^T for A k x d and B l x d, column-major with rows filled up as those of Y; H k x l without gaps.
-  void (*subtractOuter)(int d, int k, int l, const double* A, const double* B, double* H);
+  /// H -= sum of A_n B_n^T for `count` pairs A_n k x d, B_n l x d in Y, column-major with rows filled up as by solveRight;
+  /// H k x l without gaps.
+  void (*subtractOuters)(int d, int k, int l, int count, const Pair* pairs, const double* Y, double* H);
+  /// y -= W x and x -= W^T y for W k x d, column-major without gaps
+  void (*subtractProduct)(int d, int k, const double* W, const double* x, double* y);
+  void (*subtractTransposedProduct)(int d, int k, const double* W, const double* y, double* x);
 };
 
 /// For this processor.

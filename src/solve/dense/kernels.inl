@@ -81,24 +81,22 @@ void solveStripe(const double* D, const double* inverse, int p, double* X, int c
   }
 }
 
-/// The W columns from k on of the stripe that holds their diagonal block: pivots and what is below them in the stripe.
-template <int W>
+/// The W columns from k on of the stripe that holds their diagonal block: pivots and what is below them in the stripe, its
+/// last 4 H rows. The first vector holds the pivots; its lanes stay in registers.
+template <int H, int W>
 int factorizeColumns(int k, double* stripe, const double* least, double* inverse, double* pivot) {
-  Vector acc[W][3];
-  double* const at = stripe + kStripe * k;
-  const int row = k % kStripe;
+  constexpr int kRow = kStripe - kLanes * H;
+  Vector acc[W][H];
+  double* const at = stripe + kStripe * k + kRow;
 #pragma GCC unroll 4
   for (int w = 0; w < W; ++w) {
 #pragma GCC unroll 3
-    for (int h = 0; h < 3; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
+    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
   }
-  subtractProduct<3, W>(k, stripe, stripe + row, acc);
+  subtractProduct<H, W>(k, stripe + kRow, stripe + kRow, acc);
 #pragma GCC unroll 4
   for (int w = 0; w < W; ++w) {
-    double* const column = at + kStripe * w;
-#pragma GCC unroll 3
-    for (int h = 0; h < 3; ++h) store(column + kLanes * h, acc[w][h]);
-    const double d = column[row + w];
+    const double d = acc[w][0][w];
     if (!(d > least[k + w])) {
       *pivot = d;
       return k + w;
@@ -107,36 +105,39 @@ int factorizeColumns(int k, double* stripe, const double* least, double* inverse
     inverse[k + w] = 1 / root;
     const Vector scale = all(1 / root);
 #pragma GCC unroll 3
-    for (int h = 0; h < 3; ++h) {
-      acc[w][h] *= scale;
-      store(column + kLanes * h, acc[w][h]);
-    }
-    column[row + w] = root;
+    for (int h = 0; h < H; ++h) acc[w][h] *= scale;
+    acc[w][0][w] = root;
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) store(at + kStripe * w + kLanes * h, acc[w][h]);
 #pragma GCC unroll 4
     for (int v = w + 1; v < W; ++v) {
-      const Vector l = all(column[row + v]);
+      const Vector l = all(acc[w][0][v]);
 #pragma GCC unroll 3
-      for (int h = 0; h < 3; ++h) acc[v][h] -= acc[w][h] * l;
+      for (int h = 0; h < H; ++h) acc[v][h] -= acc[w][h] * l;
     }
   }
   return -1;
 }
 
+template <int H>
+int factorizeColumns(int k, int columns, double* stripe, const double* least, double* inverse, double* pivot) {
+  switch (columns) {
+    case 1: return factorizeColumns<H, 1>(k, stripe, least, inverse, pivot);
+    case 2: return factorizeColumns<H, 2>(k, stripe, least, inverse, pivot);
+    case 3: return factorizeColumns<H, 3>(k, stripe, least, inverse, pivot);
+    default: return factorizeColumns<H, 4>(k, stripe, least, inverse, pivot);
+  }
+}
+
 int factorize(double* D, int p, const double* least, double* inverse, double* pivot) {
   for (int s = 0; s < stripesOf(p); ++s) {
     double* const stripe = D + kStripe * p * s;
-    solveStripe<3>(D, inverse, p, stripe, kStripe * s);
-    const int end = smaller(p, kStripe * (s + 1));
-    for (int k = kStripe * s; k < end; k += 4) {
-      int bad;
-      switch (end - k) {
-        case 1: bad = factorizeColumns<1>(k, stripe, least, inverse, pivot); break;
-        case 2: bad = factorizeColumns<2>(k, stripe, least, inverse, pivot); break;
-        case 3: bad = factorizeColumns<3>(k, stripe, least, inverse, pivot); break;
-        default: bad = factorizeColumns<4>(k, stripe, least, inverse, pivot); break;
-      }
-      if (bad >= 0) return bad;
-    }
+    const int first = kStripe * s, left = p - first;
+    solveStripe<3>(D, inverse, p, stripe, first);
+    int bad = factorizeColumns<3>(first, left, stripe, least, inverse, pivot);
+    if (bad < 0 && left > 4) bad = factorizeColumns<2>(first + 4, left - 4, stripe, least, inverse, pivot);
+    if (bad < 0 && left > 8) bad = factorizeColumns<1>(first + 8, left - 8, stripe, least, inverse, pivot);
+    if (bad >= 0) return bad;
   }
   return p;
 }
@@ -275,20 +276,98 @@ void addToUpdate(const Child& child, double* U, int p) {
   }
 }
 
+/// Up to three vectors of `count` numbers, 0 behind the last.
+inline __attribute__((always_inline)) void loadStripe(const double* x, int count, Vector (&rows)[3]) {
+#pragma GCC unroll 3
+  for (int h = 0; h < 3; ++h) {
+    const double* const at = x + kLanes * h;
+    switch (count - kLanes * h) {
+      case 1: rows[h] = Vector{at[0], 0, 0, 0}; break;
+      case 2: rows[h] = Vector{at[0], at[1], 0, 0}; break;
+      case 3: rows[h] = Vector{at[0], at[1], at[2], 0}; break;
+      default: rows[h] = count > kLanes * h ? load(at) : all(0);
+    }
+  }
+}
+
+/// One unknown after the other of a diagonal block: x[K] is found, and what it takes from those after it is subtracted.
+template <int K>
+inline __attribute__((always_inline)) void forwardBlock(const double* L, const double* inverse, int count, Vector (&rest)[3],
+                                                        double* x) {
+  if constexpr (K < kStripe) {
+    if (K >= count) return;
+    const Vector own = all(rest[K / kLanes][K % kLanes] * inverse[K]);
+    x[K] = own[0];
+#pragma GCC unroll 3
+    for (int h = K / kLanes; h < 3; ++h) rest[h] -= load(L + kStripe * K + kLanes * h) * own;
+    forwardBlock<K + 1>(L, inverse, count, rest, x);
+  }
+}
+
 void forwardPivots(const double* D, const double* inverse, int p, double* x) {
-  for (int k = 0; k < p; ++k) {
-    const double* const row = D + kStripe * p * (k / kStripe) + k % kStripe;
-    double sum = x[k];
-    for (int j = 0; j < k; ++j) sum -= row[kStripe * j] * x[j];
-    x[k] = sum * inverse[k];
+  for (int first = 0; first < p; first += kStripe, D += kStripe * p) {
+    const int count = smaller(kStripe, p - first);
+    Vector rest[3];
+    loadStripe(x + first, count, rest);
+    for (int j = 0; j < first; ++j) {
+      const Vector own = all(x[j]);
+#pragma GCC unroll 3
+      for (int h = 0; h < 3; ++h) rest[h] -= load(D + kStripe * j + kLanes * h) * own;
+    }
+    forwardBlock<0>(D + kStripe * first, inverse + first, count, rest, x + first);
+  }
+}
+
+/// The sum of each vector's lanes.
+inline __attribute__((always_inline)) Vector sums(Vector a, Vector b, Vector c, Vector d) {
+  const Vector ab = __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Vector cd = __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+}
+
+/// x -= B^T y for W columns of B, u x W, whose stripes are `distance` apart.
+template <int W>
+inline __attribute__((always_inline)) void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y,
+                                                              double* x) {
+  Vector sum[4] = {all(0), all(0), all(0), all(0)};
+  for (int row = 0; row < u; row += kStripe, B += distance) {
+    Vector rows[3];
+    loadStripe(y + row, smaller(kStripe, u - row), rows);
+#pragma GCC unroll 4
+    for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+      for (int h = 0; h < 3; ++h) sum[w] += load(B + kStripe * w + kLanes * h) * rows[h];
+    }
+  }
+  const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) x[w] -= result[w];
+}
+inline void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y, int columns, double* x) {
+  if (u == 0) return;
+  int j = 0;
+  for (; j + 4 <= columns; j += 4) subtractTransposed<4>(B + kStripe * j, distance, u, y, x + j);
+  switch (columns - j) {
+    case 1: subtractTransposed<1>(B + kStripe * j, distance, u, y, x + j); break;
+    case 2: subtractTransposed<2>(B + kStripe * j, distance, u, y, x + j); break;
+    case 3: subtractTransposed<3>(B + kStripe * j, distance, u, y, x + j); break;
+    default: break;
   }
 }
 
 void backwardPivots(const double* D, const double* inverse, int p, double* x) {
-  for (int k = p - 1; k >= 0; --k) {
-    const double* const row = D + kStripe * p * (k / kStripe) + k % kStripe;
-    x[k] *= inverse[k];
-    for (int j = 0; j < k; ++j) x[j] -= row[kStripe * j] * x[k];
+  const std::ptrdiff_t distance = static_cast<std::ptrdiff_t>(kStripe) * p;
+  for (int first = kStripe * (stripesOf(p) - 1); first >= 0; first -= kStripe) {
+    const int count = smaller(kStripe, p - first), next = first + count;
+    const double* const block = D + distance * (first / kStripe) + kStripe * first;
+    subtractTransposed(block + distance, distance, p - next, x + next, count, x + first);
+    double own[kStripe];
+    for (int k = 0; k < count; ++k) own[k] = x[first + k];
+    for (int k = count - 1; k >= 0; --k) {
+      own[k] *= inverse[first + k];
+      x[first + k] = own[k];
+      for (int j = 0; j < k; ++j) own[j] -= block[kStripe * j + k] * own[k];
+    }
   }
 }
 
@@ -313,19 +392,32 @@ void forwardRows(const double* B, int p, int u, const double* x, double* y) {
 }
 
 void backwardRows(const double* B, int p, int u, const double* y, double* x) {
-  for (int s = 0; s < stripesOf(u); ++s, B += static_cast<std::ptrdiff_t>(kStripe) * p, y += kStripe) {
-    const Vector y0 = load(y), y1 = load(y + kLanes), y2 = load(y + 2 * kLanes);
-    const double* column = B;
-    for (int j = 0; j < p; ++j, column += kStripe) {
-      const Vector product = load(column) * y0 + load(column + kLanes) * y1 + load(column + 2 * kLanes) * y2;
-      x[j] -= (product[0] + product[2]) + (product[1] + product[3]);
-    }
-  }
+  subtractTransposed(B, static_cast<std::ptrdiff_t>(kStripe) * p, u, y, p, x);
 }
 
 constexpr int kMostRows = 16;
 constexpr int padded(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 static_assert(kRowPadding == kLanes);
+
+/// The K rows of a column as vectors, 0 behind the last.
+template <int K>
+inline __attribute__((always_inline)) void loadColumn(const double* column, Vector (&x)[padded(K) / kLanes]) {
+#pragma GCC unroll 4
+  for (int v = 0; v < K / kLanes; ++v) x[v] = load(column + kLanes * v);
+  if constexpr (K % kLanes != 0) {
+    Vector last = all(0);
+    for (int i = K / kLanes * kLanes; i < K; ++i) last[i % kLanes] = column[i];
+    x[K / kLanes] = last;
+  }
+}
+
+template <int K>
+inline __attribute__((always_inline)) void storeColumn(double* column, const Vector (&x)[padded(K) / kLanes]) {
+  constexpr int kWhole = K / kLanes;
+#pragma GCC unroll 4
+  for (int v = 0; v < kWhole; ++v) store(column + kLanes * v, x[v]);
+  for (int i = K / kLanes * kLanes; i < K; ++i) column[i] = x[i / kLanes][i % kLanes];
+}
 
 /// H += A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
 template <int K>
@@ -333,15 +425,12 @@ inline void accumulate(int rows, int l, const double* A, const double* B, int b,
   constexpr int kVectors = padded(K) / kLanes;
   for (int j = 0; j < l; ++j, B += b, H += K) {
     Vector sum[kVectors];
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[v] = load(A + kLanes * v) * all(B[0]);
-    for (int r = 1; r < rows; ++r) {
+    loadColumn<K>(H, sum);
+    for (int r = 0; r < rows; ++r) {
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) sum[v] += load(A + r * padded(K) + kLanes * v) * all(B[r]);
     }
-#pragma GCC unroll 4
-    for (int v = 0; v < K / kLanes; ++v) store(H + kLanes * v, load(H + kLanes * v) + sum[v]);
-    for (int i = K / kLanes * kLanes; i < K; ++i) H[i] += sum[i / kLanes][i % kLanes];
+    storeColumn<K>(H, sum);
   }
 }
 
@@ -379,15 +468,65 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
   }
 }
 
-/// The K rows of a column as vectors, 0 behind the last.
-template <int K>
-inline __attribute__((always_inline)) void loadColumn(const double* column, Vector (&x)[padded(K) / kLanes]) {
+/// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
+template <int R, int K>
+inline __attribute__((always_inline)) void addColumnsOfProduct(const Vector (&A)[R][padded(K) / kLanes], int columns,
+                                                               const double* B, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  for (int j = 0; j < columns; ++j, B += R, H += K) {
+    Vector sum[kVectors];
+    loadColumn<K>(H, sum);
+#pragma GCC unroll 6
+    for (int r = 0; r < R; ++r) {
 #pragma GCC unroll 4
-  for (int v = 0; v < K / kLanes; ++v) x[v] = load(column + kLanes * v);
-  if constexpr (K % kLanes != 0) {
-    Vector last = all(0);
-    for (int i = K / kLanes * kLanes; i < K; ++i) last[i % kLanes] = column[i];
-    x[K / kLanes] = last;
+      for (int v = 0; v < kVectors; ++v) sum[v] += A[r][v] * all(B[r]);
+    }
+    storeColumn<K>(H, sum);
+  }
+}
+
+/// The rows of A, R x K, across the lanes.
+template <int R, int K>
+inline __attribute__((always_inline)) void transpose(const double* A, Vector (&rows)[R][padded(K) / kLanes]) {
+  constexpr int kVectors = padded(K) / kLanes;
+  const auto entry = [&](int r, int i) { return i < K ? A[i * R + r] : 0.0; };
+#pragma GCC unroll 6
+  for (int r = 0; r < R; ++r) {
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      const int i = kLanes * v;
+      rows[r][v] = Vector{entry(r, i), entry(r, i + 1), entry(r, i + 2), entry(r, i + 3)};
+    }
+  }
+}
+
+template <int R, int K, int L>
+void addPairOf(const double* A, const double* B, const double* r, const PairTarget& to) {
+  {
+    Vector rows[R][padded(K) / kLanes];
+    transpose<R, K>(A, rows);
+    addColumnsOfProduct<R, K>(rows, K, A, to.AA);
+    addColumnsOfProduct<R, K>(rows, L, B, to.AB);
+    addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
+  }
+  Vector rows[R][padded(L) / kLanes];
+  transpose<R, L>(B, rows);
+  addColumnsOfProduct<R, L>(rows, L, B, to.BB);
+  addColumnsOfProduct<R, L>(rows, 1, r, to.Br);
+}
+
+constexpr int shapeOf(int rows, int k, int l) { return 256 * rows + 16 * k + l; }
+
+bool addPair(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to) {
+  if (rows > 15 || k > 15 || l > 15) return false;
+  switch (shapeOf(rows, k, l)) {
+    case shapeOf(2, 9, 3): addPairOf<2, 9, 3>(A, B, r, to); return true;
+    case shapeOf(2, 6, 3): addPairOf<2, 6, 3>(A, B, r, to); return true;
+    case shapeOf(3, 6, 3): addPairOf<3, 6, 3>(A, B, r, to); return true;
+    case shapeOf(6, 6, 6): addPairOf<6, 6, 6>(A, B, r, to); return true;
+    case shapeOf(3, 3, 3): addPairOf<3, 3, 3>(A, B, r, to); return true;
+    case shapeOf(2, 3, 2): addPairOf<2, 3, 2>(A, B, r, to); return true;
+    default: return false;
   }
 }
 
@@ -429,49 +568,117 @@ void solveRight(int d, int k, const double* L, const double* W, double* Y) {
   }
 }
 
-/// A stays in registers.
-template <int D, int K>
-void subtractOuterOf(int l, const double* A, const double* B, double* H) {
+/// Columns [j, j + W) of H, which stay in registers.
+template <int D, int K, int W>
+void subtractColumns(int j, int padded_l, int count, const Pair* pairs, const double* Y, double* H) {
   constexpr int kVectors = padded(K) / kLanes;
-  Vector a[D][kVectors];
+  Vector x[W][kVectors];
+  double* const columns = H + j * K;
 #pragma GCC unroll 3
-  for (int r = 0; r < D; ++r) {
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) a[r][v] = load(A + r * padded(K) + kLanes * v);
-  }
-  const int b = padded(l);
-  for (int j = 0; j < l; ++j, ++B, H += K) {
-    Vector sum[kVectors];
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[v] = a[0][v] * all(B[0]);
+  for (int w = 0; w < W; ++w) loadColumn<K>(columns + w * K, x[w]);
+  for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
+    const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
+    const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding + j;
 #pragma GCC unroll 3
-    for (int r = 1; r < D; ++r) {
+    for (int r = 0; r < D; ++r) {
+      Vector a[kVectors];
 #pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[v] += a[r][v] * all(B[r * b]);
+      for (int v = 0; v < kVectors; ++v) a[v] = load(A + r * padded(K) + kLanes * v);
+#pragma GCC unroll 3
+      for (int w = 0; w < W; ++w) {
+        const Vector b = all(B[r * padded_l + w]);
+#pragma GCC unroll 4
+        for (int v = 0; v < kVectors; ++v) x[w][v] -= a[v] * b;
+      }
     }
-#pragma GCC unroll 4
-    for (int v = 0; v < K / kLanes; ++v) store(H + kLanes * v, load(H + kLanes * v) - sum[v]);
-    for (int i = K / kLanes * kLanes; i < K; ++i) H[i] -= sum[i / kLanes][i % kLanes];
+  }
+#pragma GCC unroll 3
+  for (int w = 0; w < W; ++w) storeColumn<K>(columns + w * K, x[w]);
+}
+
+template <int D, int K>
+void subtractOutersOf(int l, int count, const Pair* pairs, const double* Y, double* H) {
+  int j = 0;
+  for (; j + 3 <= l; j += 3) subtractColumns<D, K, 3>(j, padded(l), count, pairs, Y, H);
+  for (; j < l; ++j) subtractColumns<D, K, 1>(j, padded(l), count, pairs, Y, H);
+}
+
+void subtractOuters(int d, int k, int l, int count, const Pair* pairs, const double* Y, double* H) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractOutersOf<3, 9>(l, count, pairs, Y, H); return;
+    case 4 * 6 + 3: subtractOutersOf<3, 6>(l, count, pairs, Y, H); return;
+    case 4 * 3 + 2: subtractOutersOf<2, 3>(l, count, pairs, Y, H); return;
+    default: break;
+  }
+  for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
+    const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
+    const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding;
+    for (int j = 0; j < l; ++j) {
+      for (int i = 0; i < k; ++i) {
+        for (int r = 0; r < d; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[r * padded(l) + j];
+      }
+    }
   }
 }
 
-void subtractOuter(int d, int k, int l, const double* A, const double* B, double* H) {
+template <int D, int K>
+void subtractProductOf(const double* W, const double* x, double* y) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector rest[kVectors];
+  loadColumn<K>(y, rest);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    Vector column[kVectors];
+    loadColumn<K>(W + c * K, column);
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) rest[v] -= column[v] * all(x[c]);
+  }
+  storeColumn<K>(y, rest);
+}
+
+void subtractProduct(int d, int k, const double* W, const double* x, double* y) {
   switch (4 * k + d) {
-    case 4 * 9 + 3: subtractOuterOf<3, 9>(l, A, B, H); return;
-    case 4 * 6 + 3: subtractOuterOf<3, 6>(l, A, B, H); return;
-    case 4 * 3 + 2: subtractOuterOf<2, 3>(l, A, B, H); return;
+    case 4 * 9 + 3: subtractProductOf<3, 9>(W, x, y); return;
+    case 4 * 6 + 3: subtractProductOf<3, 6>(W, x, y); return;
     default: break;
   }
-  for (int j = 0; j < l; ++j) {
-    for (int i = 0; i < k; ++i) {
-      for (int r = 0; r < d; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[r * padded(l) + j];
-    }
+  for (int c = 0; c < d; ++c) {
+    for (int i = 0; i < k; ++i) y[i] -= W[c * k + i] * x[c];
+  }
+}
+
+template <int D, int K>
+void subtractTransposedProductOf(const double* W, const double* y, double* x) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector rows[kVectors], sum[4] = {all(0), all(0), all(0), all(0)};
+  loadColumn<K>(y, rows);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    Vector column[kVectors];
+    loadColumn<K>(W + c * K, column);
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[c] += column[v] * rows[v];
+  }
+  const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) x[c] -= result[c];
+}
+
+void subtractTransposedProduct(int d, int k, const double* W, const double* y, double* x) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractTransposedProductOf<3, 9>(W, y, x); return;
+    case 4 * 6 + 3: subtractTransposedProductOf<3, 6>(W, y, x); return;
+    default: break;
+  }
+  for (int c = 0; c < d; ++c) {
+    for (int i = 0; i < k; ++i) x[c] -= W[c * k + i] * y[i];
   }
 }
 
 constexpr Kernels makeKernels(const char* name) {
   return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
-          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &solveRight, &subtractOuter};
+          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &addPair, &solveRight, &subtractOuters,
+          &subtractProduct, &subtractTransposedProduct};
 }
 
 }  // namespace
