@@ -302,7 +302,7 @@ class Estimator {
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    return covariance(id).diagonal().cwiseSqrt();
+    return detail::deviations(covariance(id));
   }
   /// Of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
   template <class A, class B>
@@ -337,7 +337,9 @@ class Estimator {
       row += mtk::dof(*a);
     };
     (fillRow(ids), ...);
-    return Propagated<V>{std::move(value), J * C * J.transpose()};
+    Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
+    detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()), result.covariance.data());
+    return result;
   }
   /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
   /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.

@@ -2,6 +2,7 @@
 /// from variables.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -29,6 +30,17 @@ struct ProfileInterval {
   double value, lower, upper;
 };
 
+namespace detail {
+/// The roots of the diagonal of C. Loops instead of expressions here and below: they cost less time of every compilation.
+inline Eigen::VectorXd deviations(const Eigen::MatrixXd& C) {
+  Eigen::VectorXd result(C.rows());
+  for (Eigen::Index i = 0; i < C.rows(); ++i) result[i] = std::sqrt(C(i, i));
+  return result;
+}
+/// out := J C J^T for J m x n, all column-major.
+void propagate(const double* J, const double* C, int m, int n, double* out);
+}  // namespace detail
+
 /// Covariances of all variables, each by itself, at the values at which they were computed.
 class Marginals {
  public:
@@ -36,13 +48,16 @@ class Marginals {
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
     const Place& place = places_[static_cast<std::size_t>(problem_->indexOf(id))];
-    if (place.start == kFixed) return Eigen::MatrixXd::Zero(place.dof, place.dof);
-    return Eigen::Map<const Eigen::MatrixXd>(numbers_.data() + place.start, place.dof, place.dof);
+    Eigen::MatrixXd result(place.dof, place.dof);
+    for (int i = 0; i < place.dof * place.dof; ++i) {
+      result.data()[i] = place.start == kFixed ? 0 : numbers_[place.start + static_cast<std::size_t>(i)];
+    }
+    return result;
   }
   /// Of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    return covariance(id).diagonal().cwiseSqrt();
+    return detail::deviations(covariance(id));
   }
 
  private:
@@ -64,7 +79,7 @@ struct Propagated {
   Eigen::MatrixXd covariance;
 
   /// Of each component.
-  Eigen::VectorXd standardDeviation() const { return covariance.diagonal().cwiseSqrt(); }
+  Eigen::VectorXd standardDeviation() const { return detail::deviations(covariance); }
 };
 
 }  // namespace slom

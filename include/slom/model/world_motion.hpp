@@ -2,7 +2,8 @@
 /// measurements.
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
+#include <cstddef>
 
 #include "mtk/rebind.hpp"
 #include "mtk/types/s2.hpp"
@@ -33,11 +34,11 @@ class WorldMotionWriter {
     } else if constexpr (mtk::detail::is_rotation<P>) {
       addRotation(part, at);
     } else if constexpr (requires { [](const mtk::S2<double>&) {}(part); }) {
-      addDirection(part, at);
+      addDirection({part.x(), part.y(), part.z()}, at);
     } else if constexpr (requires { [](const Eigen::Matrix<double, 3, 1>&) {}(part); } && mtk::DOF_v<P> == 3) {
-      addVector(Eigen::Vector3d(part[0], part[1], part[2]), 3, at);
+      addVector({part[0], part[1], part[2]}, 3, at);
     } else if constexpr (requires { [](const Eigen::Matrix<double, 2, 1>&) {}(part); } && mtk::DOF_v<P> == 2) {
-      addVector(Eigen::Vector3d(part[0], part[1], 0), 2, at);
+      addVector({part[0], part[1], 0}, 2, at);
     } else if constexpr (mtk::detail::Compound<P>) {
       auto members = mtk::detail::membersOf(part);
       std::apply([&](const auto&... member) { ((add(member, at), at += mtk::dof(member)), ...); }, members);
@@ -50,53 +51,42 @@ class WorldMotionWriter {
   }
 
  private:
-  double& entry(int row, int motion) const { return out_[motion * dof_ + row]; }
-  bool sees() const { return role_ == WorldRole::sees_world; }
+  using Vector = std::array<double, 3>;
+  using Matrix = std::array<Vector, 3>;  // rows
 
-  void addVector(const Eigen::Vector3d& p, int dim, int at) const {
-    for (int k = 0; k < dim && !sees(); ++k) entry(at + k, k) = 1;
-    addTurned(p, dim, at);
-    for (int i = 0; i < dim; ++i) entry(at + i, 6) = p[i];
-  }
-  /// e_k x p
-  void addTurned(const Eigen::Vector3d& p, int dim, int at) const {
-    for (int k = dim == 2 ? 2 : 0; k < 3; ++k) {
-      const Eigen::Vector3d turned = Eigen::Vector3d::Unit(k).cross(p);
-      for (int i = 0; i < dim; ++i) entry(at + i, 3 + k) = turned[i];
+  // The arithmetic is compiled once, in the library.
+  void addVector(const Vector& p, int dim, int at) const;
+  void addRotation2(int at) const;
+  void addRotation3(const Matrix& rotation, int at) const;
+  void addSeeingPosition(const Vector& p, const Matrix& rotation, int dim, int at) const;
+  void addDirection(const Vector& v, int at) const;
+
+  template <class R>
+  static Matrix matrixOf(const R& rotation) {
+    const auto matrix = rotation.toRotationMatrix();
+    Matrix result{};
+    for (int i = 0; i < R::DIM; ++i) {
+      for (int k = 0; k < R::DIM; ++k) result[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = double(matrix(i, k));
     }
+    return result;
   }
   template <class R>
   void addRotation(const R& rotation, int at) const {
     if constexpr (R::DIM == 2) {
-      entry(at, 5) = sees() ? -1 : 1;
+      addRotation2(at);
     } else {
-      const auto matrix = rotation.toRotationMatrix();
-      for (int k = 0; k < 3; ++k) {
-        for (int i = 0; i < 3; ++i) entry(at + i, 3 + k) = sees() ? (i == k ? -1.0 : 0.0) : double(matrix(k, i));
-      }
+      addRotation3(matrixOf(rotation), at);
     }
   }
   template <class T>
   void addPose(const T& pose, int at) const {
-    constexpr int dim = T::DIM;
-    Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    for (int i = 0; i < dim; ++i) p[i] = pose.pos[i];
-    addRotation(pose.orient, at + dim);
-    if (!sees()) return addVector(p, dim, at);
-    const auto matrix = pose.orient.toRotationMatrix();
-    for (int i = 0; i < dim; ++i) {
-      for (int k = 0; k < dim; ++k) entry(at + i, k) = -matrix(i, k);
-      entry(at + i, 6) = p[i];
-    }
-  }
-  void addDirection(const mtk::S2<double>& direction, int at) const {
-    if (sees()) return;
-    constexpr double small = 1e-6;
-    const Eigen::Vector3d v(direction.x(), direction.y(), direction.z());
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d turned = v + small * Eigen::Vector3d::Unit(k).cross(v);
-      const auto d = mtk::difference(mtk::S2<double>(turned), direction);
-      for (int i = 0; i < 2; ++i) entry(at + i, 3 + k) = d[i] / small;
+    Vector p{};
+    for (int i = 0; i < T::DIM; ++i) p[static_cast<std::size_t>(i)] = pose.pos[i];
+    addRotation(pose.orient, at + T::DIM);
+    if (role_ == WorldRole::sees_world) {
+      addSeeingPosition(p, matrixOf(pose.orient), T::DIM, at);
+    } else {
+      addVector(p, T::DIM, at);
     }
   }
 
