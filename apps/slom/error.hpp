@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace slom::app {
 
@@ -10,6 +11,13 @@ namespace slom::app {
 struct UserError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// What an error of the library says, without the id before it: `[slom.stale-handle] the variable ...`.
+inline std::string withoutId(const std::exception& error) {
+  const std::string text = error.what();
+  const std::size_t end = text.find("] ");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
 
 /// Exit codes of the command.
 inline constexpr int exit_success = 0;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/calibrate_command.hpp"
+#include "support/command_on_file.hpp"
 
 namespace slom::app::calib::testing {
 
@@ -31,12 +32,7 @@ struct Files {
   }
 };
 
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) {
-    text.replace(at, what.size(), by);
-  }
-  return text;
-}
+using slom::testing::replaced;
 
 /// Line `number` (from 1) replaced; "" removes it.
 inline std::string withLine(const std::string& text, int number, const std::string& line) {

@@ -69,6 +69,11 @@ struct Opencv8 : slom::detail::CentredLens<12, S> {
   }
 };
 
+template <class Camera>
+inline constexpr bool has_denominator = false;
+template <class S>
+inline constexpr bool has_denominator<Opencv8<S>> = true;
+
 /// fx fy cx cy k1 k2 k3 k4: OpenCV's fisheye, Kalibr's pinhole-equi.
 template <class S = double>
 struct Fisheye : FisheyeIntrinsics<S> {

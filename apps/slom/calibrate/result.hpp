@@ -97,6 +97,7 @@ struct Result {
   int measurements = 0, unknowns = 0, redundancy = 0;
   double rss = 0;
   double sigma_px = 0, sigma_acc = 0;
+  std::optional<double> sigma_denominator;  ///< Settings::sigma_denominator
   std::vector<std::string> active_bounds;  ///< `left.k3 is at its upper bound 1`
   std::string undetermined;  ///< empty, or why there are no standard deviations
   std::vector<CameraResult> cameras;

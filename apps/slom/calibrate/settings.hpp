@@ -52,6 +52,7 @@ struct Settings {
   double sigma_acc = 0.05;  ///< of each axis [m/s^2]
   Fixed fixed;
   std::vector<LensConstraint> lens;
+  std::optional<double> sigma_denominator;  ///< of a prior of k4, k5, k6 of opencv8 at 0; nothing: no prior
   int max_iterations = 100;
   std::string json_file;  ///< empty: none
   std::string yaml_file;  ///< empty: none

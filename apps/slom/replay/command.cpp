@@ -43,8 +43,7 @@ auto asUserError(const F& f) {
   try {
     return f();
   } catch (const mtk::Error& error) {
-    const std::string what = error.what();
-    throw UserError(what.substr(what.find("] ") + 2));
+    throw UserError(withoutId(error));
   }
 }
 

@@ -5,9 +5,6 @@
 
 namespace slom::app::calib {
 
-/// Whether this program was built with OpenCV's module aruco.
-extern const bool has_markers;
-
 /// As findBoard, for boards that are no chessboards.
 std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo);
 

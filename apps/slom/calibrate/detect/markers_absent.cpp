@@ -6,8 +6,6 @@
 
 namespace slom::app::calib {
 
-const bool has_markers = false;
-
 std::vector<FoundCorner> findMarkers(const Board&, const Photograph&) { return {}; }
 
 void requireDictionary(const Board& board) {

@@ -15,8 +15,6 @@
 
 namespace slom::app::calib {
 
-const bool has_markers = true;
-
 namespace {
 
 namespace aruco = cv::aruco;

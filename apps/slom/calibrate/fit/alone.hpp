@@ -46,9 +46,7 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
   const auto pose = est.insertRV(world2camera.inverse(), true, "camera2world");
-  for (const Corner& corner : view.corners) {
-    est.insertMeasurement(CornerInLeft(), known_camera, pose, corner.world, measured(corner.pixel));
-  }
+  est.insertMeasurement(ViewOfLeft(view), known_camera, pose);
   try {
     Options options;
     options.most_parameters = 0;
@@ -63,12 +61,15 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
              : world2camera;
 }
 
-/// A small board seen from afar looks nearly the same when it is tilted the other way: fits both and keeps
-/// the better.
+/// A small board seen from afar looks nearly the same when it is tilted the other way: where that is not clearly worse, fits
+/// both and keeps the better.
 template <class Camera>
-SE3 fitPoseOfEitherTilt(const Camera& camera, const SE3& world2camera, const View& view) {
+SE3 poseOfEitherTilt(const Camera& camera, const PlaneView& plane, const SE3& world2camera, const View& view) {
+  constexpr double clearly_worse = 16;  // squared error
+  const double error = squaredPixelError(camera, world2camera, view);
+  if (squaredPixelError(camera, tiltedOtherWay(plane, world2camera), view) > clearly_worse * error) return world2camera;
   const SE3 one = fitPose(camera, world2camera, view);
-  const SE3 other = fitPose(camera, tiltedOtherWay(PlaneView(view), one), view);
+  const SE3 other = fitPose(camera, tiltedOtherWay(plane, one), view);
   return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
 }
 
@@ -76,17 +77,16 @@ SE3 fitPoseOfEitherTilt(const Camera& camera, const SE3& world2camera, const Vie
 template <class Camera>
 void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings& settings) {
   Estimator est;
-  est.changeAlgorithm(LevenbergMarquardt());
+  est.changeAlgorithm(LevenbergMarquardt(1e-6));
   const auto camera = est.insertRV(fit.camera, true, data.name);
   constrain(est, camera, data.name, settings);
+  if (settings.sigma_denominator) keepDenominatorNearZero(est, camera, *settings.sigma_denominator / settings.sigma_px);
   std::map<int, VarID<SE3>> poses;
   for (const View& view : data.views) {
     const auto pose = est.insertRV(fit.world2camera.at(view.image).inverse(), true,
                                    data.name + "2world[" + std::to_string(view.image) + "]");
     poses.emplace(view.image, pose);
-    for (const Corner& corner : view.corners) {
-      est.insertMeasurement(CornerInLeft(), camera, pose, corner.world, measured(corner.pixel));
-    }
+    est.insertMeasurement(ViewOfLeft(view), camera, pose);
   }
   Options options;
   options.max_iterations = settings.max_iterations;
@@ -107,10 +107,9 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
   fit.rms_px = std::sqrt(error / double(data.cornerCount()));
 }
 
-/// From nothing: start values, better poses, then all together. A fit that fails leaves the start values.
+/// From the views as planes: start values, then all together. A fit that fails leaves the start values, with better poses.
 template <class Camera>
-FitAlone<Camera> fitAlone(const CameraData& data, const Settings& settings) {
-  std::vector<PlaneView> planes = planeViews(data);
+FitAlone<Camera> fitAlone(const CameraData& data, std::vector<PlaneView> planes, const Settings& settings) {
   const IntrinsicsStart start = is_fisheye<Camera> ? startFisheye(planes) : startIntrinsics(planes);
   if (is_fisheye<Camera>) planes = flattened(planes, start.pinhole);
   FitAlone<Camera> fit;
@@ -118,13 +117,17 @@ FitAlone<Camera> fitAlone(const CameraData& data, const Settings& settings) {
   fit.start = start.source;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const SE3 rough = poseFromHomography(planes[i], start.pinhole);
-    fit.world2camera[data.views[i].image] = fitPoseOfEitherTilt(fit.camera, rough, data.views[i]);
+    fit.world2camera[data.views[i].image] = poseOfEitherTilt(fit.camera, planes[i], rough, data.views[i]);
   }
   const bool is_determined = 2 * data.cornerCount() >= std::size_t(Camera::DOF) + 6 * data.views.size();
-  if (!is_determined) return fit;
   try {
-    fitIntrinsics(data, fit, settings);
+    if (is_determined) fitIntrinsics(data, fit, settings);
   } catch (const slom::Error&) {  // not determined by this camera alone; the others may help
+  }
+  if (std::isfinite(fit.rms_px)) return fit;
+  for (const View& view : data.views) {
+    SE3& pose = fit.world2camera.at(view.image);
+    pose = fitPose(fit.camera, pose, view);
   }
   return fit;
 }

@@ -72,13 +72,23 @@ struct ModelStart {
   RigStart rig;
 };
 
+using PlanesByCamera = std::vector<std::vector<PlaneView>>;
+
+inline PlanesByCamera planesOf(const Dataset& data) {
+  PlanesByCamera planes;
+  for (const CameraData& camera : data.cameras) planes.push_back(planeViews(camera));
+  return planes;
+}
+
 template <class Camera>
-ModelStart<Camera> startModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
+                              const Progress& progress) {
   requireEnoughMeasurements(data, settings, Camera::DOF);
   ModelStart<Camera> start;
   std::vector<ViewPoses> world2camera;
-  for (const CameraData& camera : data.cameras) {
-    const auto fit = fitAlone<Camera>(camera, settings);
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    const CameraData& camera = data.cameras[c];
+    const auto fit = fitAlone<Camera>(camera, planes[c], settings);
     start.cameras.push_back(fit.camera);
     world2camera.push_back(fit.world2camera);
     start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
@@ -88,9 +98,14 @@ ModelStart<Camera> startModel(const Dataset& data, const Settings& settings, con
   return start;
 }
 
+/// From start values to the result. Boards that are all `parallel` (the sentence says so) rarely allow a fit: it is not tried
+/// for long.
 template <class Camera>
-Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
-  const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, settings, progress);
+Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel, Settings settings,
+                     const Progress& progress) {
+  constexpr int few_iterations = 20;
+  if (!parallel.empty()) settings.max_iterations = std::min(settings.max_iterations, few_iterations);
+  const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, planes, settings, progress);
 
   std::optional<ImuStart> imu;
   std::vector<TiltPair> tilts;
@@ -105,9 +120,7 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   options.max_iterations = settings.max_iterations;
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
-  if (hasOpenFocalLength(result)) {
-    if (const std::string cause = parallelViews(data); !cause.empty()) result.undetermined = cause;
-  }
+  if (!parallel.empty() && hasOpenFocalLength(result)) result.undetermined = parallel;
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
   result.strays = findStrays(data, cameras, rig);
   if (imu) {
@@ -115,6 +128,37 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
     result.imu->sign_evidence = imu->sign_evidence;
   }
   return result;
+}
+
+/// Numerator and denominator of opencv8 can do the same, and then k4, k5, k6 run off together with k1, k2, k3 on the way to
+/// nowhere: they are held near 0 then, by a prior.
+inline constexpr double sigma_of_denominator = 1;
+
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+  const PlanesByCamera planes = planesOf(data);
+  const std::string parallel = parallelViews(planes, data.images().size());
+  if constexpr (has_denominator<Camera>) {
+    std::vector<AloneReport> alone;
+    std::vector<IterationRecord> iterations;
+    const Progress kept{[&](const AloneReport& report) { alone.push_back(report); },
+                        [&](const IterationRecord& record) { iterations.push_back(record); }};
+    const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
+    if (result.success() || !parallel.empty()) {
+      for (const AloneReport& report : alone) {
+        if (progress.alone) progress.alone(report);
+      }
+      for (const IterationRecord& record : iterations) {
+        if (progress.iteration) progress.iteration(record);
+      }
+      return result;
+    }
+    Settings with_prior = settings;
+    with_prior.sigma_denominator = sigma_of_denominator;
+    return calibrateOnce<Camera>(data, planes, parallel, with_prior, progress);
+  } else {
+    return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
+  }
 }
 
 template <class Camera>
@@ -131,7 +175,9 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   for (const ImageResult& image : start.images) {
     if (std::binary_search(wanted.begin(), wanted.end(), image.image)) rig.left2world[image.image] = image.left2world;
   }
-  JointProblem<Camera> problem(data, settings, cameras, rig, {});
+  Settings same = settings;
+  same.sigma_denominator = start.sigma_denominator;
+  JointProblem<Camera> problem(data, same, cameras, rig, {});
   Options options;
   options.max_iterations = settings.max_iterations;
   options.most_parameters = 0;
@@ -139,11 +185,11 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
 }
 
 template <class Camera>
-ModelTrial tryModel(const Dataset& data, const Settings& settings) {
+ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
   ModelTrial trial;
   trial.model = settings.model;
   try {
-    const auto start = startModel<Camera>(data, settings, {});
+    const auto start = startModel<Camera>(data, planes, settings, {});
     JointProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
     Options options;
     options.max_iterations = settings.max_iterations;
@@ -152,9 +198,7 @@ ModelTrial tryModel(const Dataset& data, const Settings& settings) {
     trial.unknowns = summary.unknowns;
     trial.redundancy = summary.redundancy;
     trial.rss = summary.final_rss;
-    std::size_t corners = 0;
-    for (const CameraData& camera : data.cameras) corners += camera.cornerCount();
-    trial.rms_px = settings.sigma_px * std::sqrt(summary.final_rss / double(corners));
+    trial.rms_px = problem.rmsOfAll();
     if (!summary.converged) return trial.failure = summary.message, trial;
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig());
     if (!std::isfinite(trial.heldOutRms()))
@@ -165,6 +209,16 @@ ModelTrial tryModel(const Dataset& data, const Settings& settings) {
     trial.failure = error.what();
   }
   return trial;
+}
+
+template <class Camera>
+ModelTrial tryModel(const Dataset& data, const Settings& settings) {
+  const PlanesByCamera planes = planesOf(data);
+  ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
+  if (trial.failure.empty() || !has_denominator<Camera>) return trial;
+  Settings with_prior = settings;
+  with_prior.sigma_denominator = sigma_of_denominator;
+  return tryModelOnce<Camera>(data, planes, with_prior);
 }
 
 }  // namespace slom::app::calib

@@ -4,6 +4,7 @@
 
 #include "calibrate/camera_models.hpp"
 #include "calibrate/input/check.hpp"
+#include "error.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -29,10 +30,8 @@ Result withModel(Model model, const F& f) {
 }  // namespace
 
 std::string sentenceOf(const slom::Error& error) {
-  const std::string text = error.what();
-  const std::size_t id_end = text.find("] ");
-  const std::size_t begin = id_end == std::string::npos ? 0 : id_end + 2;
-  return text.substr(begin, text.find_first_of(":;", begin) - begin);
+  const std::string text = withoutId(error);
+  return text.substr(0, text.find_first_of(":;"));
 }
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
@@ -41,7 +40,7 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
-  checkDataset(data);
+  checkConnected(data);
   return withModel(settings.model, [&]<class Camera>() { return calibrateModelFrom<Camera>(start, data, settings); });
 }
 

@@ -20,12 +20,7 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
   const auto pose = est.insertRV(rig.left2world.at(image), true, "left2world");
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const View* view = data.cameras[c].find(image);
-    if (!view) continue;
-    for (std::size_t i = fitted; i < view->corners.size(); i += 2) {
-      const Corner& corner = view->corners[i];
-      est.insertMeasurement(CornerInOther(), cameras[c], rig.left2camera[c], pose, corner.world,
-                            measured(corner.pixel));
-    }
+    if (view) est.insertMeasurement(ViewOfOther(*view, fitted, 2), cameras[c], rig.left2camera[c], pose);
   }
   Options options;
   options.most_parameters = 0;

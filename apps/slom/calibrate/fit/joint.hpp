@@ -27,6 +27,8 @@ class JointProblem {
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
   RigStart rig() const;
+  /// Of the distances of all corners from where they were found [px].
+  double rmsOfAll() const;
 
  private:
   void insertCorners();
@@ -66,6 +68,7 @@ JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings
     const std::string& name = data.cameras[c].name;
     cameras_.push_back(est_.insertRV(constrained(cameras[c], name, settings), true, name));
     constrain(est_, cameras_.back(), name, settings);
+    if (settings.sigma_denominator) keepDenominatorNearZero(est_, cameras_.back(), *settings.sigma_denominator);
     left2camera_.push_back(c == 0 ? VarID<SE3>()
                                   : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
   }
@@ -93,18 +96,27 @@ RigStart JointProblem<Camera>::rig() const {
 }
 
 template <class Camera>
+double JointProblem<Camera>::rmsOfAll() const {
+  double square = 0, corners = 0;
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    for (const View& view : data_.cameras[c].views) {
+      for (const Corner& corner : view.corners) square += residual(c, view.image, corner).squaredNorm();
+      corners += double(view.corners.size());
+    }
+  }
+  return std::sqrt(square / corners);
+}
+
+template <class Camera>
 void JointProblem<Camera>::insertCorners() {
   const StandardDeviation noise(settings_.sigma_px);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
       const auto pose = left2world_.at(view.image);
-      for (const Corner& corner : view.corners) {
-        if (c == 0) {
-          est_.insertMeasurement(CornerInLeft(), cameras_[c], pose, corner.world, measured(corner.pixel), noise);
-        } else {
-          est_.insertMeasurement(CornerInOther(), cameras_[c], left2camera_[c], pose, corner.world,
-                                 measured(corner.pixel), noise);
-        }
+      if (c == 0) {
+        est_.insertMeasurement(ViewOfLeft(view), cameras_[c], pose, noise);
+      } else {
+        est_.insertMeasurement(ViewOfOther(view), cameras_[c], left2camera_[c], pose, noise);
       }
     }
   }
@@ -116,21 +128,19 @@ void JointProblem<Camera>::insertImu(const ImuStart& start) {
   acc_bias_ = est_.insertRV(start.acc_bias, !settings_.fixed.acc_bias, "acc_bias");
   gravity_ = est_.insertRV(mtk::Scalar<>(start.gravity), !settings_.fixed.gravity, "gravity");
   for (const ImuReading& reading : data_.imu->readings) {
-    est_.insertMeasurement(gravity_in_reading, left2world_.at(reading.image), left2imu_, acc_bias_, gravity_,
-                           reading.acc, StandardDeviation(settings_.sigma_acc));
+    insertReading(est_, left2world_.at(reading.image), left2imu_, acc_bias_, gravity_, reading.acc, settings_.sigma_acc);
   }
 }
 
 template <class Camera>
 vec2 JointProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
-  const SE3& pose = *left2world_.at(image);
-  if (camera == 0) return CornerInLeft()(*cameras_[0], pose, corner.world) - corner.pixel;
-  return CornerInOther()(*cameras_[camera], *left2camera_[camera], pose, corner.world) - corner.pixel;
+  const SE3 left2camera = camera == 0 ? SE3() : *left2camera_[camera];
+  return CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), corner.world) - corner.pixel;
 }
 
 template <class Camera>
 vec3 JointProblem<Camera>::gravityResidual(const ImuReading& reading) const {
-  return gravity_in_reading(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_, reading.acc);
+  return calib::gravityResidual(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_, reading.acc);
 }
 
 template <class Camera>
@@ -219,6 +229,7 @@ Result JointProblem<Camera>::result(const Summary& summary) {
   result.redundancy = summary.redundancy;
   result.rss = summary.final_rss;
   result.active_bounds = summary.active_bounds;
+  result.sigma_denominator = settings_.sigma_denominator;
   result.sigma_px = settings_.sigma_px;
   result.sigma_acc = settings_.sigma_acc;
   for (std::size_t c = 0; c < cameras_.size(); ++c) result.cameras.push_back(cameraResult(c));

@@ -6,6 +6,7 @@
 
 #include <slom/slom.hpp>
 
+#include "calibrate/camera_models.hpp"
 #include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
@@ -38,6 +39,15 @@ void constrain(Estimator& estimator, const VarID<Camera>& id, const std::string&
     } else {
       estimator.bound(id, constraint.parameter, constraint.lower, constraint.upper);
     }
+  }
+}
+
+/// The prior of Settings::sigma_denominator, with this sigma.
+template <class Camera>
+void keepDenominatorNearZero(Estimator& estimator, const VarID<Camera>& id, double sigma) {
+  if constexpr (has_denominator<Camera>) {
+    estimator.insertMeasurement([](const auto& camera) { return mtk::vector(camera[9], camera[10], camera[11]); }, id,
+                                StandardDeviation(sigma), named("prior of k4, k5, k6"));
   }
 }
 

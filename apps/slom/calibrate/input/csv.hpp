@@ -1,7 +1,9 @@
 // Tables of numbers in CSV files, with errors that name file, line and column.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace slom::app::calib {
@@ -9,8 +11,9 @@ namespace slom::app::calib {
 /// One line below the header. Fields are text until they are asked for as numbers.
 class CsvRow {
  public:
-  CsvRow(const std::string& file, const std::vector<std::string>& columns, int line,
-         std::vector<std::string> fields);
+  /// `fields` live in the table.
+  CsvRow(const std::string& file, const std::vector<std::string>& columns, int line, std::size_t first_field,
+         const std::vector<std::string_view>& fields);
 
   int line() const { return line_; }
   /// `file:line`, as errors begin.
@@ -25,8 +28,9 @@ class CsvRow {
 
   const std::string* file_;
   const std::vector<std::string>* columns_;
+  const std::vector<std::string_view>* fields_;
+  std::size_t first_field_;
   int line_;
-  std::vector<std::string> fields_;
 };
 
 struct CsvComment {
@@ -52,6 +56,8 @@ class CsvTable {
  private:
   std::string file_;
   std::vector<std::string> columns_;
+  std::string text_;
+  std::vector<std::string_view> fields_;  // of all rows, in text_
   std::vector<CsvRow> rows_;
   std::vector<CsvComment> comments_;
 };

@@ -32,6 +32,15 @@ void noteBounds(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
+void noteDenominator(const Result& result, std::vector<std::string>& notes) {
+  if (!result.sigma_denominator) return;
+  notes.push_back(
+      fmt::format("The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. "
+                  "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
+                  "parameters says as much: --intrinsics opencv5, or --compare.",
+                  *result.sigma_denominator));
+}
+
 /// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
 void noteSigma(const char* what, const char* option, double stated, double squares, double residuals,
                double unknowns, std::vector<std::string>& notes) {
@@ -138,6 +147,7 @@ std::vector<std::string> notes(const Result& result) {
   std::vector<std::string> notes;
   noteDetermination(result, notes);
   noteBounds(result, notes);
+  noteDenominator(result, notes);
   noteStrays(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);

@@ -38,32 +38,22 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// From a third of the boards' distance to far behind them.
-void addDistances(const FittedRig& rig, const Knowledge& knowledge, std::size_t c, double board_distance_m,
-                  const std::vector<std::optional<vec3>>& rays, CameraQuality& camera) {
-  constexpr int count = 25;
-  ImageGrid coarse = camera.grid;
-  coarse.columns = 9, coarse.rows = 7;
-  for (int i = 0; i < count; ++i) {
-    const double distance = board_distance_m * std::pow(10, -0.5 + 2.0 * i / (count - 1));
-    camera.distances_m.push_back(distance);
-    const auto map = projectionUncertainty(rig, knowledge, c, coarse, rays, distance);
-    camera.middle_px.push_back(map.middle_px);
-    camera.worst_px.push_back(map.worst_px);
-  }
-}
-
 void addProjection(const FittedRig& rig, const Knowledge& knowledge, double board_distance_m,
                    std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     CameraQuality& camera = cameras[c];
-    const auto rays = raysOf(*rig.lenses[c], camera.grid);
-    for (const double distance : {board_distance_m, std::numeric_limits<double>::infinity()}) {
-      camera.projection.push_back(projectionUncertainty(rig, knowledge, c, camera.grid, rays, distance));
-    }
+    const CameraKnowledge known(rig, knowledge, c);
+    const double infinity = std::numeric_limits<double>::infinity();
+    camera.projection = known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
     ImageGrid coarse = camera.grid;
     coarse.columns = 9, coarse.rows = 7;
-    addDistances(rig, knowledge, c, board_distance_m, raysOf(*rig.lenses[c], coarse), camera);
+    constexpr int distances = 25;  // from a third of the boards' distance to far behind them
+    for (int i = 0; i < distances; ++i)
+      camera.distances_m.push_back(board_distance_m * std::pow(10, -0.5 + 2.0 * i / (distances - 1)));
+    for (const ProjectionUncertainty& map : known.maps(coarse, raysOf(*rig.lenses[c], coarse), camera.distances_m)) {
+      camera.middle_px.push_back(map.middle_px);
+      camera.worst_px.push_back(map.worst_px);
+    }
   }
 }
 
@@ -88,9 +78,10 @@ Quality assess(const Dataset& data, const Settings& settings, const Result& resu
   const std::map<int, Sight> sights = sightsOf(data, rig);
   Information information(rig.columns);
   for (const auto& [image, sight] : sights) information.add(informationOf(rig, sight));
+  information.addPrior(rig);
   const Knowledge knowledge(information);
   quality.board_distance_m = boardDistance(sights, rig);
-  quality.correlations = correlationsOf(rig.columns, knowledge.shared);
+  quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
   clock.record("covariance");
   addProjection(rig, knowledge, quality.board_distance_m, quality.cameras);
   clock.record("projection");

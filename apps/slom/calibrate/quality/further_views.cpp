@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "calibrate/quality/board.hpp"
 
@@ -14,7 +15,7 @@ constexpr double tilt = 40;  // degrees
 
 struct Candidate {
   FurtherView view;
-  ImageInformation information;
+  Information information;
 };
 
 /// The board faces the camera, its upper edge up, and turned by the tilt about an axis in the image.
@@ -123,6 +124,30 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
   }
 }
 
+/// Some points, the most uncertain first, in a few parts: nearly all candidates are worse than the best one so far already at
+/// the first of these.
+std::vector<ProjectedPoints> inParts(const ProjectedPoints& points, const std::vector<double>& std) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std[a] > std[b]; });
+  std::vector<ProjectedPoints> parts;
+  for (std::size_t first = 0, size = 4; first < order.size(); first += size, size *= 2) {
+    const std::size_t last = std::min(first + size, order.size());
+    parts.push_back(points.at({order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last)}));
+  }
+  return parts;
+}
+
+/// The worst of all points, or a number that is not below `limit`.
+double worstStdBelow(double limit, const std::vector<ProjectedPoints>& parts, const Knowledge& knowledge) {
+  double worst = 0;
+  for (const ProjectedPoints& part : parts) {
+    worst = std::max(worst, worstStd(part, knowledge));
+    if (!(worst < limit)) break;
+  }
+  return worst;
+}
+
 }  // namespace
 
 ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
@@ -158,22 +183,25 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
   }
 
   Information so_far = information;
-  double before = worstStd(points, Knowledge(so_far));
   std::vector<FurtherView> best_ones;
   for (int k = 0; k < options.count; ++k) {
+    const std::vector<double> now = points.std(Knowledge(so_far));
+    if (now.empty()) break;
+    const double before = *std::max_element(now.begin(), now.end());
+    const std::vector<ProjectedPoints> parts = inParts(points, now);
     const Candidate* best = nullptr;
     double least = before;
     for (const Candidate& candidate : candidates) {
       Information with = so_far;
       with.add(candidate.information);
-      const double after = worstStd(points, Knowledge(with));
+      const double after = worstStdBelow(least, parts, Knowledge(with));
       if (after < least) best = &candidate, least = after;
     }
     if (!best) break;
     so_far.add(best->information);
     best_ones.push_back(best->view);
-    best_ones.back().before_px = before;
-    best_ones.back().after_px = before = least;
+    best_ones.back().before_px = best_ones.size() == 1 ? before : best_ones[best_ones.size() - 2].after_px;
+    best_ones.back().after_px = least;
   }
   return best_ones;
 }

@@ -37,66 +37,58 @@ SharedColumns columnsOf(const Result& result) {
   return columns;
 }
 
-/// J^T J of one image: the shared parameters, then the pose.
-class ArrowBlock {
- public:
-  explicit ArrowBlock(int shared) : H(Eigen::MatrixXd::Zero(shared + 6, shared + 6)) {}
-
-  /// Rows of a Jacobian that have entries in these ranges of columns alone.
-  struct Part {
-    int first;
-    Eigen::MatrixXd J;
-  };
-  void add(const std::vector<Part>& parts) {
-    for (const Part& a : parts) {
-      for (const Part& b : parts)
-        H.block(a.first, b.first, a.J.cols(), b.J.cols()).noalias() += a.J.transpose() * b.J;
+/// Adds J^T J, whose columns stand where `columns` says, to the lower triangle of H and to the upper one.
+void addSquare(const Eigen::MatrixXd& J, const std::vector<int>& columns, double weight, Eigen::MatrixXd& H) {
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(J.cols(), J.cols());
+  square.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weight);
+  for (Eigen::Index j = 0; j < J.cols(); ++j) {
+    const int column = columns[std::size_t(j)];
+    H(column, column) += square(j, j);
+    for (Eigen::Index i = j + 1; i < J.cols(); ++i) {
+      const int row = columns[std::size_t(i)];
+      H(row, column) += square(i, j);
+      H(column, row) += square(i, j);
     }
-  }
-
-  Eigen::MatrixXd H;
-};
-
-void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, ArrowBlock& block) {
-  const SharedColumns& columns = rig.columns;
-  const Eigen::Matrix3d world2left = sight.left2world.orient.toRotationMatrix().transpose();
-  const Eigen::Matrix3d left2camera = rig.left2camera[c].orient.toRotationMatrix();
-  const SE3 to_left = sight.left2world.inverse();
-  // All corners of the camera as the rows of one Jacobian: lens, camera to camera, pose of the image.
-  const Eigen::Index n = rig.lenses[c]->parameters(), rows = 2 * Eigen::Index(sight.points[c].size());
-  Eigen::MatrixXd lens(rows, n), pose(rows, 6), image(rows, 6);
-  for (std::size_t k = 0; k < sight.points[c].size(); ++k) {
-    const vec3 in_left = to_left * sight.points[c][k];
-    const Lens::Projection q = rig.lenses[c]->differentiate(rig.left2camera[c] * in_left);
-    const Eigen::Index row = 2 * Eigen::Index(k);
-    const Eigen::Matrix<double, 2, 3> by_camera = q.by_point / rig.sigma_px,
-                                      by_left = by_camera * left2camera;
-    lens.middleRows<2>(row) = q.by_parameters / rig.sigma_px;
-    pose.middleRows<2>(row) << by_camera, -by_left * crossMatrix(in_left);
-    image.middleRows<2>(row) << -by_left * world2left, by_left * crossMatrix(in_left);
-  }
-  if (c == 0) {
-    block.add({{columns.lens[c], lens}, {columns.size, image}});
-  } else {
-    block.add({{columns.lens[c], lens}, {columns.pose[c], pose}, {columns.size, image}});
   }
 }
 
+/// `count` numbers from `first` on.
+void append(std::vector<int>& columns, int first, int count) {
+  for (int i = 0; i < count; ++i) columns.push_back(first + i);
+}
+
+void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, Eigen::MatrixXd& H) {
+  Eigen::MatrixXd J = rig.lenses[c]->jacobian(rig.left2camera[c], sight.left2world, sight.points[c]);
+  std::vector<int> columns;
+  append(columns, rig.columns.lens[c], rig.lenses[c]->parameters());
+  append(columns, rig.columns.size, 6);
+  if (c > 0) append(columns, rig.columns.pose[c], 6);
+  if (c == 0) J.conservativeResize(Eigen::NoChange, J.cols() - 6);
+  addSquare(J, columns, 1 / (rig.sigma_px * rig.sigma_px), H);
+}
+
 /// residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
-void addReading(const FittedRig& rig, const Sight& sight, ArrowBlock& block) {
+void addReading(const FittedRig& rig, const Sight& sight, Eigen::MatrixXd& H) {
   const Eigen::Matrix3d left2world = sight.left2world.orient.toRotationMatrix();
   const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
   const Eigen::Vector3d in_left = imu2left * (*sight.acc - rig.imu->acc_bias);
-  Eigen::MatrixXd imu = Eigen::MatrixXd::Zero(3, 7), pose = Eigen::MatrixXd::Zero(3, 6);
-  imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
-  pose.rightCols<3>() = -left2world * crossMatrix(in_left);
-  block.add({{rig.columns.imu, imu / rig.sigma_acc}, {rig.columns.size, pose / rig.sigma_acc}});
+  Eigen::MatrixXd J(3, 13);  // imu, pose
+  J << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1), Eigen::Matrix3d::Zero(),
+      -left2world * crossMatrix(in_left);
+  std::vector<int> columns;
+  append(columns, rig.columns.imu, 7);
+  append(columns, rig.columns.size, 6);
+  addSquare(J, columns, 1 / (rig.sigma_acc * rig.sigma_acc), H);
 }
 
 }  // namespace
 
 FittedRig::FittedRig(const Result& result)
-    : imu(result.imu), sigma_px(result.sigma_px), sigma_acc(result.sigma_acc), columns(columnsOf(result)) {
+    : imu(result.imu),
+      sigma_px(result.sigma_px),
+      sigma_acc(result.sigma_acc),
+      sigma_denominator(result.sigma_denominator),
+      columns(columnsOf(result)) {
   for (const CameraResult& camera : result.cameras) {
     lenses.push_back(makeLens(camera));
     left2camera.push_back(camera.left2camera);
@@ -104,56 +96,85 @@ FittedRig::FittedRig(const Result& result)
   for (const ImageResult& image : result.images) left2world[image.image] = image.left2world;
 }
 
-ImageInformation informationOf(const FittedRig& rig, const Sight& sight) {
-  const int n = rig.columns.size;
-  ArrowBlock block(n);
-  for (std::size_t c = 0; c < sight.points.size(); ++c) {
-    if (!sight.points[c].empty()) addCorners(rig, c, sight, block);
+Information::Information(const SharedColumns& columns) : free_(columns.free), all_(columns.size) {
+  const auto n = Eigen::Index(free_.size());
+  shared_.setZero(n, n);
+  motion_shared_.setZero(6, n);
+}
+
+void Information::add(const Information& images) {
+  shared_ += images.shared_;
+  motion_shared_ += images.motion_shared_;
+  motion_ += images.motion_;
+  noise_ += images.noise_;
+}
+
+void Information::addPrior(const FittedRig& rig) {
+  if (!rig.sigma_denominator) return;
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    const std::string& name = rig.columns.names[std::size_t(free_[i])];
+    const auto k = Eigen::Index(i);
+    if (name.ends_with(".k4") || name.ends_with(".k5") || name.ends_with(".k6"))
+      shared_(k, k) += 1 / (*rig.sigma_denominator * *rig.sigma_denominator);
   }
-  ImageInformation result;
-  result.pose_from_corners = block.H.bottomRightCorner<6, 6>();
-  if (sight.acc) addReading(rig, sight, block);
-  result.pose = block.H.bottomRightCorner<6, 6>();
-  result.pose_shared = block.H.bottomLeftCorner(6, n);
-  result.shared = block.H.topLeftCorner(n, n) -
-                  result.pose_shared.transpose() * result.pose.ldlt().solve(result.pose_shared);
-  result.motion.setZero();
-  result.motion.topLeftCorner<3, 3>() = -sight.left2world.orient.toRotationMatrix();
-  result.motion.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
-  return result;
 }
 
-Information::Information(const SharedColumns& columns)
-    : free_(columns.free),
-      shared_(Eigen::MatrixXd::Zero(columns.size, columns.size)),
-      motion_shared_(Eigen::MatrixXd::Zero(6, columns.size)) {}
+Eigen::MatrixXd Information::covariance() const { return Knowledge(*this).covarianceOfShared(); }
 
-void Information::add(const ImageInformation& image) {
-  shared_ += image.shared;
-  const Matrix6 PtH = image.motion.transpose() * image.pose_from_corners;
-  const auto H_ff = image.pose.ldlt();
-  motion_ += PtH * image.motion;
-  noise_ += PtH * H_ff.solve(PtH.transpose());
-  motion_shared_ += PtH * H_ff.solve(image.pose_shared);
+Information informationOf(const FittedRig& rig, const Sight& sight) {
+  const int n = rig.columns.size;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 6, n + 6);
+  for (std::size_t c = 0; c < sight.points.size(); ++c) {
+    if (!sight.points[c].empty()) addCorners(rig, c, sight, H);
+  }
+  const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
+  if (sight.acc) addReading(rig, sight, H);
+  const Eigen::LDLT<Matrix6> pose(H.bottomRightCorner<6, 6>());
+  Matrix6 motion = Matrix6::Zero();  // P
+  motion.topLeftCorner<3, 3>() = -sight.left2world.orient.toRotationMatrix();
+  motion.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+  const Matrix6 from_motion = motion.transpose() * from_corners;
+
+  Information share(rig.columns);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> pose_shared = H.bottomRows<6>()(Eigen::all, share.free_);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = pose.solve(pose_shared);
+  share.shared_ = H(share.free_, share.free_);
+  share.shared_.noalias() -= pose_shared.transpose() * solved;
+  share.motion_shared_.noalias() = from_motion * solved;
+  share.motion_ = from_motion * motion;
+  share.noise_ = from_motion * pose.solve(from_motion.transpose());
+  return share;
 }
 
-Eigen::MatrixXd Information::covariance() const {
-  // Units differ by orders of magnitude: scaled to a unit diagonal the inverse keeps its digits.
-  const Eigen::MatrixXd S = shared_(free_, free_);
-  const Eigen::VectorXd scale = S.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * S * scale.asDiagonal();
-  const Eigen::MatrixXd inverse = scaled.llt().solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(shared_.rows(), shared_.cols());
-  C(free_, free_) = scale.asDiagonal() * inverse * scale.asDiagonal();
+Knowledge::Knowledge(const Information& information)
+    : free_(information.free_),
+      all_(information.all_),
+      scale_(information.shared_.diagonal().cwiseSqrt().cwiseInverse()),
+      factor_(scale_.asDiagonal() * information.shared_ * scale_.asDiagonal()) {
+  const Matrix6 inverse = information.motion_.ldlt().solve(Matrix6::Identity());
+  motion_by_shared_ = inverse.lazyProduct(information.motion_shared_);
+  const Matrix6 L = information.noise_.llt().matrixL();
+  noise_root_ = L.transpose() * inverse;
+}
+
+Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const {
+  const auto n = Eigen::Index(free_.size());
+  Eigen::MatrixXd w(n + 6, by_motion.rows());
+  auto shared = w.topRows(n);
+  shared.noalias() = motion_by_shared_.transpose() * by_motion.transpose();
+  for (Eigen::Index i = 0; i < n; ++i) shared.row(i) += by_shared.col(free_[std::size_t(i)]).transpose();
+  shared = scale_.asDiagonal() * shared;
+  factor_.matrixL().solveInPlace(shared);
+  w.bottomRows<6>().noalias() = noise_root_ * by_motion.transpose();
+  return w;
+}
+
+Eigen::MatrixXd Knowledge::covarianceOfShared() const {
+  const auto n = Eigen::Index(free_.size());
+  const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(all_, all_);
+  C(free_, free_) = scale_.asDiagonal() * inverse * scale_.asDiagonal();
   return C;
-}
-
-Eigen::MatrixXd Information::motionByShared() const { return motion_.ldlt().solve(motion_shared_); }
-
-Matrix6 Information::motionNoise() const {
-  const auto G = motion_.ldlt();
-  const Matrix6 left = G.solve(noise_);
-  return G.solve(Matrix6(left.transpose()));
 }
 
 std::map<int, Sight> sightsOf(const Dataset& data, const FittedRig& rig) {

@@ -20,6 +20,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "calibrate/input/dataset.hpp"
 #include "calibrate/quality/lens.hpp"
 #include "calibrate/result.hpp"
@@ -47,6 +49,7 @@ struct FittedRig {
   std::map<int, SE3> left2world;
   std::optional<ImuResult> imu;
   double sigma_px, sigma_acc;
+  std::optional<double> sigma_denominator;
   SharedColumns columns;
 };
 
@@ -57,31 +60,44 @@ struct Sight {
   std::optional<vec3> acc;
 };
 
-/// Of one image.
-struct ImageInformation {
-  Matrix6 pose, pose_from_corners;  ///< H_ff, H_cc
-  Eigen::MatrixXd pose_shared;      ///< H_fs, 6 x shared
-  Eigen::MatrixXd shared;           ///< Lambda
-  Matrix6 motion;                   ///< P
-};
-ImageInformation informationOf(const FittedRig& rig, const Sight& sight);
-
-/// Of a set of images.
+/// The sums over images; of one image, its share.
 class Information {
  public:
   explicit Information(const SharedColumns& columns);
-  void add(const ImageInformation& image);
+  void add(const Information& images);
+  /// The prior of opencv8's denominator, where the result has it.
+  void addPrior(const FittedRig& rig);
   /// Of the shared parameters; 0 for those that are not estimated.
   Eigen::MatrixXd covariance() const;
-  /// The motion of the frame per change of the shared parameters, G^-1 F, and the covariance of the rest of
-  /// it.
-  Eigen::MatrixXd motionByShared() const;
-  Matrix6 motionNoise() const;
+
+ private:
+  friend Information informationOf(const FittedRig& rig, const Sight& sight);
+  friend struct Knowledge;
+
+  std::vector<int> free_;
+  int all_;                                                 // shared parameters, free or not
+  Eigen::MatrixXd shared_;                                  // of the free ones, sum of Lambda
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;  // F, likewise
+  Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
+};
+Information informationOf(const FittedRig& rig, const Sight& sight);
+
+/// What a set of images knows, ready to be propagated. A number that changes by a ds + e dm, with the shared parameters and with
+/// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
+struct Knowledge {
+  explicit Knowledge(const Information& information);
+  /// Columns w, of rows a (of all shared parameters) and e.
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const;
+  /// 0 for those that are not estimated.
+  Eigen::MatrixXd covarianceOfShared() const;
 
  private:
   std::vector<int> free_;
-  Eigen::MatrixXd shared_, motion_shared_;  // S, F
-  Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();
+  int all_;
+  Eigen::VectorXd scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_shared_;  // G^-1 F
+  Matrix6 noise_root_;                                         // its square is G^-1 N G^-1
 };
 
 /// By image number.

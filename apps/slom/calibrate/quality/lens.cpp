@@ -6,12 +6,12 @@
 
 #include <Eigen/LU>
 
-#include "calibrate/camera_models.hpp"
+#include "calibrate/fit/measurements.hpp"
 
 namespace slom::app::calib {
 namespace {
 
-template <template <class> class Model>
+template <class Camera>
 class ModelLens : public Lens {
  public:
   explicit ModelLens(const CameraResult& camera) {
@@ -23,37 +23,27 @@ class ModelLens : public Lens {
   vec2 project(const vec3& point) const override { return vec2(camera_.project(point)); }
 
   Projection differentiate(const vec3& point) const override {
-    using S = mtk::Dual<double, n + 3>;
-    Model<S> camera;
-    mtk::vect<3, S> p;
-    for (int i = 0; i < n; ++i) camera[i].seed(camera_[i], i);
-    for (int i = 0; i < 3; ++i) p[i].seed(point[i], n + i);
-    const auto pixel = camera.project(p);
-    Projection result{vec2(pixel[0].value(), pixel[1].value()), {}, {}};
-    result.by_parameters.resize(2, n);
-    for (int row = 0; row < 2; ++row) {
-      for (int i = 0; i < n; ++i) result.by_parameters(row, i) = pixel[row].partial(i);
-      for (int i = 0; i < 3; ++i) result.by_point(row, i) = pixel[row].partial(n + i);
-    }
-    return result;
+    const auto d = calib::differentiate(camera_, point);
+    return {vec2(d.pixel), d.by_parameters, d.by_point};
   }
 
   Eigen::Matrix<double, 2, 3> byPoint(const vec3& point) const override {
-    using S = mtk::Dual<double, 3>;
-    const Model<S> camera(camera_.template cast<S>());
-    mtk::vect<3, S> p;
-    for (int i = 0; i < 3; ++i) p[i].seed(point[i], i);
-    const auto pixel = camera.project(p);
-    Eigen::Matrix<double, 2, 3> J;
-    for (int row = 0; row < 2; ++row) {
-      for (int i = 0; i < 3; ++i) J(row, i) = pixel[row].partial(i);
-    }
+    return calib::differentiate(camera_, point).by_point;
+  }
+
+  Eigen::MatrixXd jacobian(const SE3& left2camera, const SE3& left2world,
+                           const std::vector<vec3>& points) const override {
+    Eigen::MatrixXd J(2 * Eigen::Index(points.size()), n + 12);
+    auto by_camera = J.leftCols<n>();
+    auto by_left2world = J.middleCols<6>(n), by_left2camera = J.rightCols<6>();
+    differentiatePixels(camera_, left2camera, left2world, points.size(), [&](std::size_t i) { return points[i]; },
+                        &by_camera, &by_left2camera, &by_left2world);
     return J;
   }
 
  private:
-  static constexpr int n = Model<double>::DOF;
-  Model<double> camera_;
+  static constexpr int n = Camera::DOF;
+  Camera camera_;
 };
 
 /// Two unit vectors orthogonal to a ray and to each other, as columns; they turn with the ray.
@@ -93,11 +83,11 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
 }
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera) {
-  if (camera.model == Radial1<>::model_name) return std::make_unique<ModelLens<Radial1>>(camera);
-  if (camera.model == Opencv4<>::model_name) return std::make_unique<ModelLens<Opencv4>>(camera);
-  if (camera.model == Opencv5<>::model_name) return std::make_unique<ModelLens<Opencv5>>(camera);
-  if (camera.model == Opencv8<>::model_name) return std::make_unique<ModelLens<Opencv8>>(camera);
-  if (camera.model == Fisheye<>::model_name) return std::make_unique<ModelLens<Fisheye>>(camera);
+  if (camera.model == Radial1<>::model_name) return std::make_unique<ModelLens<Radial1<>>>(camera);
+  if (camera.model == Opencv4<>::model_name) return std::make_unique<ModelLens<Opencv4<>>>(camera);
+  if (camera.model == Opencv5<>::model_name) return std::make_unique<ModelLens<Opencv5<>>>(camera);
+  if (camera.model == Opencv8<>::model_name) return std::make_unique<ModelLens<Opencv8<>>>(camera);
+  if (camera.model == Fisheye<>::model_name) return std::make_unique<ModelLens<Fisheye<>>>(camera);
   throw std::logic_error("slom calibrate: no lens of model " + camera.model);
 }
 

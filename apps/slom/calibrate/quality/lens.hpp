@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "calibrate/result.hpp"
 
@@ -14,7 +15,7 @@ class Lens {
   /// A pixel and how it changes with the lens parameters (2 x n) and with the point (2 x 3, [px/m]).
   struct Projection {
     vec2 pixel;
-    Eigen::Matrix<double, 2, Eigen::Dynamic> by_parameters;
+    Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 12> by_parameters;
     Eigen::Matrix<double, 2, 3> by_point;
   };
 
@@ -23,6 +24,9 @@ class Lens {
   virtual vec2 project(const vec3& point) const = 0;
   virtual Projection differentiate(const vec3& point) const = 0;
   virtual Eigen::Matrix<double, 2, 3> byPoint(const vec3& point) const = 0;
+  /// Of the pixels of points in the world, two rows for each: by the parameters, by left2world and by left2camera
+  /// (translation, rotation) [px].
+  virtual Eigen::MatrixXd jacobian(const SE3& left2camera, const SE3& left2world, const std::vector<vec3>& points) const = 0;
 
   /// The direction, of length 1, that is projected to a pixel. Found by walking there from a ray whose pixel
   /// is known to have one, the optical axis; nothing where the model folds over on the way, as distortion

@@ -2,21 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include <Eigen/QR>
 
 #include "calibrate/cross_matrix.hpp"
 
 namespace slom::app::calib {
-Knowledge::Knowledge(const Information& information)
-    : shared(information.covariance()),
-      motion_by_shared(information.motionByShared()),
-      motion_noise(information.motionNoise()) {}
+namespace {
 
-Eigen::Matrix2d ProjectedPoint::covariance(const Knowledge& knowledge) const {
-  const Eigen::MatrixXd J = by_shared + by_motion * knowledge.motion_by_shared;
-  return J * knowledge.shared * J.transpose() + by_motion * knowledge.motion_noise * by_motion.transpose();
+/// Of two rows of pixels each; the directions in which they are largest.
+std::vector<double> largestStds(const Eigen::MatrixXd& whitened) {
+  std::vector<double> result;
+  for (Eigen::Index i = 0; i < whitened.cols(); i += 2) {
+    const auto u = whitened.col(i), v = whitened.col(i + 1);
+    result.push_back(largestStd(u.squaredNorm(), u.dot(v), v.squaredNorm()));
+  }
+  return result;
 }
 
-double ProjectedPoint::std(const Knowledge& knowledge) const { return largestStd(covariance(knowledge)); }
+void summarise(const ImageGrid& grid, ProjectionUncertainty& map) {
+  std::vector<double> known;
+  std::copy_if(map.std_px.begin(), map.std_px.end(), std::back_inserter(known), [](double std) { return !std::isnan(std); });
+  std::sort(known.begin(), known.end());
+  map.middle_px = map.std_px[std::size_t(grid.middle())];
+  map.median_px = known.empty() ? unknown : known[known.size() / 2];
+  map.worst_px = known.empty() ? unknown : known.back();
+}
+
+}  // namespace
+
+Eigen::Matrix2d ProjectedPoint::covariance(const Knowledge& knowledge) const {
+  const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
+  return w.transpose() * w;
+}
 
 ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
   if (points.empty()) return;
@@ -31,47 +50,104 @@ ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
 
 std::vector<double> ProjectedPoints::std(const Knowledge& knowledge) const {
   if (by_shared_.rows() == 0) return {};
-  const Eigen::MatrixXd J = by_shared_ + by_motion_ * knowledge.motion_by_shared;
-  const Eigen::MatrixXd JC = J * knowledge.shared, EN = by_motion_ * knowledge.motion_noise;
-  const auto squares = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    return Eigen::VectorXd(a.cwiseProduct(b).rowwise().sum());
-  };
-  const Eigen::VectorXd diagonal = squares(JC, J) + squares(EN, by_motion_);
-  std::vector<double> result;
-  for (Eigen::Index i = 0; i < J.rows(); i += 2) {
-    Eigen::Matrix2d covariance;
-    covariance(0, 0) = diagonal[i];
-    covariance(1, 1) = diagonal[i + 1];
-    covariance(0, 1) = covariance(1, 0) = JC.row(i).dot(J.row(i + 1)) + EN.row(i).dot(by_motion_.row(i + 1));
-    result.push_back(largestStd(covariance));
+  return largestStds(knowledge.whitened(by_shared_, by_motion_));
+}
+
+ProjectedPoints ProjectedPoints::at(const std::vector<std::size_t>& which) const {
+  ProjectedPoints result;
+  const auto rows = 2 * Eigen::Index(which.size());
+  result.by_shared_.resize(rows, by_shared_.cols());
+  result.by_motion_.resize(rows, 6);
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    const Eigen::Index from = 2 * Eigen::Index(which[i]), to = 2 * Eigen::Index(i);
+    result.by_shared_.middleRows<2>(to) = by_shared_.middleRows<2>(from);
+    result.by_motion_.middleRows<2>(to) = by_motion_.middleRows<2>(from);
   }
   return result;
 }
 
-double largestStd(const Eigen::Matrix2d& covariance) {
-  const double mean = covariance.trace() / 2;
-  return std::sqrt(mean + std::hypot((covariance(0, 0) - covariance(1, 1)) / 2, covariance(0, 1)));
-}
+double largestStd(double uu, double uv, double vv) { return std::sqrt((uu + vv) / 2 + std::hypot((uu - vv) / 2, uv)); }
 
 ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& ray, double distance_m) {
-  const bool is_far = std::isinf(distance_m);
   const SharedColumns& columns = rig.columns;
   const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
-  const vec3 in_camera = is_far ? ray : vec3(distance_m * ray);
-  const vec3 in_left = is_far ? vec3(R.transpose() * ray) : vec3(rig.left2camera[c].inverse() * in_camera);
-  const Lens::Projection q = rig.lenses[c]->differentiate(in_camera);
-  const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R;
-
+  const Lens::Projection q = rig.lenses[c]->differentiate(ray);
+  // In the left camera the point is distance * direction + origin; by one metre at this distance it moves by_point.
+  const Eigen::Vector3d direction = R.transpose() * ray, origin = -(R.transpose() * rig.left2camera[c].pos);
+  const Eigen::Matrix<double, 2, 3> by_point = q.by_point / distance_m, by_left = by_point * R;
+  const Eigen::Matrix<double, 2, 3> by_turn = q.by_point * R * crossMatrix(direction) + by_left * crossMatrix(origin);
   ProjectedPoint point;
-  point.by_shared = Eigen::MatrixXd::Zero(2, columns.size);
+  point.by_shared.setZero(2, columns.size);
   point.by_shared.middleCols(columns.lens[c], q.by_parameters.cols()) = q.by_parameters;
-  // The new frame sees the point where the motion takes it back to.
-  point.by_motion << -by_left, by_left * crossMatrix(in_left);
-  if (is_far) point.by_motion.leftCols<3>().setZero();
-  if (c == 0) return point;
-  if (!is_far) point.by_shared.middleCols<3>(columns.pose[c]) = q.by_point;
-  point.by_shared.middleCols<3>(columns.pose[c] + 3) = -by_left * crossMatrix(in_left);
+  point.by_motion << -by_left, by_turn;  // the new frame sees the point where the motion takes it back to
+  if (c > 0) point.by_shared.middleCols<6>(columns.pose[c]) << by_point, -by_turn;
   return point;
+}
+
+CameraKnowledge::CameraKnowledge(const FittedRig& rig, const Knowledge& knowledge, std::size_t c)
+    : lens_(*rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
+  // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this one, is how its centre moves.
+  const SharedColumns& columns = rig.columns;
+  const int n = lens_.parameters();
+  const Eigen::Vector3d origin = -(left2camera_.transpose() * rig.left2camera[c].pos);
+  const Eigen::Matrix3d shift_by_turn = left2camera_ * crossMatrix(origin);
+  Eigen::MatrixXd by_shared = Eigen::MatrixXd::Zero(most + 6, columns.size), by_motion = Eigen::MatrixXd::Zero(most + 6, 6);
+  by_motion.block<3, 3>(0, 3).setIdentity();
+  by_motion.middleRows<3>(3) << -left2camera_, shift_by_turn;
+  if (c > 0) {
+    by_shared.block<3, 3>(0, columns.pose[c] + 3) = -Eigen::Matrix3d::Identity();
+    by_shared.block<3, 6>(3, columns.pose[c]) << Eigen::Matrix3d::Identity(), -shift_by_turn;
+  }
+  by_shared.block(6, columns.lens[c], n, n).setIdentity();
+  const Eigen::MatrixXd whitened = knowledge.whitened(by_shared, by_motion);
+  Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(whitened.rows(), most + 6), most + 6);
+  padded.topRows(whitened.rows()) = whitened;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(padded);
+  root_ = qr.matrixQR().topRows<most + 6>().triangularView<Eigen::Upper>();
+}
+
+CameraKnowledge::Pixel CameraKnowledge::pixelOf(const vec3& ray) const {
+  const Lens::Projection q = lens_.differentiate(ray);
+  const Eigen::Vector3d direction = left2camera_.transpose() * ray;
+  const Eigen::Matrix<double, 2, 3> by_turn = q.by_point * left2camera_ * crossMatrix(direction);
+  Eigen::Matrix<double, most, 2> by_parameters = Eigen::Matrix<double, most, 2>::Zero();
+  by_parameters.topRows(q.by_parameters.cols()) = q.by_parameters.transpose();
+  const Eigen::Matrix<double, most + 6, 2> far =
+      root_.leftCols<3>() * by_turn.transpose() + root_.rightCols<most>().lazyProduct(by_parameters);
+  const Eigen::Matrix<double, most + 6, 2> near = root_.middleCols<3>(3) * q.by_point.transpose();
+  return {far.col(0), far.col(1), near.col(0), near.col(1)};
+}
+
+std::vector<double> CameraKnowledge::stdOfRays(const std::vector<std::optional<vec3>>& rays) const {
+  std::vector<double> result;
+  for (const auto& ray : rays) {
+    if (!ray) continue;
+    const Pixel pixel = pixelOf(*ray);
+    result.push_back(largestStd(pixel.far_u.squaredNorm(), pixel.far_u.dot(pixel.far_v), pixel.far_v.squaredNorm()));
+  }
+  return result;
+}
+
+std::vector<ProjectionUncertainty> CameraKnowledge::maps(const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
+                                                         const std::vector<double>& distances_m) const {
+  std::vector<ProjectionUncertainty> maps;
+  for (const double distance : distances_m) {
+    maps.emplace_back().distance_m = distance;
+    maps.back().std_px.reserve(rays.size());
+  }
+  for (const auto& ray : rays) {
+    if (!ray) {
+      for (ProjectionUncertainty& map : maps) map.std_px.push_back(unknown);
+      continue;
+    }
+    const Pixel pixel = pixelOf(*ray);
+    for (ProjectionUncertainty& map : maps) {
+      const Row u = pixel.far_u + pixel.near_u / map.distance_m, v = pixel.far_v + pixel.near_v / map.distance_m;
+      map.std_px.push_back(largestStd(u.squaredNorm(), u.dot(v), v.squaredNorm()));
+    }
+  }
+  for (ProjectionUncertainty& map : maps) summarise(grid, map);
+  return maps;
 }
 
 std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid) {
@@ -83,25 +159,6 @@ std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid)
                              : lens.unproject(grid.node(i)));
   }
   return rays;
-}
-
-ProjectionUncertainty projectionUncertainty(const FittedRig& rig, const Knowledge& knowledge, std::size_t c,
-                                            const ImageGrid& grid,
-                                            const std::vector<std::optional<vec3>>& rays, double distance_m) {
-  ProjectionUncertainty result;
-  result.distance_m = distance_m;
-  std::vector<ProjectedPoint> points;
-  for (const auto& ray : rays) {
-    if (ray) points.push_back(projectedPoint(rig, c, *ray, distance_m));
-  }
-  std::vector<double> known = ProjectedPoints(points).std(knowledge);
-  auto next = known.begin();
-  for (const auto& ray : rays) result.std_px.push_back(ray ? *next++ : unknown);
-  std::sort(known.begin(), known.end());
-  result.middle_px = result.std_px[std::size_t(grid.middle())];
-  result.median_px = known.empty() ? unknown : known[known.size() / 2];
-  result.worst_px = known.empty() ? unknown : known.back();
-  return result;
 }
 
 }  // namespace slom::app::calib

@@ -15,25 +15,14 @@
 
 namespace slom::app::calib {
 
-/// What a set of images knows, ready to be propagated.
-struct Knowledge {
-  explicit Knowledge(const Information& information);
-
-  Eigen::MatrixXd shared;            ///< covariance of the shared parameters
-  Eigen::MatrixXd motion_by_shared;  ///< 6 x shared
-  Matrix6 motion_noise;
-};
-
-/// The point of the image at a pixel and how its projection moves with all of that; of no knowledge itself,
-/// so that one can be asked about with several.
+/// The point of the image at a pixel and how its projection moves with the shared parameters and with the frame; of no
+/// knowledge itself, so that one can be asked about with several.
 struct ProjectedPoint {
-  Eigen::MatrixXd by_shared;              ///< 2 x shared, the frame held
-  Eigen::Matrix<double, 2, 6> by_motion;  ///< of the frame: translation, rotation
+  Eigen::Matrix<double, 2, Eigen::Dynamic> by_shared;  ///< the frame held
+  Eigen::Matrix<double, 2, 6> by_motion;               ///< of the frame: translation, rotation
 
   /// 2 x 2 [px^2].
   Eigen::Matrix2d covariance(const Knowledge& knowledge) const;
-  /// In the direction in which it is largest [px].
-  double std(const Knowledge& knowledge) const;
 };
 
 /// Many of them, which is quicker than one by one.
@@ -41,25 +30,48 @@ class ProjectedPoints {
  public:
   ProjectedPoints() = default;
   explicit ProjectedPoints(const std::vector<ProjectedPoint>& points);
-  /// ProjectedPoint::std of each.
+  std::size_t size() const { return std::size_t(by_shared_.rows() / 2); }
+  /// Standard deviation of each, in the direction in which it is largest [px].
   std::vector<double> std(const Knowledge& knowledge) const;
+  /// Some of them, `which` one after the other.
+  ProjectedPoints at(const std::vector<std::size_t>& which) const;
 
  private:
   Eigen::MatrixXd by_shared_, by_motion_;  // two rows for each point
 };
 
-/// `ray`: direction of length 1 in camera c; `distance` may be infinite: then directions alone count.
+/// Points on rays of one camera, at any distance. Of all that is known, little matters to them: with the lens parameters p,
+/// and as the camera sees them, the turn t of the frame against it and the shift s, the pixel of distance * ray changes by
+///   by_parameters dp + by_turn(ray) dt + by_point(ray) ds / distance
+class CameraKnowledge {
+ public:
+  CameraKnowledge(const FittedRig& rig, const Knowledge& knowledge, std::size_t c);
+  /// Of the pixels of the rays that are there, at infinity [px].
+  std::vector<double> stdOfRays(const std::vector<std::optional<vec3>>& rays) const;
+  /// Over a grid, whose rays these are, at distances that may be infinite. Without summary figures where no node has a ray.
+  std::vector<ProjectionUncertainty> maps(const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
+                                          const std::vector<double>& distances_m) const;
+
+ private:
+  static constexpr int most = 12;  // parameters of a lens; of others the last columns are 0
+  using Row = Eigen::Matrix<double, most + 6, 1>;
+  struct Pixel {
+    Row far_u, far_v, near_u, near_v;  ///< whitened: at infinity, and what is added to that times 1 / distance
+  };
+  Pixel pixelOf(const vec3& ray) const;
+
+  const Lens& lens_;
+  Eigen::Matrix3d left2camera_;
+  Eigen::Matrix<double, most + 6, most + 6> root_;  // its square is the covariance of (t, s, p)
+};
+
+/// `ray`: direction of length 1 in camera c; the distance may be infinite: then directions alone count.
 ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& ray, double distance_m);
 
 /// The rays of all nodes of a grid, in the camera.
 std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid);
 
-/// Without summary figures where no node has a ray.
-ProjectionUncertainty projectionUncertainty(const FittedRig& rig, const Knowledge& knowledge, std::size_t c,
-                                            const ImageGrid& grid,
-                                            const std::vector<std::optional<vec3>>& rays, double distance_m);
-
-/// The largest standard deviation of a direction of a covariance.
-double largestStd(const Eigen::Matrix2d& covariance);
+/// The largest standard deviation of a direction, of variances and covariance of u and v.
+double largestStd(double uu, double uv, double vv);
 
 }  // namespace slom::app::calib

@@ -21,6 +21,7 @@ struct Half {
   static Knowledge informationOfAll(const Dataset& data, const FittedRig& rig) {
     Information sum(rig.columns);
     for (const auto& [image, sight] : sightsOf(data, rig)) sum.add(informationOf(rig, sight));
+    sum.addPrior(rig);
     return Knowledge(sum);
   }
 
@@ -44,6 +45,7 @@ Eigen::Matrix<double, 2, 3> byRotation(const Lens::Projection& q, const vec3& ra
 /// Turns the first half's rays so that the second projects them as near to the nodes as can be.
 void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGrid& grid) {
   constexpr int steps = 5;
+  constexpr double no_turn = 1e-13;
   for (int step = 0; step < steps; ++step) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
@@ -52,12 +54,14 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
       H += c.weight * J.transpose() * J;
       g += c.weight * J.transpose() * c.difference;
     }
-    const SO3 turn = SO3::exp(vec3(-H.ldlt().solve(g)));
+    const vec3 angle(-H.ldlt().solve(g));
+    const SO3 turn = SO3::exp(angle);
     for (Compared& c : nodes) {
       c.ray = turn * c.ray;
       c.at = second.differentiate(c.ray);
       c.difference = vec2(c.at.pixel - grid.node(c.node));
     }
+    if (angle.norm() < no_turn) break;
   }
 }
 
@@ -72,11 +76,13 @@ double expectedSquare(const std::vector<Compared>& nodes, const Eigen::MatrixXd&
     g += c.weight * J.transpose() * c.at.by_parameters;
   }
   const Eigen::MatrixXd turn = H.ldlt().solve(g);
-  double sum = 0;
-  for (const Compared& c : nodes) {
-    const Eigen::MatrixXd J = c.at.by_parameters - byRotation(c.at, c.ray) * turn;
-    sum += (J * covariance * J.transpose()).trace();
+  Eigen::MatrixXd J(2 * Eigen::Index(nodes.size()), covariance.cols());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Compared& c = nodes[i];
+    J.middleRows<2>(2 * Eigen::Index(i)) = c.at.by_parameters;
+    J.middleRows<2>(2 * Eigen::Index(i)).noalias() -= byRotation(c.at, c.ray) * turn;
   }
+  const double sum = (J * covariance).cwiseProduct(J).sum();
   return sum / double(nodes.size());
 }
 
@@ -113,17 +119,17 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
                         const Eigen::MatrixXd& covariance) {
   const Lens& first = *a.rig.lenses[c];
   const Lens& second = *b.rig.lenses[c];
-  const double infinity = std::numeric_limits<double>::infinity();
   const auto rays = raysOf(first, grid), others = raysOf(second, grid);
-  const auto stds = projectionUncertainty(a.rig, a.knowledge, c, grid, rays, infinity).std_px;
-  const auto other_stds = projectionUncertainty(b.rig, b.knowledge, c, grid, others, infinity).std_px;
+  const auto stds = CameraKnowledge(a.rig, a.knowledge, c).stdOfRays(rays),
+             other_stds = CameraKnowledge(b.rig, b.knowledge, c).stdOfRays(others);
   std::vector<Compared> nodes;
+  auto std = stds.begin(), other_std = other_stds.begin();
   for (int i = 0; i < grid.size(); ++i) {
     const auto k = std::size_t(i);
+    const double variance = (rays[k] ? std::pow(*std++, 2) : 0) + (others[k] ? std::pow(*other_std++, 2) : 0);
     if (!rays[k] || !others[k]) continue;
     const Lens::Projection at = second.differentiate(*rays[k]);
-    const double weight = 1 / (stds[k] * stds[k] + other_stds[k] * other_stds[k]);
-    nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, weight});
+    nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, 1 / variance});
   }
   SplitHalfCamera result;
   result.difference_px.assign(std::size_t(grid.size()), unknown);
@@ -179,8 +185,8 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
   }
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
-    const Eigen::MatrixXd covariance = halves[0]->knowledge.shared.block(first, first, n, n) +
-                                       halves[1]->knowledge.shared.block(first, first, n, n);
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+    for (const auto& half : halves) covariance += half->knowledge.covarianceOfShared().block(first, first, n, n);
     result.cameras.push_back(compare(*halves[0], *halves[1], c, grids[c], covariance));
     compareParameters(results[0].cameras[c], results[1].cameras[c], covariance, result.cameras.back());
   }

@@ -38,12 +38,12 @@ double normalSpread(const std::vector<PlaneView>& views) {
   return largest;
 }
 
-std::string parallelViews(const Dataset& data) {
+std::string parallelViews(const std::vector<std::vector<PlaneView>>& views, std::size_t images) {
   double largest = 0;
-  for (const CameraData& camera : data.cameras) largest = std::max(largest, normalSpread(planeViews(camera)));
+  for (const auto& of_camera : views) largest = std::max(largest, normalSpread(of_camera));
   if (largest > hardly_tilted) return "";
   return fmt::format("all {} images show the board at the same tilt, within {:.2g} degrees, which leaves the focal length open",
-                     data.images().size(), std::max(0.1, largest / degree));
+                     images, std::max(0.1, largest / degree));
 }
 
 }  // namespace slom::app::calib

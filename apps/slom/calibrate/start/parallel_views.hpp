@@ -14,7 +14,8 @@ namespace slom::app::calib {
 ///   source   Zhang, "A flexible new technique for camera calibration", 2000, section 4 (degenerate configurations)
 double normalSpread(const std::vector<PlaneView>& views);
 
-/// A sentence when the boards that each of the cameras sees are parallel, within 2 degrees; empty otherwise.
-std::string parallelViews(const Dataset& data);
+/// A sentence when the boards that each of the cameras sees are parallel, within 2 degrees; empty otherwise. `views` by camera,
+/// of so many images.
+std::string parallelViews(const std::vector<std::vector<PlaneView>>& views, std::size_t images);
 
 }  // namespace slom::app::calib

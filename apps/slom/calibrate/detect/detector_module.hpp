@@ -1,0 +1,21 @@
+// The functions of detector.hpp as the shared object that was linked with OpenCV hands them over. To load
+// OpenCV and what it stands on takes longer than to calibrate from corners, so it is loaded where there are
+// photographs, and not before.
+#pragma once
+
+#include <string>
+
+#include "calibrate/detect/detector.hpp"
+
+namespace slom::app::calib {
+
+struct DetectorModule {
+  std::vector<FoundCorner> (*find_board)(const Board& board, const Photograph& photo);
+  bool (*shows_chessboard)(const Board& board, const Photograph& photo);
+  std::string (*complaint)(const Board& board);  ///< what requireDetector throws; empty: nothing
+};
+
+}  // namespace slom::app::calib
+
+/// In libslom_detect.so.
+extern "C" __attribute__((visibility("default"))) const slom::app::calib::DetectorModule slom_detector_module;
