@@ -217,27 +217,39 @@ void multiply(const double* W, double* m, int dim, int cols) {
     column = left.lazyProduct(column).eval();
   }
 }
+
+/// m := diag(w) m
+template <int N>
+void scale(const double* w, double* m, int dim, int cols) {
+  const Eigen::Vector<double, N> factors = Eigen::Map<const Eigen::Vector<double, N>>(w, dim);
+  for (int j = 0; j < cols; ++j, m += dim) Eigen::Map<Eigen::Vector<double, N>>(m, dim).array() *= factors.array();
+}
+
+/// f of a number that is one of the usual dimensions at compile time, Dynamic for others.
+template <class F>
+void withDimension(int dim, const F& f) {
+  switch (dim) {
+    case 1: f(std::integral_constant<int, 1>{}); break;
+    case 2: f(std::integral_constant<int, 2>{}); break;
+    case 3: f(std::integral_constant<int, 3>{}); break;
+    case 6: f(std::integral_constant<int, 6>{}); break;
+    default: f(std::integral_constant<int, Eigen::Dynamic>{}); break;
+  }
+}
 }  // namespace
 
 void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
-  using Eigen::Map;
-  Map<MatrixXd> matrix(m, dim, cols);
   switch (kind) {
     case WhiteningKind::unit:
       break;
     case WhiteningKind::scalar:
-      matrix *= W[0];
+      Eigen::Map<VectorXd>(m, static_cast<Eigen::Index>(dim) * cols) *= W[0];
       break;
     case WhiteningKind::diagonal:
-      matrix = Map<const VectorXd>(W, dim).asDiagonal() * matrix;
+      withDimension(dim, [&](auto n) { scale<n>(W, m, dim, cols); });
       break;
     case WhiteningKind::full:
-      switch (dim) {
-        case 2: multiply<2>(W, m, dim, cols); break;
-        case 3: multiply<3>(W, m, dim, cols); break;
-        case 6: multiply<6>(W, m, dim, cols); break;
-        default: multiply<Eigen::Dynamic>(W, m, dim, cols); break;
-      }
+      withDimension(dim, [&](auto n) { multiply<n>(W, m, dim, cols); });
       break;
   }
 }
