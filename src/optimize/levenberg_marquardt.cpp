@@ -9,6 +9,8 @@ namespace slom {
 
 namespace {
 constexpr double kLargestDamping = 1e32;
+/// A step with damping below this share of the first one is likely to be taken: only good ones make it fall so far.
+constexpr double kLikelyDamping = 0.125;
 }  // namespace
 
 const Eigen::VectorXd& UnknownScales::update(System& system, double memory) {
@@ -56,7 +58,8 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
     outcome.status = system.solveDamped(damping, outcome.step);
     if (outcome.status.ok) {
       outcome.predicted_decrease = system.predictedDecrease(outcome.step, damping);
-      const double rss = system.tryStep(outcome.step);
+      const bool is_likely = outcome.trials == 1 && mu_ < kLikelyDamping * initial_damping_;
+      const double rss = is_likely ? system.tryLikelyStep(outcome.step) : system.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
       const bool is_judged = !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
