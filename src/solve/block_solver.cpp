@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "block/low_degree_elimination.hpp"
 #include "block/multifrontal.hpp"
 #include "block/normal_equations.hpp"
 #include "block/reduced_operator.hpp"
@@ -11,6 +12,7 @@
 #include "linearize/parallel.hpp"
 #include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
+#include "symbolic/low_degree.hpp"
 #include "symbolic/ordering.hpp"
 
 namespace slom {
@@ -32,6 +34,10 @@ constexpr double kReducedIterations = 100, kWholeIterations = 1000;
 constexpr double kWorthBeingInexact = 5;  // exact steps need fewer iterations of the fit
 constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
 constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
+
+/// Blocks with few neighbours are eliminated by themselves where they are so many, and this share of all.
+constexpr int kFewestOfLowDegree = 32;
+constexpr double kLeastShareOfLowDegree = 0.2;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -129,6 +135,8 @@ struct BlockSolver::Implementation {
   bool is_exact;
   NormalEquations equations;
   SchurComplement schur;        // where blocks are eliminated and steps are exact
+  LowDegreeElimination low;     // where none are, steps are exact, and many blocks have few neighbours
+  bool has_low = false;
   MultifrontalCholesky factor;  // where they are exact
   ReducedOperator reduced;      // where they are not
   VectorXd diagonal;
@@ -145,6 +153,8 @@ struct BlockSolver::Implementation {
   void analyze(const BlockGraph& graph);
   bool choosesConjugateGradients(double matrix_entries, double operations, double factor_entries) const;
   void analyzeWhole(const BlockGraph& graph);
+  bool analyzeLowDegree(const BlockGraph& graph);
+  std::vector<int> keep(const std::vector<int>& blocks);
   void analyzeReduced(const BlockGraph& graph);
   void analyzeInexact(const BlockGraph& graph);
   std::vector<int> positionsBehind(const BlockGraph& graph, const std::vector<int>& block, const std::vector<int>& position);
@@ -164,6 +174,7 @@ void BlockSolver::Implementation::analyze(const BlockGraph& graph) {
   steps = 0;
   iterations = 0;
   is_exact = options.method != BlockSolverOptions::Method::conjugate_gradients;
+  has_low = false;
   eliminated.clear();
   if (options.elimination == BlockSolverOptions::Elimination::automatic) eliminated = independentBlocks(graph);
   const bool too_many = isReduced() && pairs(graph, eliminated) > kMostPairs;
@@ -180,11 +191,41 @@ bool BlockSolver::Implementation::choosesConjugateGradients(double matrix_entrie
 }
 
 void BlockSolver::Implementation::analyzeWhole(const BlockGraph& graph) {
+  if (options.elimination == BlockSolverOptions::Elimination::automatic && analyzeLowDegree(graph)) return;
   Fronts fronts = chooseFronts(graph);
   is_exact = !choosesConjugateGradients(entries(graph), fronts.flops, entries(fronts));
   if (!is_exact) return;
   equations.layOut(structure, graph, fronts.position);
   factor.analyze(structure.offset, std::move(fronts), equations.H());
+}
+
+/// Returns whether that is the way to take; is_exact may have become false.
+bool BlockSolver::Implementation::analyzeLowDegree(const BlockGraph& graph) {
+  const LowDegree blocks = eliminateLowDegree(graph);
+  const auto count = static_cast<int>(blocks.order.size());
+  if (count < kFewestOfLowDegree || count < kLeastShareOfLowDegree * graph.size()) return false;
+  Fronts fronts = chooseFronts(blocks.reduced);
+  is_exact = !choosesConjugateGradients(entries(graph), fronts.flops, entries(blocks.filled) + entries(fronts));
+  if (!is_exact) return true;
+  has_low = true;
+  std::vector<int> position(at(graph.size()));
+  for (int e = 0; e < count; ++e) position[at(blocks.order[at(e)])] = e;
+  for (std::size_t i = 0; i < blocks.kept.size(); ++i) position[at(blocks.kept[i])] = count + fronts.position[i];
+  equations.layOut(structure, blocks.filled, position);
+  low.analyze(equations.H(), blocks, fronts.position);
+  factor.analyze(keep(blocks.kept), std::move(fronts), low.S());
+  return true;
+}
+
+/// The unknowns of these blocks stay; returns where each block's begin among them.
+std::vector<int> BlockSolver::Implementation::keep(const std::vector<int>& blocks) {
+  kept.clear();
+  std::vector<int> offset{0};
+  for (const int b : blocks) {
+    for (int c = 0; c < structure.dof(b); ++c) kept.push_back(structure.offset[at(b)] + c);
+    offset.push_back(static_cast<int>(kept.size()));
+  }
+  return offset;
 }
 
 /// The eliminated blocks first, then the others: `block`, at these positions of their own.
@@ -210,15 +251,9 @@ void BlockSolver::Implementation::analyzeReduced(const BlockGraph& graph) {
   }
   is_exact = !choosesConjugateGradients(entries(graph), forming + fronts.flops, entries(left.graph) + entries(fronts));
   if (!is_exact) return;
-  kept.clear();
-  std::vector<int> offset{0};
-  for (const int b : left.block) {
-    for (int c = 0; c < structure.dof(b); ++c) kept.push_back(structure.offset[at(b)] + c);
-    offset.push_back(static_cast<int>(kept.size()));
-  }
   equations.layOut(structure, graph, positionsBehind(graph, left.block, fronts.position));
   schur.analyze(equations.H(), count(), left.graph, fronts.position);
-  factor.analyze(offset, std::move(fronts), schur.S());
+  factor.analyze(keep(left.block), std::move(fronts), schur.S());
 }
 
 void BlockSolver::Implementation::analyzeInexact(const BlockGraph& graph) {
@@ -238,12 +273,13 @@ SolveStatus BlockSolver::Implementation::factorize(const VectorXd& damping) {
   SolveStatus status;
   if (!is_exact) {
     status = reduced.prepare(equations.H(), equations.offset(), damping, kPivotTolerance);
-  } else if (!isReduced()) {
+  } else if (!isReduced() && !has_low) {
     status = factor.factorize(equations.H(), diagonal, damping, kPivotTolerance);
   } else {
-    status = schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance);
+    status = has_low ? low.reduce(equations.H(), equations.offset(), damping, kPivotTolerance)
+                     : schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance);
     if (status.ok) {
-      status = factor.factorize(schur.S(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
+      status = factor.factorize(has_low ? low.S() : schur.S(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
       if (!status.ok) status.unknown = kept[at(status.unknown)];
     }
   }
@@ -263,6 +299,13 @@ double BlockSolver::Implementation::forcing() {
 
 /// After factorize(): the tolerance is that of conjugate gradients.
 SolveStatus BlockSolver::Implementation::solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x) {
+  if (is_exact && has_low) {
+    x = b;
+    low.forward(equations.offset(), x);
+    x(kept) = factor.solve(keptOf(x));
+    low.substitute(equations.offset(), x);
+    return {};
+  }
   if (is_exact && !isReduced()) {
     x = factor.solve(b);
     return {};
@@ -288,9 +331,14 @@ std::unique_ptr<InverseBlocks> BlockSolver::Implementation::invertBlocks() {
   const BlockLower& H = equations.H();
   std::vector<int> position(at(structure.blockCount()));
   for (int b = 0; b < structure.blockCount(); ++b) position[at(b)] = equations.position(b);
-  auto result = std::make_unique<SelectedInverse>(std::move(position), isReduced() ? count() : 0);
-  result->kept.layOutAs(isReduced() ? schur.S() : H);
+  auto result = std::make_unique<SelectedInverse>(std::move(position), has_low ? low.count() : isReduced() ? count() : 0);
+  result->kept.layOutAs(has_low ? low.S() : isReduced() ? schur.S() : H);
   factor.invertSelected(result->kept);
+  if (has_low) {
+    result->eliminated.layOutAs(H);
+    low.invert(H, result->kept, result->eliminated);
+    return result;
+  }
   if (!isReduced()) return result;
   result->eliminated.layOutAs(H);
   detail::forEachIndex(count(), [&](int e) { points().invert(H, e, result->kept, result->eliminated); });
@@ -357,7 +405,10 @@ bool BlockSolver::isExact() const { return self_->is_exact; }
 const VectorXd& BlockSolver::gradient() const { return self_->equations.gradient(); }
 const VectorXd& BlockSolver::diagonal() const { return self_->diagonal; }
 double BlockSolver::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
-double BlockSolver::flops() const { return self_->is_exact ? self_->factor.fronts().flops : 0; }
+double BlockSolver::flops() const {
+  if (!self_->is_exact) return 0;
+  return self_->factor.fronts().flops + (self_->has_low ? self_->low.flops() : 0);
+}
 
 std::string BlockSolver::description() const {
   const Implementation& self = *self_;
@@ -368,6 +419,10 @@ std::string BlockSolver::description() const {
                           : "system " + text;
   if (self.is_exact) {
     const Fronts& fronts = self.factor.fronts();
+    if (self.has_low) {
+      text += ", sparse Cholesky, " + std::to_string(self.low.count()) + " blocks with few neighbours first";
+      return fronts.front.empty() ? text : text + ", then " + fronts.ordering + " order";
+    }
     text += fronts.front.size() == 1 ? ", dense Cholesky" : std::string(", sparse Cholesky, ") + fronts.ordering + " order";
     return text;
   }

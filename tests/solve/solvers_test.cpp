@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <string>
@@ -217,6 +218,64 @@ TEST(Solvers, EliminateManySmallBlocksFirst) {
     problem.linearizeInto(sparse);
     EXPECT_EQ(sparse.description(), "reduced system 3 x 2 + 6 x 9 after elimination of 66 x 3, sparse Cholesky, minimum degree order");
   }
+}
+
+/// A tree of these blocks with `closures` further edges at random; without priors, measurements see differences alone.
+RandomProblem loopyTree(const std::vector<int>& sizes, int closures, unsigned seed) {
+  RandomProblem problem(sizes, seed);
+  const int n = static_cast<int>(sizes.size());
+  std::vector<std::vector<int>> edges;
+  const auto before = [&](int b) { return std::uniform_int_distribution<int>(std::max(0, b - 3), b - 1)(problem.rng); };
+  for (int b = 1; b < n; ++b) edges.push_back({b, before(b)});
+  for (int i = 0; i < closures; ++i) {
+    const int b = std::uniform_int_distribution<int>(1, n - 1)(problem.rng);
+    edges.push_back({std::uniform_int_distribution<int>(0, b - 1)(problem.rng), b});
+  }
+  problem.addGroup(edges, 3);
+  return problem;
+}
+
+TEST(Solvers, EliminateBlocksWithFewNeighboursFirst) {
+  std::mt19937 rng(4);
+  const std::size_t n = 64;
+  const std::vector<std::vector<int>> sizes{std::vector<int>(n, 3), std::vector<int>(n, 6), std::vector<int>(n, 2), randomSizes(n, rng)};
+  for (const std::vector<int>& size : sizes) {
+    for (const int closures : {0, 12, 48}) {
+      RandomProblem problem = loopyTree(size, closures, static_cast<unsigned>(closures));
+      addPriors(problem);
+      slom::BlockSolver solver, plain({.elimination = Options::Elimination::none});
+      expectSameAsOracle(problem, solver);
+      expectSameAsOracle(problem, plain);
+      EXPECT_NE(solver.description().find("blocks with few neighbours first"), std::string::npos) << solver.description();
+      EXPECT_EQ(plain.description().find("few neighbours"), std::string::npos);
+    }
+  }
+  RandomProblem tree = loopyTree(sizes[0], 0, 1);
+  addPriors(tree);
+  slom::BlockSolver solver;
+  tree.linearizeInto(solver);
+  EXPECT_EQ(solver.description(), "system 64 x 3, sparse Cholesky, 64 blocks with few neighbours first");
+}
+
+TEST(Solvers, NameWhatIsSingularAmongBlocksWithFewNeighbours) {
+  // Blocks of 2 that see differences of their first components alone: second ones are not seen but for those with a prior.
+  RandomProblem problem = loopyTree(std::vector<int>(50, 2), 10, 8);
+  for (std::size_t i = 0; i < problem.batches[0].J.size(); ++i) {
+    if (i % 6 >= 3) problem.batches[0].J[i] = 0;
+  }
+  std::vector<std::vector<int>> priors;
+  for (int b = 0; b < 50; ++b) {
+    if (b != 17) priors.push_back({b});
+  }
+  problem.addGroup(priors, 2);
+  slom::BlockSolver solver;
+  problem.linearizeInto(solver);
+  VectorXd step = VectorXd::Constant(1, 7);
+  const slom::SolveStatus status = solver.solve({}, step);
+  EXPECT_FALSE(status.ok);
+  EXPECT_EQ(status.unknown, problem.structure.offset[17] + 1);
+  EXPECT_EQ(step[0], 7);
+  EXPECT_TRUE(solver.solve(VectorXd::Constant(100, 1e-3), step).ok);
 }
 
 TEST(Solvers, HandleOneGiantBlockAndEmptyGroups) {

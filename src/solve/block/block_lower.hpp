@@ -25,6 +25,8 @@ class BlockLower {
   int row(int block) const { return row_[static_cast<std::size_t>(block)]; }
   const double* values(int block) const { return values_.data() + start_[static_cast<std::size_t>(block)]; }
   double* values(int block) { return values_.data() + start_[static_cast<std::size_t>(block)]; }
+  /// Numbers in all blocks.
+  std::size_t size() const { return start_.back(); }
   /// The block of row i in column j <= i, which must be there.
   int find(int i, int j) const;
 

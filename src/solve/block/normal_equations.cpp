@@ -9,6 +9,9 @@ namespace slom {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// For a few numbers faster than std::fill_n, which calls memset.
+void clear(double* x, int n) { Eigen::Map<Eigen::VectorXd>(x, n).setZero(); }
 }  // namespace
 
 void NormalEquations::layOut(const BlockStructure& structure, const BlockGraph& graph,
@@ -52,12 +55,17 @@ void NormalEquations::findDestinations() {
     }
   }
   for (std::size_t j = 1; j < work_.size(); ++j) work_[j] += work_[j - 1];
+  for (int j = 0; j < H_.columns(); ++j) {  // what nothing is ever added to
+    for (int k = H_.begin(j) + 1; k < H_.begin(j + 1); ++k) {
+      if (!is_touched[at(k)]) clear(H_.values(k), H_.dof(j) * H_.dof(H_.row(k)));
+    }
+  }
 }
 
 /// The blocks off the diagonal get their zeros when something is added to them first: then they are in the
 /// cache.
 void NormalEquations::setZero() {
-  for (int j = 0; j < H_.columns(); ++j) std::fill_n(H_.values(H_.begin(j)), H_.dof(j) * H_.dof(j), 0.0);
+  for (int j = 0; j < H_.columns(); ++j) clear(H_.values(H_.begin(j)), H_.dof(j) * H_.dof(j));
   gradient_.setZero();
 }
 
@@ -71,7 +79,7 @@ void NormalEquations::add(std::span<const JacobianBatch> batches) {
 /// The numbers of a block off the diagonal, which have a value.
 double* NormalEquations::begun(Destination destination, int size) {
   double* const values = H_.values(destination.block);
-  if (destination.is_first) std::fill_n(values, size, 0.0);
+  if (destination.is_first) clear(values, size);
   return values;
 }
 

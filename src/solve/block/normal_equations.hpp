@@ -13,7 +13,8 @@ namespace slom {
 
 class NormalEquations {
  public:
-  /// `position`: of each block in the order of elimination. The structure must outlive this.
+  /// `position`: of each block in the order of elimination. The graph has an edge for each pair of blocks that meet in a
+  /// measurement, and may have more: these blocks are 0. The structure must outlive this.
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
   void setZero();
   /// Threads share the work by columns of H, so that each entry is summed in the order of the measurements.

@@ -92,6 +92,15 @@ struct Kernels {
   /// y -= W x and x -= W^T y for W k x d, column-major without gaps
   void (*subtractProduct)(int d, int k, const double* W, const double* x, double* y);
   void (*subtractTransposedProduct)(int d, int k, const double* W, const double* y, double* x);
+  /// A column of a block factorisation: V, d x d, and `count` blocks W_i below it, height[i] x d, contiguous and column-major.
+  /// V := L D^-1 in V = L D L^T, with unit lower L; W_i := W_i L^-T; for i and j <= i, in this order, target -= W_i D^-1 W_j^T
+  /// (the W as they are then). Returns the first pivot that is not above least[i] and writes it to *pivot; d when there is
+  /// none.
+  int (*eliminate)(int d, int count, const int* height, double* V, double* const* target, const double* least, double* pivot);
+  /// x := L^-1 x and below[i] -= W_i D^-1 x
+  void (*forwardColumn)(int d, int count, const int* height, const double* V, double* x, double* const* below);
+  /// x := L^-T D^-1 (x - sum of W_i^T below[i])
+  void (*backwardColumn)(int d, int count, const int* height, const double* V, const double* const* below, double* x);
 };
 
 /// For this processor.

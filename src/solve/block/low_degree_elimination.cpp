@@ -1,0 +1,135 @@
+#include "low_degree_elimination.hpp"
+
+#include <algorithm>
+
+namespace slom {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
+                                   const std::vector<int>& position) {
+  const int count = static_cast<int>(blocks.order.size());
+  S_.layOut(blocks.reduced, position);
+  columns_.assign(at(count), {});
+  dof_.resize(at(count));
+  height_.clear();
+  row_.clear();
+  target_.clear();
+  flops_ = 0;
+  const auto offset_of = [&](int block) { return static_cast<std::size_t>(H.values(block) - H.values(0)); };
+  size_ = offset_of(H.begin(count));
+  factor_.resize(size_);
+  const auto target = [&](int i, int j) {
+    return j < count ? factor_.data() + offset_of(H.find(i, j)) : S_.values(S_.find(i - count, j - count));
+  };
+  for (int e = 0; e < count; ++e) {
+    Column& column = columns_[at(e)];
+    column.values = offset_of(H.begin(e));
+    column.first_below = static_cast<int>(row_.size());
+    column.first_target = static_cast<int>(target_.size());
+    column.below = H.begin(e + 1) - H.begin(e) - 1;
+    dof_[at(e)] = H.dof(e);
+    double rows = H.dof(e);
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      row_.push_back(H.row(k));
+      height_.push_back(H.dof(H.row(k)));
+      rows += height_.back();
+      for (int l = H.begin(e) + 1; l <= k; ++l) target_.push_back(target(H.row(k), H.row(l)));
+    }
+    for (int i = 1; i <= H.dof(e); ++i) flops_ += 1 + (rows - i) + (rows - i) * (rows - i + 1);
+  }
+}
+
+SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
+                                         const Eigen::VectorXd& damping, double tolerance) {
+  std::copy_n(H.values(0), size_, factor_.data());
+  const int kept = S_.columns();
+  if (kept > 0) std::copy_n(H.values(H.begin(count())), S_.size(), S_.values(0));
+  const auto eliminate = dense::kernels().eliminate;
+  for (int e = 0; e < count(); ++e) {
+    const Column& column = columns_[at(e)];
+    const int d = dof_[at(e)];
+    double* const V = factor_.data() + column.values;
+    const double* const original = H.values(H.begin(e));
+    double least[kMostColumns], pivot = 0;
+    for (int i = 0; i < d; ++i) {
+      const double shift = damping.size() > 0 ? damping[offset[at(e)] + i] : 0;
+      V[i * d + i] += shift;
+      least[i] = tolerance * (original[i * d + i] + shift);
+    }
+    const int done = eliminate(d, column.below, height_.data() + column.first_below, V,
+                               target_.data() + column.first_target, least, &pivot);
+    if (done < d) {
+      const double diagonal = least[done] / tolerance;
+      return {false, offset[at(e)] + done, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
+    }
+  }
+  return {};
+}
+
+void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  const auto forward_column = dense::kernels().forwardColumn;
+  for (int e = 0; e < count(); ++e) {
+    const Column& column = columns_[at(e)];
+    double* below[kMostRowsBelow];
+    for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
+    forward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
+                   factor_.data() + column.values, x.data() + offset[at(e)], below);
+  }
+}
+
+void LowDegreeElimination::substitute(const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  const auto backward_column = dense::kernels().backwardColumn;
+  for (int e = count() - 1; e >= 0; --e) {
+    const Column& column = columns_[at(e)];
+    const double* below[kMostRowsBelow];
+    for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
+    backward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
+                    factor_.data() + column.values, below, x.data() + offset[at(e)]);
+  }
+}
+
+void LowDegreeElimination::invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const {
+  using Eigen::MatrixXd;
+  using Block = Eigen::Map<const MatrixXd>;
+  /// Block (i, j) of the inverse that is there already, i and j being positions in H.
+  const auto known = [&](int i, int j) -> MatrixXd {
+    const int high = std::max(i, j), low = std::min(i, j);
+    const bool is_kept = low >= count();
+    const int shift = is_kept ? count() : 0;
+    const BlockLower& from = is_kept ? Z : inverse;
+    const Block block(from.values(from.find(high - shift, low - shift)), H.dof(high), H.dof(low));
+    return i >= j ? MatrixXd(block) : MatrixXd(block.transpose());
+  };
+  for (int e = count() - 1; e >= 0; --e) {
+    const Column& column = columns_[at(e)];
+    const int d = dof_[at(e)];
+    const Block V(factor_.data() + column.values, d, d);
+    const MatrixXd L = V.triangularView<Eigen::UnitLower>();
+    const MatrixXd L_inverse = L.triangularView<Eigen::UnitLower>().solve(MatrixXd::Identity(d, d));
+    const MatrixXd half = V.diagonal().asDiagonal() * L_inverse;  // D^-1 L^-1
+    std::vector<MatrixXd> T;                                      // W V^-1 of each block below
+    const double* W = V.data() + d * d;
+    for (int i = 0; i < column.below; ++i) {
+      const int height = height_[at(column.first_below + i)];
+      T.emplace_back(Block(W, height, d) * half);
+      W += height * d;
+    }
+    MatrixXd own = L_inverse.transpose() * half;
+    for (int i = 0; i < column.below; ++i) {
+      const int row = row_[at(column.first_below + i)];
+      Eigen::Map<MatrixXd> below(inverse.values(H.begin(e) + 1 + i), H.dof(row), d);
+      below.setZero();
+      for (int j = 0; j < column.below; ++j)
+        below.noalias() -= known(row, row_[at(column.first_below + j)]) * T[at(j)];
+      own.noalias() -= T[at(i)].transpose() * below;
+    }
+    Eigen::Map<MatrixXd>(inverse.values(H.begin(e)), d, d) = (own + own.transpose()) / 2;
+  }
+}
+
+}  // namespace slom

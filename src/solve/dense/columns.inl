@@ -1,0 +1,166 @@
+// A block Cholesky factorisation column by column.
+
+namespace slom::dense {
+namespace {
+
+/// V := L D^-1 for D x D; the first pivot that is too small, D when there is none.
+template <int D>
+inline __attribute__((always_inline)) int factorizeUnit(int d, double* V, const double* least,
+                                                        double* pivot) {
+  const int n = D > 0 ? D : d;
+  for (int j = 0; j < n; ++j) {
+    double* const column = V + j * n;
+    for (int k = 0; k < j; ++k) {
+      const double scaled =
+          V[k * n + j] * V[k * n + k];  // of L D, as columns before are scaled when they are done with
+      for (int i = j; i < n; ++i) column[i] -= V[k * n + i] * scaled;
+    }
+    if (!(column[j] > least[j])) {
+      *pivot = column[j];
+      return j;
+    }
+    column[j] = 1 / column[j];
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = j + 1; i < n; ++i) V[j * n + i] *= V[j * n + j];
+  }
+  return n;
+}
+
+constexpr int kMostThrees = 8;
+
+/// Blocks of 3 x 3 alone.
+int eliminateThrees(int count, double* V, double* const* target, const double* least, double* pivot) {
+  const int done = factorizeUnit<3>(3, V, least, pivot);
+  if (done < 3) return done;
+  const double l10 = V[1], l20 = V[2], l21 = V[5];
+  const Vector scale[3] = {all(V[0]), all(V[4]), all(V[8])};
+  Three part[kMostThrees][3];
+  double* W = V + 9;
+  for (int i = 0; i < count; ++i, W += 9) {
+    Vector y[3];
+    columnsOf(W, y);
+    y[1] -= y[0] * all(l10);
+    y[2] -= y[0] * all(l20) + y[1] * all(l21);
+    store(W, __builtin_shufflevector(y[0], y[1], 0, 1, 2, 4));
+    store(W + 4, __builtin_shufflevector(y[1], y[2], 1, 2, 4, 5));
+    W[8] = y[2][2];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k) part[i][k] = Three(y[k], y[k] * scale[k]);
+    for (int j = 0; j <= i; ++j) {
+      ThreeByThree H(*target);
+#pragma GCC unroll 3
+      for (int k = 0; k < 3; ++k) H.subtract(part[i][k], part[j][k]);
+      H.storeTo(*target++);
+    }
+  }
+  return 3;
+}
+
+/// The same for blocks of any size, or all of D x D.
+template <int D>
+int eliminateAny(int d, int count, const int* height, double* V, double* const* target, const double* least,
+                 double* pivot) {
+  const int n = D > 0 ? D : d;
+  const int done = factorizeUnit<D>(d, V, least, pivot);
+  if (done < n) return done;
+  double* Wi = V + n * n;
+  for (int i = 0; i < count; ++i) {
+    const int rows = D > 0 ? D : height[i];
+    for (int k = 0; k < n; ++k) {
+      for (int c = 0; c < k; ++c) {
+        const double l = V[c * n + k];
+        for (int r = 0; r < rows; ++r) Wi[k * rows + r] -= Wi[c * rows + r] * l;
+      }
+    }
+    const double* Wj = V + n * n;
+    for (int j = 0; j <= i; ++j) {
+      const int columns = D > 0 ? D : height[j];
+      double* const H = *target++;
+      for (int c = 0; c < columns; ++c) {
+        for (int k = 0; k < n; ++k) {
+          const double z = Wj[k * columns + c] * V[k * n + k];
+          for (int r = 0; r < rows; ++r) H[c * rows + r] -= Wi[k * rows + r] * z;
+        }
+      }
+      Wj += columns * n;
+    }
+    Wi += rows * n;
+  }
+  return n;
+}
+
+/// Whether all blocks of a column have its own size.
+inline bool areAlike(int d, int count, const int* height) {
+  for (int i = 0; i < count; ++i) {
+    if (height[i] != d) return false;
+  }
+  return true;
+}
+
+int eliminate(int d, int count, const int* height, double* V, double* const* target, const double* least,
+              double* pivot) {
+  if (d == 3 && count <= kMostThrees && areAlike(3, count, height))
+    return eliminateThrees(count, V, target, least, pivot);
+  if (d == 6 && areAlike(6, count, height)) return eliminateAny<6>(6, count, height, V, target, least, pivot);
+  return eliminateAny<0>(d, count, height, V, target, least, pivot);
+}
+
+template <int D>
+void forwardColumnOf(int d, int count, const int* height, const double* V, double* x, double* const* below) {
+  constexpr int kMost = D > 0 ? D : 6;
+  const int n = D > 0 ? D : d;
+  double scaled[kMost];
+  for (int k = 0; k < n; ++k) {
+    for (int i = k + 1; i < n; ++i) x[i] -= V[k * n + i] * x[k];
+    scaled[k] = x[k] * V[k * n + k];
+  }
+  const double* W = V + n * n;
+  for (int i = 0; i < count; ++i) {
+    const int rows = D > 0 ? D : height[i];
+    double* const y = below[i];
+    for (int k = 0; k < n; ++k) {
+      for (int r = 0; r < rows; ++r) y[r] -= W[k * rows + r] * scaled[k];
+    }
+    W += rows * n;
+  }
+}
+
+void forwardColumn(int d, int count, const int* height, const double* V, double* x, double* const* below) {
+  if (d == 3 && areAlike(3, count, height)) return forwardColumnOf<3>(3, count, height, V, x, below);
+  if (d == 6 && areAlike(6, count, height)) return forwardColumnOf<6>(6, count, height, V, x, below);
+  forwardColumnOf<0>(d, count, height, V, x, below);
+}
+
+template <int D>
+void backwardColumnOf(int d, int count, const int* height, const double* V, const double* const* below,
+                      double* x) {
+  constexpr int kMost = D > 0 ? D : 6;
+  const int n = D > 0 ? D : d;
+  double rest[kMost];
+  for (int k = 0; k < n; ++k) rest[k] = x[k];
+  const double* W = V + n * n;
+  for (int i = 0; i < count; ++i) {
+    const int rows = D > 0 ? D : height[i];
+    const double* const y = below[i];
+    for (int k = 0; k < n; ++k) {
+      for (int r = 0; r < rows; ++r) rest[k] -= W[k * rows + r] * y[r];
+    }
+    W += rows * n;
+  }
+  for (int k = n - 1; k >= 0; --k) {
+    rest[k] *= V[k * n + k];
+    for (int i = k + 1; i < n; ++i) rest[k] -= V[k * n + i] * rest[i];
+    x[k] = rest[k];
+  }
+}
+
+void backwardColumn(int d, int count, const int* height, const double* V, const double* const* below,
+                    double* x) {
+  if (d == 3 && areAlike(3, count, height)) return backwardColumnOf<3>(3, count, height, V, below, x);
+  if (d == 6 && areAlike(6, count, height)) return backwardColumnOf<6>(6, count, height, V, below, x);
+  backwardColumnOf<0>(d, count, height, V, below, x);
+}
+
+}  // namespace
+}  // namespace slom::dense

@@ -1,0 +1,261 @@
+// Factorisation of fronts, in stripes.
+
+namespace slom::dense {
+namespace {
+
+/// acc (4 H x W) -= A B^T over K columns of two stripes, A's rows at A, B's at B.
+template <int H, int W>
+inline __attribute__((always_inline)) void subtractProduct(int K, const double* A, const double* B, Vector (&acc)[W][H]) {
+  for (int k = 0; k < K; ++k, A += kStripe, B += kStripe) {
+    Vector a[H];
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) a[h] = load(A + kLanes * h);
+#pragma GCC unroll 4
+    for (int w = 0; w < W; ++w) {
+      const Vector b = all(B[w]);
+#pragma GCC unroll 3
+      for (int h = 0; h < H; ++h) acc[w][h] -= a[h] * b;
+    }
+  }
+}
+
+/// Columns [k, k + W) of X := (X - X[:, 0:k] L[k:k+W, 0:k]^T) L[k:k+W, k:k+W]^-T for 4 H rows of a stripe; row k + w of
+/// L at L + w.
+template <int H, int W>
+void solveColumns(int k, const double* L, const double* inverse, double* X) {
+  Vector acc[W][H];
+  double* const at = X + kStripe * k;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
+  }
+  subtractProduct<H, W>(k, X, L, acc);
+  const double* const triangle = L + kStripe * k;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 4
+    for (int v = 0; v < w; ++v) {
+      const Vector l = all(triangle[kStripe * v + w]);
+#pragma GCC unroll 3
+      for (int h = 0; h < H; ++h) acc[w][h] -= acc[v][h] * l;
+    }
+    const Vector scale = all(inverse[k + w]);
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) {
+      acc[w][h] *= scale;
+      store(at + kStripe * w + kLanes * h, acc[w][h]);
+    }
+  }
+}
+
+template <int H>
+void solveStripe(const double* D, const double* inverse, int p, double* X, int columns) {
+  int k = 0;
+  for (; k + 4 <= columns; k += 4) solveColumns<H, 4>(k, D + kStripe * p * (k / kStripe) + k % kStripe, inverse, X);
+  const double* const L = D + kStripe * p * (k / kStripe) + k % kStripe;
+  switch (columns - k) {
+    case 1: solveColumns<H, 1>(k, L, inverse, X); break;
+    case 2: solveColumns<H, 2>(k, L, inverse, X); break;
+    case 3: solveColumns<H, 3>(k, L, inverse, X); break;
+    default: break;
+  }
+}
+
+/// The W columns from k on of the stripe that holds their diagonal block: pivots and what is below them in the stripe, its
+/// last 4 H rows. The first vector holds the pivots; its lanes stay in registers.
+template <int H, int W>
+int factorizeColumns(int k, double* stripe, const double* least, double* inverse, double* pivot) {
+  constexpr int kRow = kStripe - kLanes * H;
+  Vector acc[W][H];
+  double* const at = stripe + kStripe * k + kRow;
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
+  }
+  subtractProduct<H, W>(k, stripe + kRow, stripe + kRow, acc);
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+    const double d = acc[w][0][w];
+    if (!(d > least[k + w])) {
+      *pivot = d;
+      return k + w;
+    }
+    const double root = __builtin_sqrt(d);
+    inverse[k + w] = 1 / root;
+    const Vector scale = all(1 / root);
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] *= scale;
+    acc[w][0][w] = root;
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) store(at + kStripe * w + kLanes * h, acc[w][h]);
+#pragma GCC unroll 4
+    for (int v = w + 1; v < W; ++v) {
+      const Vector l = all(acc[w][0][v]);
+#pragma GCC unroll 3
+      for (int h = 0; h < H; ++h) acc[v][h] -= acc[w][h] * l;
+    }
+  }
+  return -1;
+}
+
+template <int H>
+int factorizeColumns(int k, int columns, double* stripe, const double* least, double* inverse, double* pivot) {
+  switch (columns) {
+    case 1: return factorizeColumns<H, 1>(k, stripe, least, inverse, pivot);
+    case 2: return factorizeColumns<H, 2>(k, stripe, least, inverse, pivot);
+    case 3: return factorizeColumns<H, 3>(k, stripe, least, inverse, pivot);
+    default: return factorizeColumns<H, 4>(k, stripe, least, inverse, pivot);
+  }
+}
+
+int factorize(double* D, int p, const double* least, double* inverse, double* pivot) {
+  for (int s = 0; s < stripesOf(p); ++s) {
+    double* const stripe = D + kStripe * p * s;
+    const int first = kStripe * s, left = p - first;
+    solveStripe<3>(D, inverse, p, stripe, first);
+    int bad = factorizeColumns<3>(first, left, stripe, least, inverse, pivot);
+    if (bad < 0 && left > 4) bad = factorizeColumns<2>(first + 4, left - 4, stripe, least, inverse, pivot);
+    if (bad < 0 && left > 8) bad = factorizeColumns<1>(first + 8, left - 8, stripe, least, inverse, pivot);
+    if (bad >= 0) return bad;
+  }
+  return p;
+}
+
+/// Vectors that the rows of stripe s take.
+inline int vectorsIn(int rows, int s) { return smaller(kStripe, rows - kStripe * s + kLanes - 1) / kLanes; }
+
+void solveStripes(const double* D, const double* inverse, int p, double* B, int u, int first, int last) {
+  for (int s = first; s < last; ++s) {
+    double* const X = B + static_cast<std::ptrdiff_t>(kStripe) * p * s;
+    switch (vectorsIn(u, s)) {
+      case 1: solveStripe<1>(D, inverse, p, X, p); break;
+      case 2: solveStripe<2>(D, inverse, p, X, p); break;
+      default: solveStripe<3>(D, inverse, p, X, p); break;
+    }
+  }
+}
+
+/// The W columns of C := -A B^T for 4 H rows.
+template <int H, int W>
+inline void updateTile(int p, const double* A, const double* B, double* C) {
+  Vector acc[W][H];
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) acc[w][h] = all(0);
+  }
+  subtractProduct<H, W>(p, A, B, acc);
+#pragma GCC unroll 4
+  for (int w = 0; w < W; ++w) {
+#pragma GCC unroll 3
+    for (int h = 0; h < H; ++h) store(C + kStripe * w + kLanes * h, acc[w][h]);
+  }
+}
+template <int H>
+void updateColumns(int p, const double* A, const double* B, double* C, int columns) {
+  switch (columns) {
+    case 1: updateTile<H, 1>(p, A, B, C); break;
+    case 2: updateTile<H, 2>(p, A, B, C); break;
+    case 3: updateTile<H, 3>(p, A, B, C); break;
+    default: updateTile<H, 4>(p, A, B, C); break;
+  }
+}
+/// All columns left of the diagonal block, then that: of its three groups of columns each begins 4 rows lower.
+template <int H>
+void updateStripe(const double* B, int p, int u, double* C, int s) {
+  const double* const A = B + static_cast<std::ptrdiff_t>(kStripe) * p * s;
+  for (int t = 0; t < s; ++t) {
+    const double* const other = B + static_cast<std::ptrdiff_t>(kStripe) * p * t;
+    for (int k = 0; k < kStripe; k += 4) updateTile<H, 4>(p, A, other + k, C + kStripe * (kStripe * t + k));
+  }
+  const int own = kStripe * s, width = smaller(kStripe, u - own);
+  double* const diagonal = C + kStripe * own;
+  updateColumns<H>(p, A, A, diagonal, width);
+  if constexpr (H > 1) {
+    if (width > 4) updateColumns<H - 1>(p, A + 4, A + 4, diagonal + kStripe * 4 + 4, width - 4);
+  }
+  if constexpr (H > 2) {
+    if (width > 8) updateColumns<H - 2>(p, A + 8, A + 8, diagonal + kStripe * 8 + 8, width - 8);
+  }
+}
+
+void updateStripes(const double* B, int p, int u, double* U, int first, int last) {
+  for (int s = first; s < last; ++s) {
+    double* const C = U + updateOffset(s);
+    switch (vectorsIn(u, s)) {
+      case 1: updateStripe<1>(B, p, u, C, s); break;
+      case 2: updateStripe<2>(B, p, u, C, s); break;
+      default: updateStripe<3>(B, p, u, C, s); break;
+    }
+  }
+}
+
+/// to[column[j] + i] += from[kStripe j + i] for i < N, first <= j < last
+template <int N>
+void addColumns(const double* from, double* to, const int* column, int first, int last) {
+  for (int j = first; j < last; ++j) {
+    const double* const source = from + kStripe * j;
+    double* const target = to + column[j];
+    int i = 0;
+    for (; i + kLanes <= N; i += kLanes) store(target + i, load(target + i) + load(source + i));
+    for (; i < N; ++i) target[i] += source[i];
+  }
+}
+template <int... N>
+constexpr auto addColumnsTable(std::integer_sequence<int, N...>) {
+  struct Table {
+    void (*of[sizeof...(N)])(const double*, double*, const int*, int, int);
+  };
+  return Table{{&addColumns<N + 1>...}};
+}
+constexpr auto kAddColumns = addColumnsTable(std::make_integer_sequence<int, kStripe>{});
+
+/// How many of the child's columns are pivots of the front.
+int pivotsOf(const Child& child, int p) {
+  int low = 0, high = child.u;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (child.column[middle] < kStripe * p) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+/// The triangle of a run with itself.
+void addTriangle(const Child& child, const Run& run, const double* from, double* to) {
+  for (int j = run.row; j < run.row + run.length; ++j) {
+    for (int i = j - run.row; i < run.length; ++i) to[child.column[j] + i] += from[kStripe * j + i];
+  }
+}
+
+void addToPanel(const Child& child, double* D, double* B, int p) {
+  const int pivots = pivotsOf(child, p);
+  if (pivots == 0) return;
+  for (const Run* run = child.runs; run < child.runs + child.run_count; ++run) {
+    const int s = run->row / kStripe, below = run->target - p;
+    const double* const from = child.update + updateOffset(s) + run->row % kStripe;
+    double* const to = below < 0 ? D + static_cast<std::ptrdiff_t>(kStripe) * p * (run->target / kStripe) + run->target % kStripe
+                                 : B + static_cast<std::ptrdiff_t>(kStripe) * p * (below / kStripe) + below % kStripe;
+    kAddColumns.of[run->length - 1](from, to, child.column, 0, smaller(pivots, run->row));
+    if (below < 0) addTriangle(child, *run, from, to);
+  }
+}
+
+void addToUpdate(const Child& child, double* U, int p) {
+  const int pivots = pivotsOf(child, p);
+  for (const Run* run = child.runs; run < child.runs + child.run_count; ++run) {
+    const int s = run->row / kStripe, row = run->target - p;
+    if (row < 0) continue;
+    const double* const from = child.update + updateOffset(s) + run->row % kStripe;
+    double* const to = U + (static_cast<std::ptrdiff_t>(updateOffset(row / kStripe)) + row % kStripe - kStripe * p);
+    kAddColumns.of[run->length - 1](from, to, child.column, pivots, run->row);
+    addTriangle(child, *run, from, to);
+  }
+}
+
+}  // namespace
+}  // namespace slom::dense

@@ -1,0 +1,152 @@
+// Elimination of blocks that never meet.
+
+namespace slom::dense {
+namespace {
+
+template <int D, int K>
+void solveRightOf(const double* L, const double* W, double* Y) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector y[D][kVectors];
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    loadColumn<K>(W + c * K, y[c]);
+#pragma GCC unroll 3
+    for (int j = 0; j < c; ++j) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) y[c][v] -= all(L[j * D + c]) * y[j][v];
+    }
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      y[c][v] *= all(L[c * D + c]);
+      store(Y + c * padded(K) + kLanes * v, y[c][v]);
+    }
+  }
+}
+
+void solveRight(int d, int k, const double* L, const double* W, double* Y) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: solveRightOf<3, 9>(L, W, Y); return;
+    case 4 * 6 + 3: solveRightOf<3, 6>(L, W, Y); return;
+    case 4 * 3 + 2: solveRightOf<2, 3>(L, W, Y); return;
+    default: break;
+  }
+  for (int c = 0; c < d; ++c) {
+    double* const y = Y + c * padded(k);
+    for (int i = 0; i < k; ++i) y[i] = W[c * k + i];
+    for (int i = k; i < padded(k); ++i) y[i] = 0;
+    for (int j = 0; j < c; ++j) {
+      for (int i = 0; i < k; ++i) y[i] -= L[j * d + c] * Y[j * padded(k) + i];
+    }
+    for (int i = 0; i < k; ++i) y[i] *= L[c * d + c];
+  }
+}
+
+/// Columns [j, j + W) of H, which stay in registers.
+template <int D, int K, int W>
+void subtractColumns(int j, int padded_l, int count, const Pair* pairs, const double* Y, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector x[W][kVectors];
+  double* const columns = H + j * K;
+#pragma GCC unroll 3
+  for (int w = 0; w < W; ++w) loadColumn<K>(columns + w * K, x[w]);
+  for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
+    const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
+    const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding + j;
+#pragma GCC unroll 3
+    for (int r = 0; r < D; ++r) {
+      Vector a[kVectors];
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) a[v] = load(A + r * padded(K) + kLanes * v);
+#pragma GCC unroll 3
+      for (int w = 0; w < W; ++w) {
+        const Vector b = all(B[r * padded_l + w]);
+#pragma GCC unroll 4
+        for (int v = 0; v < kVectors; ++v) x[w][v] -= a[v] * b;
+      }
+    }
+  }
+#pragma GCC unroll 3
+  for (int w = 0; w < W; ++w) storeColumn<K>(columns + w * K, x[w]);
+}
+
+template <int D, int K>
+void subtractOutersOf(int l, int count, const Pair* pairs, const double* Y, double* H) {
+  int j = 0;
+  for (; j + 3 <= l; j += 3) subtractColumns<D, K, 3>(j, padded(l), count, pairs, Y, H);
+  for (; j < l; ++j) subtractColumns<D, K, 1>(j, padded(l), count, pairs, Y, H);
+}
+
+void subtractOuters(int d, int k, int l, int count, const Pair* pairs, const double* Y, double* H) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractOutersOf<3, 9>(l, count, pairs, Y, H); return;
+    case 4 * 6 + 3: subtractOutersOf<3, 6>(l, count, pairs, Y, H); return;
+    case 4 * 3 + 2: subtractOutersOf<2, 3>(l, count, pairs, Y, H); return;
+    default: break;
+  }
+  for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
+    const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
+    const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding;
+    for (int j = 0; j < l; ++j) {
+      for (int i = 0; i < k; ++i) {
+        for (int r = 0; r < d; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[r * padded(l) + j];
+      }
+    }
+  }
+}
+
+template <int D, int K>
+void subtractProductOf(const double* W, const double* x, double* y) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector rest[kVectors];
+  loadColumn<K>(y, rest);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    Vector column[kVectors];
+    loadColumn<K>(W + c * K, column);
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) rest[v] -= column[v] * all(x[c]);
+  }
+  storeColumn<K>(y, rest);
+}
+
+void subtractProduct(int d, int k, const double* W, const double* x, double* y) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractProductOf<3, 9>(W, x, y); return;
+    case 4 * 6 + 3: subtractProductOf<3, 6>(W, x, y); return;
+    default: break;
+  }
+  for (int c = 0; c < d; ++c) {
+    for (int i = 0; i < k; ++i) y[i] -= W[c * k + i] * x[c];
+  }
+}
+
+template <int D, int K>
+void subtractTransposedProductOf(const double* W, const double* y, double* x) {
+  constexpr int kVectors = padded(K) / kLanes;
+  Vector rows[kVectors], sum[4] = {all(0), all(0), all(0), all(0)};
+  loadColumn<K>(y, rows);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) {
+    Vector column[kVectors];
+    loadColumn<K>(W + c * K, column);
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) sum[c] += column[v] * rows[v];
+  }
+  const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
+#pragma GCC unroll 3
+  for (int c = 0; c < D; ++c) x[c] -= result[c];
+}
+
+void subtractTransposedProduct(int d, int k, const double* W, const double* y, double* x) {
+  switch (4 * k + d) {
+    case 4 * 9 + 3: subtractTransposedProductOf<3, 9>(W, y, x); return;
+    case 4 * 6 + 3: subtractTransposedProductOf<3, 6>(W, y, x); return;
+    default: break;
+  }
+  for (int c = 0; c < d; ++c) {
+    for (int i = 0; i < k; ++i) x[c] -= W[c * k + i] * y[i];
+  }
+}
+
+}  // namespace
+}  // namespace slom::dense

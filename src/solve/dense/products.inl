@@ -1,0 +1,147 @@
+// What measurements add to J^T J and J^T r.
+
+namespace slom::dense {
+namespace {
+
+constexpr int kMostRows = 16;
+
+/// H += A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
+template <int K>
+inline void accumulate(int rows, int l, const double* A, const double* B, int b, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  for (int j = 0; j < l; ++j, B += b, H += K) {
+    Vector sum[kVectors];
+    loadColumn<K>(H, sum);
+    for (int r = 0; r < rows; ++r) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[v] += load(A + r * padded(K) + kLanes * v) * all(B[r]);
+    }
+    storeColumn<K>(H, sum);
+  }
+}
+
+/// H += A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
+template <int K>
+void addProductOf(int rows, int l, const double* A, const double* B, double* H) {
+  double transposed[kMostRows * padded(K)];
+  for (int first = 0; first < rows; first += kMostRows) {
+    const int count = smaller(kMostRows, rows - first);
+    for (int r = 0; r < count; ++r) {
+      for (int i = 0; i < K; ++i) transposed[r * padded(K) + i] = A[i * rows + first + r];
+      for (int i = K; i < padded(K); ++i) transposed[r * padded(K) + i] = 0;
+    }
+    accumulate<K>(count, l, transposed, B + first, rows, H);
+  }
+}
+
+void addProduct(int rows, int k, int l, const double* A, const double* B, double* H) {
+  if (rows == 0) return;
+  switch (k) {
+    case 1: addProductOf<1>(rows, l, A, B, H); return;
+    case 2: addProductOf<2>(rows, l, A, B, H); return;
+    case 3: addProductOf<3>(rows, l, A, B, H); return;
+    case 4: addProductOf<4>(rows, l, A, B, H); return;
+    case 6: addProductOf<6>(rows, l, A, B, H); return;
+    case 9: addProductOf<9>(rows, l, A, B, H); return;
+    default: break;
+  }
+  for (int j = 0; j < l; ++j) {
+    for (int i = 0; i < k; ++i) {
+      double sum = 0;
+      for (int r = 0; r < rows; ++r) sum += A[i * rows + r] * B[j * rows + r];
+      H[j * k + i] += sum;
+    }
+  }
+}
+
+/// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
+template <int R, int K>
+inline __attribute__((always_inline)) void addColumnsOfProduct(const Vector (&A)[R][padded(K) / kLanes], int columns,
+                                                               const double* B, double* H) {
+  constexpr int kVectors = padded(K) / kLanes;
+  for (int j = 0; j < columns; ++j, B += R, H += K) {
+    Vector sum[kVectors];
+    loadColumn<K>(H, sum);
+#pragma GCC unroll 6
+    for (int r = 0; r < R; ++r) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum[v] += A[r][v] * all(B[r]);
+    }
+    storeColumn<K>(H, sum);
+  }
+}
+
+/// The rows of A, R x K, across the lanes.
+template <int R, int K>
+inline __attribute__((always_inline)) void transpose(const double* A, Vector (&rows)[R][padded(K) / kLanes]) {
+  constexpr int kVectors = padded(K) / kLanes;
+  const auto entry = [&](int r, int i) { return i < K ? A[i * R + r] : 0.0; };
+#pragma GCC unroll 6
+  for (int r = 0; r < R; ++r) {
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      const int i = kLanes * v;
+      rows[r][v] = Vector{entry(r, i), entry(r, i + 1), entry(r, i + 2), entry(r, i + 3)};
+    }
+  }
+}
+
+inline __attribute__((always_inline)) void addToThree(const Vector (&rows)[3], const double* r, double* to) {
+  Vector sum{to[0], to[1], to[2], 0};
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) sum += rows[i] * all(r[i]);
+  for (int i = 0; i < 3; ++i) to[i] = sum[i];
+}
+
+/// Three residuals of two variables with three unknowns each.
+void addPairOfThrees(const double* A, const double* B, const double* r, const PairTarget& to) {
+  Vector a[3], b[3];
+  rowsOf(A, a);
+  rowsOf(B, b);
+  ThreeByThree AA(to.AA), BB(to.BB), AB(to.AB);
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    const Three left(a[i], a[i]), right(b[i], b[i]);
+    AA.add(left, left);
+    AB.add(left, right);
+    BB.add(right, right);
+  }
+  AA.storeTo(to.AA);
+  BB.storeTo(to.BB);
+  AB.storeTo(to.AB);
+  addToThree(a, r, to.Ar);
+  addToThree(b, r, to.Br);
+}
+
+template <int R, int K, int L>
+void addPairOf(const double* A, const double* B, const double* r, const PairTarget& to) {
+  {
+    Vector rows[R][padded(K) / kLanes];
+    transpose<R, K>(A, rows);
+    addColumnsOfProduct<R, K>(rows, K, A, to.AA);
+    addColumnsOfProduct<R, K>(rows, L, B, to.AB);
+    addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
+  }
+  Vector rows[R][padded(L) / kLanes];
+  transpose<R, L>(B, rows);
+  addColumnsOfProduct<R, L>(rows, L, B, to.BB);
+  addColumnsOfProduct<R, L>(rows, 1, r, to.Br);
+}
+
+constexpr int shapeOf(int rows, int k, int l) { return 256 * rows + 16 * k + l; }
+
+bool addPair(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to) {
+  if (rows > 15 || k > 15 || l > 15) return false;
+  switch (shapeOf(rows, k, l)) {
+    case shapeOf(2, 9, 3): addPairOf<2, 9, 3>(A, B, r, to); return true;
+    case shapeOf(2, 6, 3): addPairOf<2, 6, 3>(A, B, r, to); return true;
+    case shapeOf(3, 6, 3): addPairOf<3, 6, 3>(A, B, r, to); return true;
+    case shapeOf(6, 6, 6): addPairOf<6, 6, 6>(A, B, r, to); return true;
+    case shapeOf(3, 3, 3): addPairOfThrees(A, B, r, to); return true;
+    case shapeOf(2, 3, 2): addPairOf<2, 3, 2>(A, B, r, to); return true;
+    default: return false;
+  }
+}
+
+}  // namespace
+}  // namespace slom::dense

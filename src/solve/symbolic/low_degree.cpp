@@ -1,0 +1,142 @@
+#include "low_degree.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace slom {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
+/// eliminated.
+constexpr int kMostNeighbours = 48;
+
+/// The graph while blocks are eliminated: lists of neighbours that move to the end of the storage when they
+/// grow.
+class Elimination {
+ public:
+  explicit Elimination(const BlockGraph& graph)
+      : dof_(graph.dof),
+        first_(graph.start.begin(), graph.start.end() - 1),
+        count_(at(graph.size())),
+        room_(at(graph.size())),
+        rows_(at(graph.size()), 0),
+        round_(at(graph.size()), -1),
+        neighbour_(graph.neighbour) {
+    for (int b = 0; b < graph.size(); ++b) {
+      count_[at(b)] = room_[at(b)] = graph.start[at(b) + 1] - graph.start[at(b)];
+      for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e)
+        rows_[at(b)] += dof_[at(neighbour_[at(e)])];
+      offer(b);
+    }
+  }
+
+  std::vector<int> run() {
+    std::vector<int> order;
+    for (int round = 0;; ++round) {
+      const auto lowest =
+          std::find_if(waiting_.begin(), waiting_.end(), [](const auto& list) { return !list.empty(); });
+      if (lowest == waiting_.end()) return order;
+      const int rows = static_cast<int>(lowest - waiting_.begin());
+      std::vector<int> candidates;
+      candidates.swap(*lowest);
+      for (const int b : candidates) {
+        if (rows_[at(b)] != rows || is_gone(b)) continue;
+        if (round_[at(b)] == round) {
+          lowest->push_back(b);  // it met one of this round
+          continue;
+        }
+        if (eliminate(b, round)) order.push_back(b);
+      }
+    }
+  }
+
+  bool is_gone(int b) const { return room_[at(b)] < 0; }
+  const int* begin(int b) const { return neighbour_.data() + first_[at(b)]; }
+  const int* end(int b) const { return begin(b) + count_[at(b)]; }
+
+ private:
+  void offer(int b) {
+    if (rows_[at(b)] <= kMostRowsBelow && dof_[at(b)] <= kMostColumns)
+      waiting_[at(rows_[at(b)])].push_back(b);
+  }
+
+  bool eliminate(int b, int round) {
+    const auto is_large = [&](int c) { return count_[at(c)] > kMostNeighbours; };
+    if (std::any_of(begin(b), end(b), is_large)) return false;
+    room_[at(b)] = -1;
+    for (int i = 0; i < count_[at(b)]; ++i) {
+      const int c = begin(b)[i];
+      const int before = rows_[at(c)];
+      remove(c, b);
+      for (int j = 0; j < count_[at(b)]; ++j) {
+        if (j != i) insert(c, begin(b)[j]);
+      }
+      round_[at(c)] = round;
+      if (rows_[at(c)] != before) offer(c);
+    }
+    return true;
+  }
+
+  void remove(int c, int b) {
+    int* const first = neighbour_.data() + first_[at(c)];
+    int* const found = std::find(first, first + count_[at(c)], b);
+    *found = first[--count_[at(c)]];
+    rows_[at(c)] -= dof_[at(b)];
+  }
+
+  void insert(int c, int b) {
+    if (std::find(begin(c), end(c), b) != end(c)) return;
+    if (count_[at(c)] == room_[at(c)]) {
+      const int moved = static_cast<int>(neighbour_.size());
+      room_[at(c)] = 2 * room_[at(c)] + 2;
+      neighbour_.resize(neighbour_.size() + at(room_[at(c)]));
+      std::copy(begin(c), end(c), neighbour_.begin() + moved);
+      first_[at(c)] = moved;
+    }
+    neighbour_[at(first_[at(c)] + count_[at(c)]++)] = b;
+    rows_[at(c)] += dof_[at(b)];
+  }
+
+  const std::vector<int>& dof_;
+  std::vector<int> first_, count_, room_;  // of each block's neighbours; room -1: the block is gone
+  std::vector<int> rows_;                  // degrees of freedom of each block's neighbours
+  std::vector<int> round_;                 // in which a neighbour was eliminated last
+  std::vector<int> neighbour_;
+  std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some have others by now
+};
+
+}  // namespace
+
+LowDegree eliminateLowDegree(const BlockGraph& graph) {
+  LowDegree result;
+  Elimination elimination(graph);
+  result.order = elimination.run();
+  const int n = graph.size();
+  result.filled.dof = graph.dof;
+  result.filled.start.assign(1, 0);
+  result.reduced.start.assign(1, 0);
+  std::vector<int> number(at(n), -1);
+  for (int b = 0; b < n; ++b) {
+    if (elimination.is_gone(b)) continue;
+    number[at(b)] = static_cast<int>(result.kept.size());
+    result.kept.push_back(b);
+    result.reduced.dof.push_back(graph.dof[at(b)]);
+  }
+  for (int b = 0; b < n; ++b) {
+    auto& all = result.filled.neighbour;
+    const auto first = static_cast<std::ptrdiff_t>(all.size());
+    all.insert(all.end(), elimination.begin(b), elimination.end(b));
+    std::sort(all.begin() + first, all.end());
+    result.filled.start.push_back(static_cast<int>(all.size()));
+    if (elimination.is_gone(b)) continue;
+    for (auto c = all.begin() + first; c != all.end(); ++c)
+      result.reduced.neighbour.push_back(number[at(*c)]);
+    result.reduced.start.push_back(static_cast<int>(result.reduced.neighbour.size()));
+  }
+  return result;
+}
+
+}  // namespace slom

@@ -1,0 +1,29 @@
+/// Blocks with few neighbours, as chains and trees of measurements have them. They are most of all blocks in
+/// sparse graphs and are best eliminated one by one, before anything is ordered or put into fronts.
+#pragma once
+
+#include <vector>
+
+#include "graph.hpp"
+
+namespace slom {
+
+/// What the elimination of some blocks leaves, and what it needs.
+struct LowDegree {
+  std::vector<int> order;  ///< the eliminated blocks, in this order
+  std::vector<int> kept;   ///< the others, ascending
+  /// Of all blocks; of an eliminated one the neighbours that it has when it is eliminated, of the others what
+  /// they have at the end.
+  BlockGraph filled;
+  BlockGraph reduced;  ///< of the kept ones, numbered as in `kept`
+};
+
+/// Eliminates blocks whose neighbours have at most kMostRowsBelow degrees of freedom together, those with the
+/// fewest first, as long as there are some. They are taken in rounds of blocks that never meet, so that the
+/// tree of elimination is shallow.
+LowDegree eliminateLowDegree(const BlockGraph& graph);
+
+/// Degrees of freedom of all neighbours of an eliminated block, and of itself, at most.
+inline constexpr int kMostRowsBelow = 24, kMostColumns = 6;
+
+}  // namespace slom
