@@ -1,5 +1,7 @@
 // Start values against simulated truth: exact without noise and distortion, near it otherwise.
+#include <numbers>
 #include <random>
+#include <regex>
 
 #include <gtest/gtest.h>
 
@@ -7,6 +9,7 @@
 #include "calibrate/start/homography.hpp"
 #include "calibrate/start/imu.hpp"
 #include "calibrate/start/intrinsics.hpp"
+#include "calibrate/start/parallel_views.hpp"
 #include "calibrate/start/rig.hpp"
 #include "calibrate/start/view_pose.hpp"
 #include "error.hpp"
@@ -96,6 +99,48 @@ TEST(Zhang, ParallelBoardsAreLeftToTheFallback) {
   const IntrinsicsStart start = startIntrinsics(planeViews(s.data.cameras[0]));
   EXPECT_GT(start.pinhole.fx, 50);
   EXPECT_NEAR(start.pinhole.cx, 320, 320);
+}
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// Six views of a board that is turned and moved, but always tilted by the same angle about the camera's x
+/// axis; the last one by `more`.
+std::vector<PlaneView> equallyTilted(double tilt_deg, double more_deg, double sigma_px) {
+  RigOptions options = ideal();
+  options.cameras = 1;
+  options.sigma_px = sigma_px;
+  std::mt19937_64 random(4);
+  RigTruth truth = testing::simulateTruth(options, random);
+  truth.left2world.clear();
+  for (int image = 1; image <= 6; ++image) {
+    const SO3 lean = SO3::exp(vec3(degree * (tilt_deg + (image == 6 ? more_deg : 0)), 0., 0.));
+    const SO3 board2camera = lean * SO3::exp(vec3(0., 0., 0.4 * image)) * SO3::exp(vec3(M_PI, 0., 0.));
+    const vec3 centre(0.175, 0.125, 0.),
+        centre_in_camera(0.02 * image - 0.07, 0.05 - 0.01 * image, 0.7 + 0.05 * image);
+    truth.left2world[image] = SE3(board2camera, vec3(centre_in_camera - board2camera * centre)).inverse();
+  }
+  return planeViews(testing::simulateMeasurements(truth, options, random).cameras[0]);
+}
+
+TEST(ParallelViews, HaveTheSameNormalWhateverTheirTilt) {
+  for (const double tilt : {0.0, 20.0, 40.0}) {
+    EXPECT_LT(normalSpread(equallyTilted(tilt, 0, 0)), 1e-9) << tilt;
+    EXPECT_GT(normalSpread(equallyTilted(tilt, 10, 0)), 4 * degree) << tilt;
+  }
+}
+
+TEST(ParallelViews, AreKnownBeforeTheFit) {
+  for (const double tilt : {0.0, 20.0, 40.0}) {
+    const auto parallel = equallyTilted(tilt, 0, 0.1), other = equallyTilted(tilt, 10, 0.1);
+    ASSERT_EQ(parallel.size(), 6u);
+    const std::regex sentence(
+        "all 6 images show the board at the same tilt, within (0\\.\\d+|1(\\.\\d)?) degrees, which leaves "
+        "the focal length open");
+    EXPECT_TRUE(std::regex_match(parallelViews({parallel}, 6), sentence)) << parallelViews({parallel}, 6);
+    EXPECT_TRUE(std::regex_match(parallelViews({parallel, parallel}, 6), sentence));
+    EXPECT_EQ(parallelViews({other}, 6), "") << tilt;
+    EXPECT_EQ(parallelViews({parallel, other}, 6), "") << "one camera that sees another tilt is enough";
+  }
 }
 
 TEST(ViewPose, IsExactOnIdealViewsOfAnyPlane) {

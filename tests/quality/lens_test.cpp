@@ -25,7 +25,7 @@ TEST(Lens, DerivativesAreThoseOfTheProjection) {
     const vec3 point(0.3, -0.2, 1.1);
     const Lens::Projection at = lens->differentiate(point);
     EXPECT_TRUE(at.pixel.isApprox(lens->project(point), 1e-14));
-    EXPECT_TRUE(at.by_point.isApprox(lens->byPoint(point), 1e-14));
+    EXPECT_TRUE(at.by_point.isApprox(lens->differentiateByPoint(point).by_point, 1e-14));
     for (int i = 0; i < 3; ++i) {
       vec3 more = point, less = point;
       more[i] += 1e-6, less[i] -= 1e-6;

@@ -181,6 +181,8 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   Options options;
   options.max_iterations = settings.max_iterations;
   options.most_parameters = 0;
+  options.decrease_tolerance =
+      rough_tolerance;  // from so near, what then is left is far below a standard deviation
   return problem.result(problem.optimize(options));
 }
 

@@ -1,5 +1,7 @@
 #include "calibrate/output/json.hpp"
 
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 #include "calibrate/output/notes.hpp"
@@ -34,15 +36,16 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Eigen::VectorXd std(6);
   std << camera.translation_std, camera.rotation_std;
   from_reference["std"] = list(std);
-  return {{"model", camera.model},
-          {"file", camera.file},
-          {"images", camera.images},
-          {"corners", camera.corners},
-          {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
-          {"unused", unused},
-          {"parameters", parameters},
-          {"pose_from_" + reference, from_reference},
-          {"rms_px_alone", camera.rms_px_alone}};
+  return {
+      {"model", camera.model},
+      {"file", camera.file},
+      {"images", camera.images},
+      {"corners", camera.corners},
+      {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
+      {"unused", std::move(unused)},
+      {"parameters", std::move(parameters)},
+      {"pose_from_" + reference, from_reference},
+      {"rms_px_alone", camera.rms_px_alone}};
 }
 
 Json precision(const ImuPrecision& p) {
@@ -74,7 +77,7 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
   }
   const WorstCorner& worst = image.worst_corner;
   Json json = {{"image", image.image},
-               {"rms_px", rms},
+               {"rms_px", std::move(rms)},
                {"chi2_per_measurement", image.chi2PerMeasurement()},
                {"worst_corner",
                 {{"camera", cameras[worst.camera].name},
@@ -101,7 +104,8 @@ Json comparisonJson(const Comparison& comparison) {
                       {"predicted_px", fits ? Json(trial.heldOutRms()) : Json()},
                       {"standard_errors_behind_best", comparison.standard_errors[i]}});
   }
-  return {{"models", trials}, {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
+  return {{"models", std::move(trials)},
+          {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
 }
 
 }  // namespace
@@ -130,17 +134,17 @@ std::string toJson(const Result& result) {
                      {"chi2_per_dof", result.chi2PerDof()},
                      {"sigma_px", result.sigma_px},
                      {"sigma_acc", result.sigma_acc},
-                     {"rms_px", rms},
+                     {"rms_px", std::move(rms)},
                      {"rms_acc", result.imu ? Json(result.imu->rms_acc) : Json()},
                      {"undetermined", result.undetermined.empty() ? Json() : Json(result.undetermined)},
                      {"reference", reference},
-                     {"cameras", cameras},
+                     {"cameras", std::move(cameras)},
                      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
-                     {"worst_images", worst},
-                     {"strays", strays},
+                     {"worst_images", std::move(worst)},
+                     {"strays", std::move(strays)},
                      {"notes", notes(result)},
-                     {"images", images},
+                     {"images", std::move(images)},
                      {"quality", result.quality ? qualityJson(result) : Json()}};
   return json.dump(2) + "\n";
 }

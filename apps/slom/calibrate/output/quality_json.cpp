@@ -1,5 +1,7 @@
 #include "calibrate/output/quality_json.hpp"
 
+#include <utility>
+
 #include "calibrate/quality/verdict.hpp"
 #include "calibrate/quality/words.hpp"
 
@@ -24,7 +26,7 @@ Json cameraJson(const CameraQuality& camera) {
       {"image_size", {box.width, box.height}},
       {"image_size_is_assumed", box.is_assumed},
       {"grid", {{"columns", camera.grid.columns}, {"rows", camera.grid.rows}}},
-      {"projection", projection},
+      {"projection", std::move(projection)},
       {"by_distance",
        {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
 }
@@ -54,7 +56,7 @@ Json correlationsJson(const Correlations& correlations) {
   }
   for (const auto& pair : correlations.strong)
     strong.push_back({{"a", pair.a}, {"b", pair.b}, {"coefficient", pair.coefficient}});
-  return {{"names", correlations.names}, {"strong", strong}, {"matrix", matrix}};
+  return {{"names", correlations.names}, {"strong", std::move(strong)}, {"matrix", std::move(matrix)}};
 }
 
 Json worstJson(const Result& result) {
@@ -99,9 +101,9 @@ Json qualityJson(const Result& result) {
   Json json = {
       {"verdict",
        {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
-      {"cameras", cameras},
+      {"cameras", std::move(cameras)},
       {"worst_corners", worstJson(result)},
-      {"seconds", seconds}};
+      {"seconds", std::move(seconds)}};
   if (!result.success()) return json;
   json["board_distance_m"] = quality.board_distance_m;
   json["split_half"] = splitHalfJson(result);

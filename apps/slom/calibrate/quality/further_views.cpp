@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "calibrate/quality/board.hpp"
+#include "calibrate/quality/variance_bound.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -85,10 +87,12 @@ Sight sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields, cons
               const SE3& left2world) {
   constexpr std::size_t fewest = 4;  // a pose needs as many
   Sight sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
-  const SE3 to_left = left2world.inverse();
   for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
+    const SE3 world2camera = rig.left2camera[c] * left2world.inverse();
+    const Eigen::Matrix3d R = world2camera.orient.toRotationMatrix();
+    sight.points[c].reserve(board.size());
     for (const vec3& corner : board) {
-      if (fields[c].holds(*rig.lenses[c], rig.left2camera[c] * (to_left * corner)))
+      if (fields[c].holds(*rig.lenses[c], vec3(R * corner + world2camera.pos)))
         sight.points[c].push_back(corner);
     }
     if (sight.points[c].size() < fewest) sight.points[c].clear();
@@ -138,14 +142,65 @@ std::vector<ProjectedPoints> inParts(const ProjectedPoints& points, const std::v
   return parts;
 }
 
-/// The worst of all points, or a number that is not below `limit`.
-double worstStdBelow(double limit, const std::vector<ProjectedPoints>& parts, const Knowledge& knowledge) {
-  double worst = 0;
+struct WorstPoint {
+  double std = 0;
+  DirectedPoint point{};
+};
+
+/// Of all points, or one whose standard deviation is not below `limit`.
+WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Knowledge& knowledge, double limit) {
+  WorstPoint worst;
   for (const ProjectedPoints& part : parts) {
-    worst = std::max(worst, worstStd(part, knowledge));
-    if (!(worst < limit)) break;
+    const std::vector<double> std = part.std(knowledge);
+    const auto largest = std::max_element(std.begin(), std.end());
+    if (*largest > worst.std)
+      worst = {*largest, part.alongLargest(std::size_t(largest - std.begin()), knowledge)};
+    if (!(worst.std < limit)) break;
   }
   return worst;
+}
+
+/// The best candidate and the worst standard deviation with it; none when none brings that below `before`.
+struct Choice {
+  const Candidate* candidate = nullptr;
+  double after = 0;
+};
+
+/// Tries the candidates by rising lower bounds of the worst standard deviation. Points that the tried ones
+/// leave uncertain are such for others, too: each adds a bound.
+Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_far,
+              const std::vector<ProjectedPoints>& parts, double before) {
+  constexpr std::size_t most_bounds = 8;  // more cost more than they spare
+  std::vector<VarianceBound> bounds;
+  const auto addBound = [&](const WorstPoint& worst, const Knowledge& knowledge) {
+    if (bounds.size() < most_bounds && worst.std > 0)
+      bounds.emplace_back(worst.point.by_shared, worst.point.by_motion, knowledge);
+  };
+  const Knowledge known(so_far);
+  addBound(worstPoint(parts, known, 0), known);
+  Information with = so_far;
+  std::vector<std::pair<double, const Candidate*>> order;
+  for (const Candidate& candidate : candidates) {
+    with.setSum(so_far, candidate.information);
+    order.emplace_back(bounds.empty() ? 0 : bounds.front().of(with), &candidate);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+
+  Choice best{nullptr, before};
+  for (const auto& [bound, candidate] : order) {
+    const double least_variance = best.after * best.after;
+    if (bound >= least_variance) break;
+    with.setSum(so_far, candidate->information);
+    if (std::any_of(bounds.rbegin(), bounds.rend(),
+                    [&](const VarianceBound& b) { return b.of(with) >= least_variance; }))
+      continue;
+    const Knowledge knowledge(with);
+    const WorstPoint worst = worstPoint(parts, knowledge, best.after);
+    if (worst.std < best.after) best = {candidate, worst.std};
+    addBound(worst, knowledge);
+  }
+  return best;
 }
 
 }  // namespace
@@ -189,19 +244,12 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
     if (now.empty()) break;
     const double before = *std::max_element(now.begin(), now.end());
     const std::vector<ProjectedPoints> parts = inParts(points, now);
-    const Candidate* best = nullptr;
-    double least = before;
-    for (const Candidate& candidate : candidates) {
-      Information with = so_far;
-      with.add(candidate.information);
-      const double after = worstStdBelow(least, parts, Knowledge(with));
-      if (after < least) best = &candidate, least = after;
-    }
-    if (!best) break;
-    so_far.add(best->information);
-    best_ones.push_back(best->view);
+    const Choice best = bestOf(candidates, so_far, parts, before);
+    if (!best.candidate) break;
+    so_far.add(best.candidate->information);
+    best_ones.push_back(best.candidate->view);
     best_ones.back().before_px = best_ones.size() == 1 ? before : best_ones[best_ones.size() - 2].after_px;
-    best_ones.back().after_px = least;
+    best_ones.back().after_px = best.after;
   }
   return best_ones;
 }

@@ -37,48 +37,40 @@ SharedColumns columnsOf(const Result& result) {
   return columns;
 }
 
-/// Adds J^T J, whose columns stand where `columns` says, to the lower triangle of H and to the upper one.
-void addSquare(const Eigen::MatrixXd& J, const std::vector<int>& columns, double weight, Eigen::MatrixXd& H) {
-  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(J.cols(), J.cols());
-  square.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose(), weight);
-  for (Eigen::Index j = 0; j < J.cols(); ++j) {
-    const int column = columns[std::size_t(j)];
-    H(column, column) += square(j, j);
-    for (Eigen::Index i = j + 1; i < J.cols(); ++i) {
-      const int row = columns[std::size_t(i)];
-      H(row, column) += square(i, j);
-      H(column, row) += square(i, j);
-    }
-  }
-}
-
-/// `count` numbers from `first` on.
-void append(std::vector<int>& columns, int first, int count) {
-  for (int i = 0; i < count; ++i) columns.push_back(first + i);
-}
-
+/// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
+/// by left2camera, times `pose`.
 void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, Eigen::MatrixXd& H) {
-  Eigen::MatrixXd J = rig.lenses[c]->jacobian(rig.left2camera[c], sight.left2world, sight.points[c]);
-  std::vector<int> columns;
-  append(columns, rig.columns.lens[c], rig.lenses[c]->parameters());
-  append(columns, rig.columns.size, 6);
-  if (c > 0) append(columns, rig.columns.pose[c], 6);
-  if (c == 0) J.conservativeResize(Eigen::NoChange, J.cols() - 6);
-  addSquare(J, columns, 1 / (rig.sigma_px * rig.sigma_px), H);
+  const Eigen::Matrix3d world2left = sight.left2world.orient.toRotationMatrix().transpose();
+  Matrix6 pose = Matrix6::Zero();
+  pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
+  pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+  const double weight = 1 / (rig.sigma_px * rig.sigma_px);
+  const Lens::Square square =
+      weight * rig.lenses[c]->square(rig.left2camera[c], sight.left2world, sight.points[c]);
+  const int n = rig.lenses[c]->parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
+  const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
+  H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
+  H.bottomRows<6>().middleCols(lens, n) += pose.transpose().lazyProduct(square.bottomRows<6>().leftCols(n));
+  H.bottomRightCorner<6, 6>() += by_pose * pose;
+  if (c == 0) return;
+  H.block(left2camera, lens, 6, n) += square.bottomRows<6>().leftCols(n);
+  H.block<6, 6>(left2camera, left2camera) += square.bottomRightCorner<6, 6>();
+  H.bottomRows<6>().middleCols<6>(left2camera) += by_pose;
 }
 
-/// residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
+/// Likewise for a reading: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
 void addReading(const FittedRig& rig, const Sight& sight, Eigen::MatrixXd& H) {
   const Eigen::Matrix3d left2world = sight.left2world.orient.toRotationMatrix();
   const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
   const Eigen::Vector3d in_left = imu2left * (*sight.acc - rig.imu->acc_bias);
-  Eigen::MatrixXd J(3, 13);  // imu, pose
-  J << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1), Eigen::Matrix3d::Zero(),
-      -left2world * crossMatrix(in_left);
-  std::vector<int> columns;
-  append(columns, rig.columns.imu, 7);
-  append(columns, rig.columns.size, 6);
-  addSquare(J, columns, 1 / (rig.sigma_acc * rig.sigma_acc), H);
+  Eigen::Matrix<double, 3, 7> by_imu;
+  by_imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
+  Eigen::Matrix<double, 3, 6> by_pose;
+  by_pose << Eigen::Matrix3d::Zero(), -left2world * crossMatrix(in_left);
+  const double weight = 1 / (rig.sigma_acc * rig.sigma_acc);
+  H.block<7, 7>(rig.columns.imu, rig.columns.imu) += weight * by_imu.transpose() * by_imu;
+  H.bottomRows<6>().middleCols<7>(rig.columns.imu) += weight * by_pose.transpose() * by_imu;
+  H.bottomRightCorner<6, 6>() += weight * by_pose.transpose() * by_pose;
 }
 
 }  // namespace
@@ -107,6 +99,13 @@ void Information::add(const Information& images) {
   motion_shared_ += images.motion_shared_;
   motion_ += images.motion_;
   noise_ += images.noise_;
+}
+
+void Information::setSum(const Information& a, const Information& b) {
+  shared_ = a.shared_ + b.shared_;
+  motion_shared_ = a.motion_shared_ + b.motion_shared_;
+  motion_ = a.motion_ + b.motion_;
+  noise_ = a.noise_ + b.noise_;
 }
 
 void Information::addPrior(const FittedRig& rig) {
@@ -138,7 +137,7 @@ Information informationOf(const FittedRig& rig, const Sight& sight) {
   Information share(rig.columns);
   const Eigen::Matrix<double, 6, Eigen::Dynamic> pose_shared = H.bottomRows<6>()(Eigen::all, share.free_);
   const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = pose.solve(pose_shared);
-  share.shared_ = H(share.free_, share.free_);
+  share.shared_ = H(share.free_, share.free_);  // 0 above the diagonal, where nothing is looked at
   share.shared_.noalias() -= pose_shared.transpose() * solved;
   share.motion_shared_.noalias() = from_motion * solved;
   share.motion_ = from_motion * motion;
@@ -167,6 +166,10 @@ Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared, const Eige
   factor_.matrixL().solveInPlace(shared);
   w.bottomRows<6>().noalias() = noise_root_ * by_motion.transpose();
   return w;
+}
+
+Eigen::VectorXd Knowledge::solve(const Eigen::VectorXd& by_free) const {
+  return scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(by_free)));
 }
 
 Eigen::MatrixXd Knowledge::covarianceOfShared() const {

@@ -65,6 +65,8 @@ class Information {
  public:
   explicit Information(const SharedColumns& columns);
   void add(const Information& images);
+  /// Of two disjoint sets of images of one rig.
+  void setSum(const Information& a, const Information& b);
   /// The prior of opencv8's denominator, where the result has it.
   void addPrior(const FittedRig& rig);
   /// Of the shared parameters; 0 for those that are not estimated.
@@ -73,10 +75,11 @@ class Information {
  private:
   friend Information informationOf(const FittedRig& rig, const Sight& sight);
   friend struct Knowledge;
+  friend class VarianceBound;
 
   std::vector<int> free_;
   int all_;                                                 // shared parameters, free or not
-  Eigen::MatrixXd shared_;                                  // of the free ones, sum of Lambda
+  Eigen::MatrixXd shared_;  // of the free ones, sum of Lambda: the lower triangle
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;  // F, likewise
   Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
 };
@@ -92,6 +95,10 @@ struct Knowledge {
   Eigen::MatrixXd covarianceOfShared() const;
 
  private:
+  friend class VarianceBound;
+  /// (sum of Lambda)^-1 times a vector of the free ones.
+  Eigen::VectorXd solve(const Eigen::VectorXd& by_free) const;
+
   std::vector<int> free_;
   int all_;
   Eigen::VectorXd scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include <Eigen/QR>
 
@@ -51,6 +52,16 @@ ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
 std::vector<double> ProjectedPoints::std(const Knowledge& knowledge) const {
   if (by_shared_.rows() == 0) return {};
   return largestStds(knowledge.whitened(by_shared_, by_motion_));
+}
+
+DirectedPoint ProjectedPoints::alongLargest(std::size_t i, const Knowledge& knowledge) const {
+  const auto by_shared = by_shared_.middleRows<2>(2 * Eigen::Index(i)),
+             by_motion = by_motion_.middleRows<2>(2 * Eigen::Index(i));
+  const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
+  const double uu = w.col(0).squaredNorm(), uv = w.col(0).dot(w.col(1)), vv = w.col(1).squaredNorm();
+  const double angle = std::atan2(2 * uv, uu - vv) / 2;
+  const Eigen::RowVector2d direction(std::cos(angle), std::sin(angle));
+  return {direction * by_shared, direction * by_motion};
 }
 
 ProjectedPoints ProjectedPoints::at(const std::vector<std::size_t>& which) const {
@@ -103,27 +114,50 @@ CameraKnowledge::CameraKnowledge(const FittedRig& rig, const Knowledge& knowledg
   Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(whitened.rows(), most + 6), most + 6);
   padded.topRows(whitened.rows()) = whitened;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(padded);
-  root_ = qr.matrixQR().topRows<most + 6>().triangularView<Eigen::Upper>();
+  for (int j = 0; j < most + 6; ++j) {
+    root_[std::size_t(j)].fill(Eigen::Array4d::Zero());
+    for (int i = 0; i <= j; ++i) root_[std::size_t(j)][std::size_t(i / 4)][i % 4] = qr.matrixQR()(i, j);
+  }
 }
 
-CameraKnowledge::Pixel CameraKnowledge::pixelOf(const vec3& ray) const {
+double CameraKnowledge::Spread::largestStdAt(double distance_m) const {
+  const Eigen::Matrix2d sum = far + (mixed + near / distance_m) / distance_m;
+  return largestStd(sum(0, 0), sum(0, 1), sum(1, 1));
+}
+
+CameraKnowledge::Spread CameraKnowledge::spreadOf(const vec3& ray) const {
   const Lens::Projection q = lens_.differentiate(ray);
   const Eigen::Vector3d direction = left2camera_.transpose() * ray;
   const Eigen::Matrix<double, 2, 3> by_turn = q.by_point * left2camera_ * crossMatrix(direction);
-  Eigen::Matrix<double, most, 2> by_parameters = Eigen::Matrix<double, most, 2>::Zero();
-  by_parameters.topRows(q.by_parameters.cols()) = q.by_parameters.transpose();
-  const Eigen::Matrix<double, most + 6, 2> far =
-      root_.leftCols<3>() * by_turn.transpose() + root_.rightCols<most>().lazyProduct(by_parameters);
-  const Eigen::Matrix<double, most + 6, 2> near = root_.middleCols<3>(3) * q.by_point.transpose();
-  return {far.col(0), far.col(1), near.col(0), near.col(1)};
+  struct Whitened {
+    Whitened() { u.fill(Eigen::Array4d::Zero()), v.fill(Eigen::Array4d::Zero()); }
+    Column u, v;
+  } far, near;
+  const auto add = [this](Whitened& w, std::size_t column, const Eigen::Vector2d& by_it) {
+    for (std::size_t i = 0; i <= column / 4; ++i) {
+      w.u[i] += by_it[0] * root_[column][i];
+      w.v[i] += by_it[1] * root_[column][i];
+    }
+  };
+  for (int i = 0; i < 3; ++i)
+    add(far, std::size_t(i), by_turn.col(i)), add(near, std::size_t(3 + i), q.by_point.col(i));
+  for (int i = 0; i < q.by_parameters.cols(); ++i) add(far, std::size_t(6 + i), q.by_parameters.col(i));
+  const auto product = [](const Column& a, const Column& b) {
+    Eigen::Array4d sum = a[0] * b[0];
+    for (std::size_t i = 1; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum.sum();
+  };
+  const auto symmetric = [](double uu, double uv, double vv) { return Eigen::Matrix2d{{uu, uv}, {uv, vv}}; };
+  return {symmetric(product(far.u, far.u), product(far.u, far.v), product(far.v, far.v)),
+          symmetric(2 * product(far.u, near.u), product(far.u, near.v) + product(far.v, near.u),
+                    2 * product(far.v, near.v)),
+          symmetric(product(near.u, near.u), product(near.u, near.v), product(near.v, near.v))};
 }
 
 std::vector<double> CameraKnowledge::stdOfRays(const std::vector<std::optional<vec3>>& rays) const {
   std::vector<double> result;
   for (const auto& ray : rays) {
-    if (!ray) continue;
-    const Pixel pixel = pixelOf(*ray);
-    result.push_back(largestStd(pixel.far_u.squaredNorm(), pixel.far_u.dot(pixel.far_v), pixel.far_v.squaredNorm()));
+    if (ray) result.push_back(spreadOf(*ray).largestStdAt(std::numeric_limits<double>::infinity()));
   }
   return result;
 }
@@ -140,11 +174,8 @@ std::vector<ProjectionUncertainty> CameraKnowledge::maps(const ImageGrid& grid, 
       for (ProjectionUncertainty& map : maps) map.std_px.push_back(unknown);
       continue;
     }
-    const Pixel pixel = pixelOf(*ray);
-    for (ProjectionUncertainty& map : maps) {
-      const Row u = pixel.far_u + pixel.near_u / map.distance_m, v = pixel.far_v + pixel.near_v / map.distance_m;
-      map.std_px.push_back(largestStd(u.squaredNorm(), u.dot(v), v.squaredNorm()));
-    }
+    const Spread spread = spreadOf(*ray);
+    for (ProjectionUncertainty& map : maps) map.std_px.push_back(spread.largestStdAt(map.distance_m));
   }
   for (ProjectionUncertainty& map : maps) summarise(grid, map);
   return maps;

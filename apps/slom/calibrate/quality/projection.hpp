@@ -7,6 +7,7 @@
 //   source   mrcal, https://mrcal.secretsauce.net/uncertainty.html
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct ProjectedPoint {
   Eigen::Matrix2d covariance(const Knowledge& knowledge) const;
 };
 
+/// How a point's pixel moves along one direction of the image.
+struct DirectedPoint {
+  Eigen::RowVectorXd by_shared;
+  Eigen::Matrix<double, 1, 6> by_motion;
+};
+
 /// Many of them, which is quicker than one by one.
 class ProjectedPoints {
  public:
@@ -33,6 +40,8 @@ class ProjectedPoints {
   std::size_t size() const { return std::size_t(by_shared_.rows() / 2); }
   /// Standard deviation of each, in the direction in which it is largest [px].
   std::vector<double> std(const Knowledge& knowledge) const;
+  /// Point i along the direction in which its standard deviation is largest.
+  DirectedPoint alongLargest(std::size_t i, const Knowledge& knowledge) const;
   /// Some of them, `which` one after the other.
   ProjectedPoints at(const std::vector<std::size_t>& which) const;
 
@@ -54,15 +63,17 @@ class CameraKnowledge {
 
  private:
   static constexpr int most = 12;  // parameters of a lens; of others the last columns are 0
-  using Row = Eigen::Matrix<double, most + 6, 1>;
-  struct Pixel {
-    Row far_u, far_v, near_u, near_v;  ///< whitened: at infinity, and what is added to that times 1 / distance
+  /// The covariance of a pixel, far + mixed / distance + near / distance^2 [px^2].
+  struct Spread {
+    Eigen::Matrix2d far, mixed, near;
+    double largestStdAt(double distance_m) const;
   };
-  Pixel pixelOf(const vec3& ray) const;
+  Spread spreadOf(const vec3& ray) const;
 
   const Lens& lens_;
   Eigen::Matrix3d left2camera_;
-  Eigen::Matrix<double, most + 6, most + 6> root_;  // its square is the covariance of (t, s, p)
+  using Column = std::array<Eigen::Array4d, (most + 6 + 3) / 4>;  // by four rows at once
+  std::array<Column, most + 6> root_;  // upper triangle whose square is the covariance of (t, s, p)
 };
 
 /// `ray`: direction of length 1 in camera c; the distance may be infinite: then directions alone count.

@@ -34,11 +34,11 @@ struct Compared {
   int node;
   vec3 ray;  ///< by the first half
   vec2 difference;
-  Lens::Projection at;  ///< in the second half
+  Lens::PointProjection at;  ///< in the second half
   double weight;
 };
 
-Eigen::Matrix<double, 2, 3> byRotation(const Lens::Projection& q, const vec3& ray) {
+Eigen::Matrix<double, 2, 3> byRotation(const Lens::PointProjection& q, const vec3& ray) {
   return -q.by_point * crossMatrix(ray);
 }
 
@@ -58,7 +58,7 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
     const SO3 turn = SO3::exp(angle);
     for (Compared& c : nodes) {
       c.ray = turn * c.ray;
-      c.at = second.differentiate(c.ray);
+      c.at = second.differentiateByPoint(c.ray);
       c.difference = vec2(c.at.pixel - grid.node(c.node));
     }
     if (angle.norm() < no_turn) break;
@@ -67,21 +67,22 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
 
 /// Mean over the nodes of the variance of the difference after the fit, when it comes from the lens
 /// parameters having this covariance [px^2].
-double expectedSquare(const std::vector<Compared>& nodes, const Eigen::MatrixXd& covariance) {
+double expectedSquare(const std::vector<Compared>& nodes, const Lens& second,
+                      const Eigen::MatrixXd& covariance) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::MatrixXd g = Eigen::MatrixXd::Zero(3, covariance.cols());
-  for (const Compared& c : nodes) {
-    const Eigen::Matrix<double, 2, 3> J = byRotation(c.at, c.ray);
-    H += c.weight * J.transpose() * J;
-    g += c.weight * J.transpose() * c.at.by_parameters;
-  }
-  const Eigen::MatrixXd turn = H.ldlt().solve(g);
   Eigen::MatrixXd J(2 * Eigen::Index(nodes.size()), covariance.cols());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Compared& c = nodes[i];
-    J.middleRows<2>(2 * Eigen::Index(i)) = c.at.by_parameters;
-    J.middleRows<2>(2 * Eigen::Index(i)).noalias() -= byRotation(c.at, c.ray) * turn;
+    const Eigen::Matrix<double, 2, 3> by_rotation = byRotation(c.at, c.ray);
+    const auto by_parameters = second.differentiate(c.ray).by_parameters;
+    H += c.weight * by_rotation.transpose() * by_rotation;
+    g += (c.weight * by_rotation.transpose()).lazyProduct(by_parameters);
+    J.middleRows<2>(2 * Eigen::Index(i)) = by_parameters;
   }
+  const Eigen::MatrixXd turn = H.ldlt().solve(g);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    J.middleRows<2>(2 * Eigen::Index(i)) -= byRotation(nodes[i].at, nodes[i].ray).lazyProduct(turn);
   const double sum = (J * covariance).cwiseProduct(J).sum();
   return sum / double(nodes.size());
 }
@@ -128,7 +129,7 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
     const auto k = std::size_t(i);
     const double variance = (rays[k] ? std::pow(*std++, 2) : 0) + (others[k] ? std::pow(*other_std++, 2) : 0);
     if (!rays[k] || !others[k]) continue;
-    const Lens::Projection at = second.differentiate(*rays[k]);
+    const Lens::PointProjection at = second.differentiateByPoint(*rays[k]);
     nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, 1 / variance});
   }
   SplitHalfCamera result;
@@ -143,7 +144,7 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
     sum += error * error;
   }
   result.rms_px = std::sqrt(sum / double(nodes.size()));
-  result.expected_rms_px = std::sqrt(expectedSquare(nodes, covariance));
+  result.expected_rms_px = std::sqrt(expectedSquare(nodes, second, covariance));
   return result;
 }
 
