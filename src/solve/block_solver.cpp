@@ -36,7 +36,7 @@ constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
 constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
 
 /// Blocks with few neighbours are eliminated by themselves where they are so many, and this share of all.
-constexpr int kFewestOfLowDegree = 32;
+constexpr int kFewestOfLowDegree = 16;
 constexpr double kLeastShareOfLowDegree = 0.2;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
