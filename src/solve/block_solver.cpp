@@ -35,10 +35,6 @@ constexpr double kWorthBeingInexact = 5;  // exact steps need fewer iterations o
 constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
 constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
 
-/// Blocks with few neighbours are eliminated by themselves where they are so many, and this share of all.
-constexpr int kFewestOfLowDegree = 16;
-constexpr double kLeastShareOfLowDegree = 0.2;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double entries(const BlockGraph& graph) {
@@ -65,6 +61,15 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
     if (eliminated[at(b)]) sum += 0.5 * degree * degree;
   }
   return sum;
+}
+
+/// Of each block in the order of elimination: `first`, and behind them `block`, at these positions of their own.
+std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block, const std::vector<int>& position) {
+  std::vector<int> result(first.size() + block.size());
+  const int count = static_cast<int>(first.size());
+  for (int i = 0; i < count; ++i) result[at(first[at(i)])] = i;
+  for (std::size_t i = 0; i < block.size(); ++i) result[at(block[i])] = count + position[i];
+  return result;
 }
 
 /// As "49 x 9 + 1 x 4": so many blocks of so many unknowns, for the blocks where is(b).
@@ -149,6 +154,15 @@ struct BlockSolver::Implementation {
 
   int count() const { return static_cast<int>(std::count(eliminated.begin(), eliminated.end(), 1)); }
   bool isReduced() const { return !eliminated.empty(); }
+  std::vector<int> eliminatedBlocks() const {
+    std::vector<int> blocks;
+    for (std::size_t b = 0; b < eliminated.size(); ++b) {
+      if (eliminated[b]) blocks.push_back(static_cast<int>(b));
+    }
+    return blocks;
+  }
+  /// What the fronts factorise: H, or what an elimination leaves of it.
+  const BlockLower& matrix() const { return has_low ? low.S() : isReduced() ? schur.S() : equations.H(); }
   const EliminatedBlocks& points() const { return is_exact ? schur.eliminated() : reduced.eliminated(); }
   void analyze(const BlockGraph& graph);
   bool choosesConjugateGradients(double matrix_entries, double operations, double factor_entries) const;
@@ -157,9 +171,7 @@ struct BlockSolver::Implementation {
   std::vector<int> keep(const std::vector<int>& blocks);
   void analyzeReduced(const BlockGraph& graph);
   void analyzeInexact(const BlockGraph& graph);
-  std::vector<int> positionsBehind(const BlockGraph& graph, const std::vector<int>& block, const std::vector<int>& position);
   SolveStatus factorize(const VectorXd& damping);
-  SolveStatus prepare(const VectorXd& damping);
   double forcing();
   std::unique_ptr<InverseBlocks> invertBlocks();
   SolveStatus solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x);
@@ -202,18 +214,15 @@ void BlockSolver::Implementation::analyzeWhole(const BlockGraph& graph) {
 /// Returns whether that is the way to take; is_exact may have become false.
 bool BlockSolver::Implementation::analyzeLowDegree(const BlockGraph& graph) {
   const LowDegree blocks = eliminateLowDegree(graph);
-  const auto count = static_cast<int>(blocks.order.size());
-  if (count < kFewestOfLowDegree || count < kLeastShareOfLowDegree * graph.size()) return false;
-  Fronts fronts = chooseFronts(blocks.reduced);
+  if (blocks.order.empty()) return false;
+  const ReducedGraph& left = blocks.left;
+  Fronts fronts = chooseFronts(left.graph);
   is_exact = !choosesConjugateGradients(entries(graph), fronts.flops, entries(blocks.filled) + entries(fronts));
   if (!is_exact) return true;
   has_low = true;
-  std::vector<int> position(at(graph.size()));
-  for (int e = 0; e < count; ++e) position[at(blocks.order[at(e)])] = e;
-  for (std::size_t i = 0; i < blocks.kept.size(); ++i) position[at(blocks.kept[i])] = count + fronts.position[i];
-  equations.layOut(structure, blocks.filled, position);
+  equations.layOut(structure, blocks.filled, positionsBehind(blocks.order, left.block, fronts.position));
   low.analyze(equations.H(), blocks, fronts.position);
-  factor.analyze(keep(blocks.kept), std::move(fronts), low.S());
+  factor.analyze(keep(left.block), std::move(fronts), low.S());
   return true;
 }
 
@@ -228,18 +237,6 @@ std::vector<int> BlockSolver::Implementation::keep(const std::vector<int>& block
   return offset;
 }
 
-/// The eliminated blocks first, then the others: `block`, at these positions of their own.
-std::vector<int> BlockSolver::Implementation::positionsBehind(const BlockGraph& graph, const std::vector<int>& block,
-                                                              const std::vector<int>& position) {
-  std::vector<int> result(at(graph.size()));
-  int next = 0;
-  for (int b = 0; b < graph.size(); ++b) {
-    if (isReduced() && eliminated[at(b)]) result[at(b)] = next++;
-  }
-  for (std::size_t i = 0; i < block.size(); ++i) result[at(block[i])] = next + position[i];
-  return result;
-}
-
 void BlockSolver::Implementation::analyzeReduced(const BlockGraph& graph) {
   const ReducedGraph left = reduceGraph(graph, eliminated);
   Fronts fronts = chooseFronts(left.graph);
@@ -251,7 +248,7 @@ void BlockSolver::Implementation::analyzeReduced(const BlockGraph& graph) {
   }
   is_exact = !choosesConjugateGradients(entries(graph), forming + fronts.flops, entries(left.graph) + entries(fronts));
   if (!is_exact) return;
-  equations.layOut(structure, graph, positionsBehind(graph, left.block, fronts.position));
+  equations.layOut(structure, graph, positionsBehind(eliminatedBlocks(), left.block, fronts.position));
   schur.analyze(equations.H(), count(), left.graph, fronts.position);
   factor.analyze(keep(left.block), std::move(fronts), schur.S());
 }
@@ -263,7 +260,7 @@ void BlockSolver::Implementation::analyzeInexact(const BlockGraph& graph) {
     position.push_back(static_cast<int>(block.size()));
     block.push_back(b);
   }
-  equations.layOut(structure, graph, positionsBehind(graph, block, position));
+  equations.layOut(structure, graph, positionsBehind(eliminatedBlocks(), block, position));
   reduced.analyze(equations.H(), count(), options.preconditioner);
 }
 
@@ -279,7 +276,7 @@ SolveStatus BlockSolver::Implementation::factorize(const VectorXd& damping) {
     status = has_low ? low.reduce(equations.H(), equations.offset(), damping, kPivotTolerance)
                      : schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance);
     if (status.ok) {
-      status = factor.factorize(has_low ? low.S() : schur.S(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
+      status = factor.factorize(matrix(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
       if (!status.ok) status.unknown = kept[at(status.unknown)];
     }
   }
@@ -332,7 +329,7 @@ std::unique_ptr<InverseBlocks> BlockSolver::Implementation::invertBlocks() {
   std::vector<int> position(at(structure.blockCount()));
   for (int b = 0; b < structure.blockCount(); ++b) position[at(b)] = equations.position(b);
   auto result = std::make_unique<SelectedInverse>(std::move(position), has_low ? low.count() : isReduced() ? count() : 0);
-  result->kept.layOutAs(has_low ? low.S() : isReduced() ? schur.S() : H);
+  result->kept.layOutAs(matrix());
   factor.invertSelected(result->kept);
   if (has_low) {
     result->eliminated.layOutAs(H);

@@ -8,12 +8,14 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+static_assert(kMostColumns <= dense::kMostEliminated);
+
 }  // namespace
 
 void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
                                    const std::vector<int>& position) {
   const int count = static_cast<int>(blocks.order.size());
-  S_.layOut(blocks.reduced, position);
+  S_.layOut(blocks.left.graph, position);
   columns_.assign(at(count), {});
   dof_.resize(at(count));
   height_.clear();

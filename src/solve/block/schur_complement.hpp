@@ -19,12 +19,7 @@ namespace slom {
 /// before others. Empty unless they are most of all blocks.
 std::vector<char> independentBlocks(const BlockGraph& graph);
 
-/// The graph of the blocks that are left; two are neighbours if they were, or if both had an eliminated one
-/// as neighbour.
-struct ReducedGraph {
-  BlockGraph graph;
-  std::vector<int> block;  ///< of the full graph, of each node
-};
+/// What is left without the eliminated blocks.
 ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& eliminated);
 
 class SchurComplement {

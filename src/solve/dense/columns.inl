@@ -108,7 +108,7 @@ int eliminate(int d, int count, const int* height, double* V, double* const* tar
 
 template <int D>
 void forwardColumnOf(int d, int count, const int* height, const double* V, double* x, double* const* below) {
-  constexpr int kMost = D > 0 ? D : 6;
+  constexpr int kMost = D > 0 ? D : kMostEliminated;
   const int n = D > 0 ? D : d;
   double scaled[kMost];
   for (int k = 0; k < n; ++k) {
@@ -135,7 +135,7 @@ void forwardColumn(int d, int count, const int* height, const double* V, double*
 template <int D>
 void backwardColumnOf(int d, int count, const int* height, const double* V, const double* const* below,
                       double* x) {
-  constexpr int kMost = D > 0 ? D : 6;
+  constexpr int kMost = D > 0 ? D : kMostEliminated;
   const int n = D > 0 ? D : d;
   double rest[kMost];
   for (int k = 0; k < n; ++k) rest[k] = x[k];

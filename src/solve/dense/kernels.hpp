@@ -57,6 +57,9 @@ struct Pair {
   std::uint32_t a, b;
 };
 
+/// Columns that eliminate, forwardColumn and backwardColumn take, at most.
+inline constexpr int kMostEliminated = 6;
+
 struct Kernels {
   const char* name;  ///< of the instruction set
   /// D := its Cholesky factor, inverse[i] := 1 / its diagonal. Returns the first pivot that is not above least[i] and

@@ -17,4 +17,11 @@ struct BlockGraph {
 
 BlockGraph makeGraph(const BlockStructure& structure);
 
+/// The graph of the blocks that are left when others have been eliminated; two are neighbours if they were, or if both
+/// had an eliminated one as neighbour.
+struct ReducedGraph {
+  BlockGraph graph;
+  std::vector<int> block;  ///< of the full graph, of each node; ascending
+};
+
 }  // namespace slom

@@ -9,6 +9,9 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// Fewer, or a smaller share of all blocks, are left to the ordering.
+constexpr int kFewestEliminated = 16;
+constexpr double kLeastShare = 0.2;
 /// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
 /// eliminated.
 constexpr int kMostNeighbours = 48;
@@ -114,27 +117,29 @@ LowDegree eliminateLowDegree(const BlockGraph& graph) {
   LowDegree result;
   Elimination elimination(graph);
   result.order = elimination.run();
-  const int n = graph.size();
-  result.filled.dof = graph.dof;
-  result.filled.start.assign(1, 0);
-  result.reduced.start.assign(1, 0);
-  std::vector<int> number(at(n), -1);
+  const int n = graph.size(), count = static_cast<int>(result.order.size());
+  if (count < kFewestEliminated || count < kLeastShare * n) return {};
+  BlockGraph& filled = result.filled;
+  BlockGraph& left = result.left.graph;
+  filled.dof = graph.dof;
+  filled.start.assign(1, 0);
+  left.start.assign(1, 0);
+  std::vector<int> node(at(n), -1);
   for (int b = 0; b < n; ++b) {
     if (elimination.is_gone(b)) continue;
-    number[at(b)] = static_cast<int>(result.kept.size());
-    result.kept.push_back(b);
-    result.reduced.dof.push_back(graph.dof[at(b)]);
+    node[at(b)] = static_cast<int>(result.left.block.size());
+    result.left.block.push_back(b);
+    left.dof.push_back(graph.dof[at(b)]);
   }
   for (int b = 0; b < n; ++b) {
-    auto& all = result.filled.neighbour;
-    const auto first = static_cast<std::ptrdiff_t>(all.size());
-    all.insert(all.end(), elimination.begin(b), elimination.end(b));
-    std::sort(all.begin() + first, all.end());
-    result.filled.start.push_back(static_cast<int>(all.size()));
+    const auto first = static_cast<std::ptrdiff_t>(filled.neighbour.size());
+    filled.neighbour.insert(filled.neighbour.end(), elimination.begin(b), elimination.end(b));
+    std::sort(filled.neighbour.begin() + first, filled.neighbour.end());
+    filled.start.push_back(static_cast<int>(filled.neighbour.size()));
     if (elimination.is_gone(b)) continue;
-    for (auto c = all.begin() + first; c != all.end(); ++c)
-      result.reduced.neighbour.push_back(number[at(*c)]);
-    result.reduced.start.push_back(static_cast<int>(result.reduced.neighbour.size()));
+    for (auto c = filled.neighbour.begin() + first; c != filled.neighbour.end(); ++c)
+      left.neighbour.push_back(node[at(*c)]);
+    left.start.push_back(static_cast<int>(left.neighbour.size()));
   }
   return result;
 }

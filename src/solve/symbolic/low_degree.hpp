@@ -11,16 +11,15 @@ namespace slom {
 /// What the elimination of some blocks leaves, and what it needs.
 struct LowDegree {
   std::vector<int> order;  ///< the eliminated blocks, in this order
-  std::vector<int> kept;   ///< the others, ascending
   /// Of all blocks; of an eliminated one the neighbours that it has when it is eliminated, of the others what
   /// they have at the end.
   BlockGraph filled;
-  BlockGraph reduced;  ///< of the kept ones, numbered as in `kept`
+  ReducedGraph left;
 };
 
 /// Eliminates blocks whose neighbours have at most kMostRowsBelow degrees of freedom together, those with the
 /// fewest first, as long as there are some. They are taken in rounds of blocks that never meet, so that the
-/// tree of elimination is shallow.
+/// tree of elimination is shallow. Empty unless they are many, and not few of all blocks.
 LowDegree eliminateLowDegree(const BlockGraph& graph);
 
 /// Degrees of freedom of all neighbours of an eliminated block, and of itself, at most.
