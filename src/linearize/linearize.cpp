@@ -37,10 +37,9 @@ std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, int pe
 void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
   const int count = range.last - range.first;
-  const bool is_laid_out = chunk.type == &pool.type() && chunk.last - chunk.first == count && pool.hasFixedSizes() &&
-                           (chunk.has_jacobian || !with_jacobian);
+  // Chunks that are used again always have a Jacobian.
+  const bool is_laid_out = chunk.type == &pool.type() && chunk.last - chunk.first == count && pool.hasFixedSizes();
   chunk.type = &pool.type();
-  chunk.has_jacobian = with_jacobian;
   chunk.group = range.group;
   chunk.first = range.first;
   chunk.last = range.last;

@@ -74,7 +74,6 @@ class Linearizer {
     int bad = -1;
     std::optional<MeasurementThrew> threw;
     const MeasurementType* type = nullptr;  ///< that the arrays have room for
-    bool has_jacobian = false;
     std::vector<int> rows, dof;
     std::vector<double> r, J;
     double rss = 0;

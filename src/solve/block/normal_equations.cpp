@@ -84,7 +84,7 @@ double* NormalEquations::begun(Destination destination, int size) {
 }
 
 /// What a measurement of two free variables adds, at once, to the same bits as one after the other. Returns
-/// false, with nothing done, where that is not possible.
+/// false, with nothing added, where that is not possible.
 bool NormalEquations::addPair(int rows, const int* blocks, const int* dof, Destination destination,
                               const double* J, const double* r, int first, int last) {
   if (blocks[0] < 0 || blocks[1] < 0) return false;
