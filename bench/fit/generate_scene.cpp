@@ -25,8 +25,8 @@ Vec3 normalVector(Random& random, double sigma) {
 }
 
 /// At the point (x, y) of the lattice.
-Camera<> cameraAbove(double x, double y, Random& random) {
-  Camera<> camera;
+Camera cameraAbove(double x, double y, Random& random) {
+  Camera camera;
   camera.pose.orient = mtk::SO3<>::exp(normalVector(random, kTilt));
   camera.pose.pos = camera.pose.orient * Vec3(-x, -y, -kHeight);
   camera.lens = slom::SnavelyIntrinsics<>(
@@ -34,8 +34,8 @@ Camera<> cameraAbove(double x, double y, Random& random) {
   return camera;
 }
 
-Camera<> disturbed(const Camera<>& truth, Random& random) {
-  Camera<> camera = truth;
+Camera disturbed(const Camera& truth, Random& random) {
+  Camera camera = truth;
   camera.pose.orient = truth.pose.orient * mtk::SO3<>::exp(normalVector(random, 0.01));
   camera.pose.pos = truth.pose.pos + normalVector(random, 0.02);
   camera.lens = slom::SnavelyIntrinsics<>(mtk::vect<3>(truth.lens.f() * (1 + 0.01 * random.normal()),
@@ -74,7 +74,7 @@ app::bundle::Scene generateScene(int size) {
   const int points = size / kViews;
   app::bundle::Scene truth, scene;
   for (int c = 0; c < side * side; ++c) truth.cameras.push_back(cameraAbove(c % side, c / side, random));
-  for (const Camera<>& camera : truth.cameras) scene.cameras.push_back(disturbed(camera, random));
+  for (const Camera& camera : truth.cameras) scene.cameras.push_back(disturbed(camera, random));
   truth.points.reserve(at(points));
   scene.points.reserve(at(points));
   scene.observations.reserve(at(points * kViews));

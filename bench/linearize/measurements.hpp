@@ -34,8 +34,9 @@ MTK_BUILD_MANIFOLD(StereoIntrinsics,
 struct BalReprojection {
   auto operator()(const auto& camera, const auto& point, const auto& pixel) const {
     return mtk::bottleneck(camera.pose * point, [&](const auto& P) {
-      const auto x = -P[0] / P[2];
-      const auto y = -P[1] / P[2];
+      const auto& [X, Y, Z] = P;
+      const auto x = -X / Z;
+      const auto y = -Y / Z;
       const auto r2 = x * x + y * y;
       const auto& [f, k1, k2] = camera.lens;
       const auto scale = f * (1.0 + r2 * (k1 + r2 * k2));
@@ -55,15 +56,16 @@ struct StereoReprojection {
                   const auto& on_board, const auto& pixels) const {
     const auto in_left = board2left * on_board;
     const auto in_right = left2right * in_left;
-    const auto left = mtk::bottleneck(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
-    const auto right = mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
-    return mtk::vector(left[0] - pixels[0], left[1] - pixels[1], right[0] - pixels[2], right[1] - pixels[3]);
+    const auto [u, v] = mtk::bottleneck(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
+    const auto [u2, v2] = mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
+    return mtk::vector(u - pixels[0], v - pixels[1], u2 - pixels[2], v2 - pixels[3]);
   }
 
   static auto project(const auto& intrinsics, const auto& p) {
     const auto& [fx, fy, cx, cy, k1, k2, p1, p2, k3] = intrinsics;
-    const auto x = p[0] / p[2];
-    const auto y = p[1] / p[2];
+    const auto& [X, Y, Z] = p;
+    const auto x = X / Z;
+    const auto y = Y / Z;
     const auto xx = x * x;
     const auto yy = y * y;
     const auto xy2 = 2.0 * x * y;

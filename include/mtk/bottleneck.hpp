@@ -12,6 +12,7 @@
 
 #include "mtk/dual.hpp"
 #include "mtk/pack.hpp"
+#include "mtk/types/seed.hpp"
 #include "mtk/types/vect.hpp"
 
 namespace mtk {
@@ -30,7 +31,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
   } else {
     constexpr std::uint64_t own = C & ~kLocalColumns, all = own | P;
     S by[N];
-    for (int j = 0; j < N; ++j) by[j] = y.partial(kFirstLocalColumn + j);
+    unrolled<N>([&](int j) { by[j] = y.partial(kFirstLocalColumn + j); });
     SparseDual<S, all> result;
     result.value() = y.value();
     [&]<int... I>(std::integer_sequence<int, I...>) {
@@ -54,14 +55,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
 
 /// p's values as unknowns of their own.
 template <int N, class S>
-class LocalVector : public vect<N, SparseDual<S, lowColumns(N) << kFirstLocalColumn>> {
- public:
-  template <std::uint64_t C>
-  explicit LocalVector(const vect<N, SparseDual<S, C>>& p)
-      : vect<N, SparseDual<S, lowColumns(N) << kFirstLocalColumn>>(Uninitialized()) {
-    for (int i = 0; i < N; ++i) (*this)[i].seed(p[i].value(), kFirstLocalColumn + i);
-  }
-};
+using LocalVector = SeedVector<N, S, kFirstLocalColumn>;
 
 }  // namespace detail
 
@@ -70,18 +64,22 @@ template <int N, class S, class F>
 auto bottleneck(const vect<N, S>& p, const F& f) {
   return f(p);
 }
+template <class D, class F>
+auto bottleneck(const Eigen::MatrixBase<D>& p, const F& f) {
+  return f(p.derived());
+}
 template <int N, int W, std::uint64_t C, class F>
   requires(N <= 3 && detail::countColumns(C) > N)
 auto bottleneck(const vect<N, SparseDual<Pack<W>, C>>& p, const F& f) {
-  const auto y = f(detail::LocalVector<N, Pack<W>>(p));
+  vect<N, Pack<W>> values{Uninitialized()};
+  detail::unrolled<N>([&](int i) { values[i] = p[i].value(); });
+  const auto y = f(detail::LocalVector<N, Pack<W>>(values));
   if constexpr (requires { y.partials(); }) {
     return detail::withoutLocal(y, p);
   } else {
-    using Entry = decltype(detail::withoutLocal(y[0], p));
-    constexpr int M = std::remove_cvref_t<decltype(y)>::SizeAtCompileTime;
-    vect<M, Entry> result{Uninitialized()};
-    for (int i = 0; i < M; ++i) result[i] = detail::withoutLocal(y[i], p);
-    return result;
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return vector(detail::withoutLocal(y.template get<I>(), p)...);
+    }(std::make_index_sequence<static_cast<std::size_t>(std::remove_cvref_t<decltype(y)>::SizeAtCompileTime)>{});
   }
 }
 

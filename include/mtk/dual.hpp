@@ -45,7 +45,7 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
                            [[maybe_unused]] const Left& left, [[maybe_unused]] const Right& right) {
   if constexpr (A == B) {
     Partials<S, A> r;
-    for (int i = 0; i < r.count; ++i) r.v[i] = both(a.v[i], b.v[i]);
+    unrolled<Partials<S, A>::count>([&](int i) { r.v[i] = both(a.v[i], b.v[i]); });
     return r;
   } else {
     Partials<S, A | B> r;
@@ -72,7 +72,7 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
 template <class S, int N, class F>
 Lanes<S, N> apply(const Lanes<S, N>& a, const F& f) {
   Lanes<S, N> r;
-  for (int i = 0; i < r.count; ++i) r.v[i] = f(a.v[i]);
+  unrolled<Lanes<S, N>::count>([&](int i) { r.v[i] = f(a.v[i]); });
   return r;
 }
 
@@ -291,7 +291,7 @@ template <class Mask, class S, std::uint64_t C>
   requires(!std::is_same_v<Mask, bool>)
 SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
   detail::Partials<S, C> d;
-  for (int i = 0; i < d.count; ++i) d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]);
+  detail::unrolled<detail::Partials<S, C>::count>([&](int i) { d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]); });
   return {select(mask, a.value(), b.value()), d};
 }
 

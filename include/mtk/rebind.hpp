@@ -10,10 +10,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "mtk/detail/transpose.hpp"
 #include "mtk/dual.hpp"
 #include "mtk/manifold.hpp"
 #include "mtk/pack.hpp"
 #include "mtk/types/s2.hpp"
+#include "mtk/types/seed.hpp"
 #include "mtk/types/scalar.hpp"
 #include "mtk/types/so2.hpp"
 #include "mtk/types/so3.hpp"
@@ -236,7 +238,9 @@ void seedPart(Y& y, const X& x, int offset, int width) {
 /// nothing is set twice.
 template <class Y, class X>
 Y seededAs(const X& x, int offset, int width) {
-  if constexpr (is_trafo<Y> && !std::is_aggregate_v<Y>) {
+  if constexpr (is_seed_rotation<Y> || requires { Y(x).values(); }) {
+    return Y(x);
+  } else if constexpr (is_trafo<Y> && !std::is_aggregate_v<Y>) {
     return Y(seededAs<decltype(Y::orient)>(x.orient, offset + X::DIM, width), seededAs<decltype(Y::pos)>(x.pos, offset, width));
   } else if constexpr (Compound<X> && std::is_aggregate_v<Y>) {
     const auto from = membersOf(x);
@@ -262,15 +266,16 @@ Y seededAs(const X& x, int offset, int width) {
 template <class Y, class X, std::size_t W>
 void gatherPart(Y& y, const std::array<const X*, W>& x) {
   auto& to = State::of(y);
-  using Number = Pack<static_cast<int>(W)>;
-  const auto from = [&](std::size_t lane) -> const auto& { return State::read(*x[lane]); };
+  constexpr int width = static_cast<int>(W);
+  using Number = Pack<width>;
+  const auto from = [&](int lane) -> const auto& { return State::read(*x[static_cast<std::size_t>(lane)]); };
   if constexpr (EigenState<X>) {
-    to.resize(from(0).rows(), from(0).cols());
-    for (Eigen::Index i = 0; i < to.size(); ++i) {
-      to.data()[i] = Number(Number::Numbers::generate([&](int lane) { return from(static_cast<std::size_t>(lane)).data()[i]; }));
-    }
+    constexpr int size = std::remove_cvref_t<decltype(from(0))>::SizeAtCompileTime;
+    std::array<const double*, W> data;
+    unrolled<width>([&](int lane) { data[static_cast<std::size_t>(lane)] = from(lane).data(); });
+    interleave<size>(data, &to.data()->lanes);
   } else {
-    to = Number(Number::Numbers::generate([&](int lane) { return from(static_cast<std::size_t>(lane)); }));
+    to = Number(Number::Numbers::generate(from));
   }
 }
 template <class Y, class X, std::size_t W>
@@ -282,7 +287,10 @@ void gatherParts(Y& y, const std::array<const X*, W>& x) {
       const auto one = [&]<std::size_t J>(std::integral_constant<std::size_t, J>) {
         using P = std::remove_cvref_t<std::tuple_element_t<J, Members>>;
         std::array<const P*, W> parts;
-        for (std::size_t lane = 0; lane < W; ++lane) parts[lane] = &std::get<J>(membersOf(*x[lane]));
+        unrolled<static_cast<int>(W)>([&](int lane) {
+          const auto k = static_cast<std::size_t>(lane);
+          parts[k] = &std::get<J>(membersOf(*x[k]));
+        });
         gatherParts(std::get<J>(to), parts);
       };
       (one(std::integral_constant<std::size_t, I>{}), ...);
@@ -305,23 +313,17 @@ struct SparseRebind {
 };
 template <class R, class S, int Offset>
 struct SparseRebind<trafo<R>, S, Offset> {
-  using Position = SparseDual<S, lowColumns(R::DIM) << Offset>;
-  using Rotation = SparseDual<S, lowColumns(R::DOF) << (Offset + R::DIM)>;
-  using type = SparseTrafo<rebound_t<R, Rotation>, vect<R::DIM, Position>>;
+  using type = SparseTrafo<typename SparseRebind<R, S, Offset + R::DIM>::type, SeedVector<R::DIM, S, Offset>>;
 };
-/// A vector of unknowns. Taken apart by a structured binding, each of its entries depends on itself alone.
-template <int N, class S, int Offset>
-class SeedVector : public vect<N, SparseDual<S, lowColumns(N) << Offset>> {
- public:
-  SeedVector() : SeedVector(Uninitialized()) {}
-  explicit SeedVector(Uninitialized u) : vect<N, SparseDual<S, lowColumns(N) << Offset>>(u) {}
-
-  template <std::size_t I>
-  auto get() const {
-    SparseDual<S, lowColumns(1) << (Offset + static_cast<int>(I))> entry;
-    entry.seed((*this)[static_cast<Eigen::Index>(I)].value(), Offset + static_cast<int>(I));
-    return entry;
-  }
+/// Class templates over their number type that say that they read their entries by get<I>() alone.
+template <class T, class S, int Offset>
+  requires(T::has_separate_entries)
+struct SparseRebind<T, S, Offset> {
+  using type = rebound_t<T, SeparateUnknowns<S, Offset>>;
+};
+template <class S, int Offset>
+struct SparseRebind<SO3<>, S, Offset> {
+  using type = SeedRotation<S, lowColumns(3) << Offset>;
 };
 template <int N, class S, int Offset>
   requires(N > 0)
@@ -360,10 +362,3 @@ rebind_t<X, S> lifted(const X& x) {
 }
 
 }  // namespace mtk
-
-template <int N, class S, int Offset>
-struct std::tuple_size<mtk::detail::SeedVector<N, S, Offset>> : std::integral_constant<std::size_t, N> {};
-template <std::size_t I, int N, class S, int Offset>
-struct std::tuple_element<I, mtk::detail::SeedVector<N, S, Offset>> {
-  using type = mtk::SparseDual<S, mtk::detail::lowColumns(1) << (Offset + static_cast<int>(I))>;
-};

@@ -14,10 +14,16 @@ namespace slom {
 
 namespace {
 
-constexpr int kMeasurementsPerChunk = 64;
 constexpr int kChunksPerThread = 8;  // in flight: few, so that they stay in the cache until they are added up
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Measurements in a chunk: at most 64, fewer where their Jacobians would not stay in the first-level cache.
+int perChunk(const MeasurementPool& pool) {
+  constexpr int most = 64, least = 16, entries = 2048;
+  const int of_one = std::max(1, pool.size() > 0 ? pool.rows(0) * pool.columns(0) : 1);
+  return std::clamp(entries / of_one / 8 * 8, least, most);
+}
 
 double squaredNorm(const std::vector<double>& r) {
   return Eigen::Map<const Eigen::VectorXd>(r.data(), static_cast<Eigen::Index>(r.size())).squaredNorm();
@@ -25,10 +31,10 @@ double squaredNorm(const std::vector<double>& r) {
 
 }  // namespace
 
-std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, int per_chunk) const {
+std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem) const {
   std::vector<Range> result;
   for (int g = 0; g < static_cast<int>(problem.pools().size()); ++g) {
-    const int size = problem.pools()[at(g)]->size();
+    const int size = problem.pools()[at(g)]->size(), per_chunk = perChunk(*problem.pools()[at(g)]);
     for (int first = 0; first < size; first += per_chunk) result.push_back({g, first, std::min(first + per_chunk, size)});
   }
   return result;
@@ -78,7 +84,7 @@ void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& ch
 }
 
 std::vector<double> Linearizer::rssPerPool(Problem& problem) {
-  const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
+  const std::vector<Range> all = ranges(problem);
   std::vector<double> sums(all.size());
   std::vector<std::optional<MeasurementThrew>> threw(all.size());
   detail::forEachIndex(static_cast<int>(all.size()), [&](int c) {
@@ -108,7 +114,7 @@ double Linearizer::rss(Problem& problem) {
 
 double Linearizer::largestLossArgument(Problem& problem) {
   double largest = -1;
-  for (const Range& range : ranges(problem, kMeasurementsPerChunk)) {
+  for (const Range& range : ranges(problem)) {
     MeasurementPool& pool = *problem.pools()[at(range.group)];
     if (pool.lossCount() == 0) continue;
     Chunk chunk;
@@ -127,7 +133,7 @@ void Linearizer::residuals(Problem& problem, double* r) {
 }
 
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
-  const std::vector<Range> all = ranges(problem, kMeasurementsPerChunk);
+  const std::vector<Range> all = ranges(problem);
   std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
   const std::size_t per_wave = at(kChunksPerThread * tbb::this_task_arena::max_concurrency());
   chunks_.resize(std::min(all.size(), per_wave));

@@ -9,8 +9,13 @@ namespace slom {
 
 namespace {
 
+/// Sums of x * 0, which are NaN for NaN and infinities; many at once, so that none waits for another.
 bool isFinite(const double* x, std::ptrdiff_t n) {
-  return (Eigen::Map<const Eigen::ArrayXd>(x, n) * 0.0).sum() == 0.0;  // NaN for NaN and infinities
+  using Sums = Eigen::Array<double, 16, 1>;
+  Sums sums = Sums::Zero();
+  std::ptrdiff_t i = 0;
+  for (; i + 16 <= n; i += 16) sums += Eigen::Map<const Sums>(x + i) * 0.0;
+  return sums.sum() + (Eigen::Map<const Eigen::ArrayXd>(x + i, n - i) * 0.0).sum() == 0.0;
 }
 
 [[noreturn]] void raiseWrongLength(const std::string& measurement, int expected, int got) {
@@ -89,10 +94,13 @@ int MeasurementPool::evaluate(int first, int last, double* r) {
 int MeasurementPool::linearize(int first, int last, double* r, double* J) {
   runGuarded(first, last, r, J);
   double *const start_r = r, *const start_J = J;
+  const bool is_fixed = hasFixedSizes();
   for (int i = first; i < last; ++i) {
-    const int n = rows(i), width = columns(i);
-    whitenRows(i, r, 1);
-    whitenRows(i, J, width);
+    const int n = is_fixed ? type_.rows : rows(i), width = is_fixed ? columns_ : columns(i);
+    if (noise_kind_[at(i)] != WhiteningKind::unit) {
+      whitenRows(i, r, 1);
+      whitenRows(i, J, width);
+    }
     r += n;
     J += static_cast<std::ptrdiff_t>(n) * width;
   }

@@ -5,7 +5,7 @@
 namespace slom::app::bundle {
 
 mtk::vect<2> Scene::residual(const Observation& observation) const {
-  const Camera<>& camera = cameras[std::size_t(observation.camera)];
+  const Camera& camera = cameras[std::size_t(observation.camera)];
   return Sight()(camera, points[std::size_t(observation.point)]) - observation.pixel;
 }
 

@@ -18,7 +18,7 @@ struct Observation {
 
 struct Scene {
   std::string file;
-  std::vector<Camera<>> cameras;
+  std::vector<Camera> cameras;
   std::vector<mtk::vect<3>> points;
   std::vector<Observation> observations;
 

@@ -8,6 +8,14 @@
 
 namespace mtk::detail {
 
+/// f(0), ..., f(N - 1), written out: arrays whose indices are constants can live in registers.
+template <int N, class F>
+void unrolled(const F& f) {
+  [&]<int... I>(std::integer_sequence<int, I...>) { (f(I), ...); }(std::make_integer_sequence<int, N>{});
+}
+
+inline constexpr int kMostUnrolled = 16;  ///< longer vectors are left to loops
+
 /// `count` vectors of `lanes` numbers hold N numbers of type S; what is left over in the last one is zero.
 template <class S, int N>
 struct LaneLayout {
@@ -52,16 +60,16 @@ struct Lanes {
   // Copied one by one, which lets the compiler keep them in registers; of whole arrays it makes calls of memcpy.
   Lanes() = default;
   Lanes(const Lanes& x) {
-    for (int i = 0; i < count; ++i) v[i] = x.v[i];
+    unrolled<count>([&](int i) { v[i] = x.v[i]; });
   }
   Lanes& operator=(const Lanes& x) {
-    for (int i = 0; i < count; ++i) v[i] = x.v[i];
+    unrolled<count>([&](int i) { v[i] = x.v[i]; });
     return *this;
   }
 
   static Lanes zero() {
     Lanes x;
-    for (int i = 0; i < count; ++i) x.v[i] = Vector{};
+    unrolled<count>([&](int i) { x.v[i] = Vector{}; });
     return x;
   }
   /// number(i) for i = 0 ... N - 1, put together in registers.

@@ -25,22 +25,22 @@ using Matrix3 = Eigen::Matrix<S, 3, 3, Eigen::DontAlign>;
 template <class S, class P>
 std::array<P, 3> multiply(const Matrix3<S>& M, const std::array<P, 3>& d) {
   std::array<P, 3> r;
-  for (int k = 0; k < P::count; ++k) {
+  unrolled<P::count>([&](int k) {
     const auto a = d[0].v[k], b = d[1].v[k], c = d[2].v[k];
-    for (int i = 0; i < 3; ++i) r[static_cast<std::size_t>(i)].v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c;
-  }
+    unrolled<3>([&](int i) { r[static_cast<std::size_t>(i)].v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c; });
+  });
   return r;
 }
 /// d x p
 template <class S, class P>
 std::array<P, 3> cross(const std::array<P, 3>& d, const vect<3, S>& p) {
   std::array<P, 3> r;
-  for (int k = 0; k < P::count; ++k) {
+  unrolled<P::count>([&](int k) {
     const auto a = d[0].v[k], b = d[1].v[k], c = d[2].v[k];
     r[0].v[k] = p[2] * b - p[1] * c;
     r[1].v[k] = p[0] * c - p[2] * a;
     r[2].v[k] = p[1] * a - p[0] * b;
-  }
+  });
   return r;
 }
 template <std::uint64_t A, std::uint64_t B, class S>
@@ -62,11 +62,11 @@ vect<3, S> valueOf(const PlainVector<SparseDual<S, C>, 3>& p) {
 template <class S, std::uint64_t C>
 vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M, const RowPartials<S, C>& d) {
   vect<3, SparseDual<S, C>> result{Uninitialized()};
-  for (int i = 0; i < 3; ++i) result[i].value() = value[i];
-  for (int k = 0; k < Partials<S, C>::count; ++k) {
+  unrolled<3>([&](int i) { result[i].value() = value[i]; });
+  unrolled<Partials<S, C>::count>([&](int k) {
     const auto a = d[0].v[k], b = d[1].v[k], c = d[2].v[k];
-    for (int i = 0; i < 3; ++i) result[i].partials().v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c;
-  }
+    unrolled<3>([&](int i) { result[i].partials().v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c; });
+  });
   return result;
 }
 
@@ -273,9 +273,15 @@ SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
   return SO3<S>(a) * SO3<S>(b);
 }
 
+namespace detail {
+/// Whether E is a vector of unknowns, see mtk/types/seed.hpp.
+template <class E>
+inline constexpr bool is_seed_vector = false;
+}  // namespace detail
+
 /// Rotates a point or a direction.
 template <class A, class E>
-  requires(detail::OneIsDual<A, typename E::Scalar> && bool(E::IsVectorAtCompileTime))
+  requires(detail::OneIsDual<A, typename E::Scalar> && bool(E::IsVectorAtCompileTime) && !detail::is_seed_vector<E>)
 auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   static_assert(E::SizeAtCompileTime == 3 || E::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
   using B = typename E::Scalar;

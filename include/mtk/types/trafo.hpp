@@ -83,9 +83,9 @@ struct SparseTrafo {
   R orient;
 
   auto inverse() const {
-    const R back = orient.inverse();
+    const auto back = orient.inverse();
     const auto moved = -(back * pos);
-    return SparseTrafo<R, std::remove_const_t<decltype(moved)>>{moved, back};
+    return SparseTrafo<std::remove_const_t<decltype(back)>, std::remove_const_t<decltype(moved)>>{moved, back};
   }
   template <class D>
     requires(bool(D::IsVectorAtCompileTime))
@@ -104,8 +104,9 @@ template <class T>
 inline constexpr bool is_rotation = false;
 template <class S>
 inline constexpr bool is_rotation<SO2<S>> = true;
-template <class S>
-inline constexpr bool is_rotation<SO3<S>> = true;
+template <class T>
+  requires requires(const T& x) { []<class S>(const SO3<S>&) {}(x); }
+inline constexpr bool is_rotation<T> = true;
 
 /// A trafo where both parts have the same scalar, a SparseTrafo otherwise.
 template <class R, class V>

@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <tuple>
 
+#include "mtk/detail/lanes.hpp"
 #include "mtk/manifold.hpp"
 
 namespace mtk {
@@ -107,17 +108,40 @@ class vect : public PlainVector<S, N> {
   void magnitudes(vectview<S, N> out) const { out = this->cwiseAbs(); }
 };
 
+namespace detail {
+/// A vector that also keeps its entries as what they were: structured bindings find numbers that depend on few unknowns.
+template <class S, class... T>
+class MixedVector : public vect<static_cast<int>(sizeof...(T)), S> {
+ public:
+  explicit MixedVector(const T&... entries) : vect<static_cast<int>(sizeof...(T)), S>(Uninitialized()), entries_(entries...) {
+    Eigen::Index i = 0;
+    ((this->coeffRef(i++) = entries), ...);
+  }
+  template <std::size_t I>
+  const auto& get() const {
+    return std::get<I>(entries_);
+  }
+
+ private:
+  std::tuple<T...> entries_;
+};
+}  // namespace detail
+
 /// The vector of these numbers, whose types may differ: the result's type holds them all. What a function that is to work
 /// on numbers of any type returns: `return mtk::vector(u - z[0], v - z[1]);`
 template <class First, class... Rest>
 auto vector(const First& first, const Rest&... rest) {
   using Sum = typename detail::PromoteAll<First, Rest...>::type;
   using S = std::conditional_t<std::is_integral_v<Sum>, double, Sum>;
-  vect<1 + static_cast<int>(sizeof...(Rest)), S> result{Uninitialized()};
-  Eigen::Index i = 0;
-  result[i++] = first;
-  ((result[i++] = rest), ...);
-  return result;
+  if constexpr (detail::is_dual<S> && !(std::is_same_v<First, Rest> && ...)) {
+    return detail::MixedVector<S, First, Rest...>(first, rest...);
+  } else {
+    vect<1 + static_cast<int>(sizeof...(Rest)), S> result{Uninitialized()};
+    Eigen::Index i = 0;
+    result[i++] = first;
+    ((result[i++] = rest), ...);
+    return result;
+  }
 }
 
 // Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
@@ -148,7 +172,11 @@ Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
                 "mtk: vectors of different sizes cannot be added or subtracted");
   requireSameSize(a.size(), b.size(), name);
   auto result = unfilled<Sum<A, B>>(a.size());
-  for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i], b[i]);
+  if constexpr (constexpr int n = Sum<A, B>::DOF; n != Dynamic && n <= kMostUnrolled) {
+    unrolled<n>([&](int i) { result[i] = op(a[i], b[i]); });
+  } else {
+    for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i], b[i]);
+  }
   return result;
 }
 inline constexpr auto plus = [](const auto& a, const auto& b) { return a + b; };
@@ -187,7 +215,11 @@ namespace detail {
 template <int N, class S, class Op>
 auto scaled(const vect<N, S>& a, const Op& op) {
   auto result = unfilled<vect<N, decltype(op(a[0]))>>(a.size());
-  for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i]);
+  if constexpr (N != Dynamic && N <= kMostUnrolled) {
+    unrolled<N>([&](int i) { result[i] = op(a[i]); });
+  } else {
+    for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i]);
+  }
   return result;
 }
 /// A number type other than S, one of the two not built in.
@@ -260,3 +292,7 @@ template <std::size_t I, int N, class S>
 struct std::tuple_element<I, mtk::vect<N, S>> {
   using type = S;
 };
+template <class S, class... T>
+struct std::tuple_size<mtk::detail::MixedVector<S, T...>> : std::integral_constant<std::size_t, sizeof...(T)> {};
+template <std::size_t I, class S, class... T>
+struct std::tuple_element<I, mtk::detail::MixedVector<S, T...>> : std::tuple_element<I, std::tuple<T...>> {};

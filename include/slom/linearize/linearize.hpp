@@ -84,7 +84,7 @@ class Linearizer {
     int group, first, last;
   };
 
-  std::vector<Range> ranges(const Problem& problem, int per_chunk) const;
+  std::vector<Range> ranges(const Problem& problem) const;
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
   /// Makes the columns of held components 0.

@@ -9,8 +9,10 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
+#include "mtk/bottleneck.hpp"
 #include "mtk/types/vect.hpp"
 
 namespace slom {
@@ -23,15 +25,26 @@ S depthInFront(const S& z) {
   return select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
 }
 
+/// Coordinate I of a point; where its type knows, a number that depends on that coordinate alone.
+template <std::size_t I>
+decltype(auto) coordinate(const auto& p) {
+  if constexpr (requires { p.template get<I>(); }) {
+    return p.template get<I>();
+  } else {
+    return p[I];
+  }
+}
+
 /// N numbers that begin with focal lengths and image centre [px].
 template <int N, class S>
 struct CentredLens : mtk::vect<N, S> {
+  static constexpr bool has_separate_entries = true;  ///< derivatives: entries are read by get<I>() alone
   using mtk::vect<N, S>::vect;
 
-  const S& fx() const { return (*this)[0]; }
-  const S& fy() const { return (*this)[1]; }
-  const S& cx() const { return (*this)[2]; }
-  const S& cy() const { return (*this)[3]; }
+  decltype(auto) fx() const { return this->template get<0>(); }
+  decltype(auto) fy() const { return this->template get<1>(); }
+  decltype(auto) cx() const { return this->template get<2>(); }
+  decltype(auto) cy() const { return this->template get<3>(); }
 
  protected:
   /// The pixel of a point of the image plane at depth 1.
@@ -46,8 +59,10 @@ struct PinholeIntrinsics : detail::CentredLens<4, S> {
   using detail::CentredLens<4, S>::CentredLens;
 
   auto project(const auto& p) const {
-    const auto z = detail::depthInFront(p[2]);
-    return this->toPixels(p[0] / z, p[1] / z);
+    return mtk::bottleneck(p, [this](const auto& q) {
+      const auto z = detail::depthInFront(detail::coordinate<2>(q));
+      return this->toPixels(detail::coordinate<0>(q) / z, detail::coordinate<1>(q) / z);
+    });
   }
 };
 
@@ -60,19 +75,25 @@ struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
                                                                    "k2", "p1", "p2", "k3"};
   using detail::CentredLens<9, S>::CentredLens;
 
-  const S& k1() const { return (*this)[4]; }
-  const S& k2() const { return (*this)[5]; }
-  const S& p1() const { return (*this)[6]; }
-  const S& p2() const { return (*this)[7]; }
-  const S& k3() const { return (*this)[8]; }
+  decltype(auto) k1() const { return this->template get<4>(); }
+  decltype(auto) k2() const { return this->template get<5>(); }
+  decltype(auto) p1() const { return this->template get<6>(); }
+  decltype(auto) p2() const { return this->template get<7>(); }
+  decltype(auto) k3() const { return this->template get<8>(); }
 
   auto project(const auto& p) const {
-    const auto z = detail::depthInFront(p[2]);
-    const auto x = p[0] / z, y = p[1] / z;
-    const auto xx = x * x, yy = y * y, xy2 = 2.0 * x * y, r2 = xx + yy;
-    const auto radial = 1.0 + r2 * (k1() + r2 * (k2() + r2 * k3()));
-    return this->toPixels(x * radial + p1() * xy2 + p2() * (r2 + 2.0 * xx),
-                          y * radial + p1() * (r2 + 2.0 * yy) + p2() * xy2);
+    return mtk::bottleneck(p, [this](const auto& q) {
+      const auto z = detail::depthInFront(detail::coordinate<2>(q));
+      const auto x = detail::coordinate<0>(q) / z;
+      const auto y = detail::coordinate<1>(q) / z;
+      const auto xx = x * x;
+      const auto yy = y * y;
+      const auto xy2 = 2.0 * x * y;
+      const auto r2 = xx + yy;
+      const auto radial = 1.0 + r2 * (k1() + r2 * (k2() + r2 * k3()));
+      return this->toPixels(x * radial + p1() * xy2 + p2() * (r2 + 2.0 * xx),
+                            y * radial + p1() * (r2 + 2.0 * yy) + p2() * xy2);
+    });
   }
 };
 
@@ -89,17 +110,19 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
                                                                    "k1", "k2", "k3", "k4"};
   using detail::CentredLens<8, S>::CentredLens;
 
-  const S& k1() const { return (*this)[4]; }
-  const S& k2() const { return (*this)[5]; }
-  const S& k3() const { return (*this)[6]; }
-  const S& k4() const { return (*this)[7]; }
+  decltype(auto) k1() const { return this->template get<4>(); }
+  decltype(auto) k2() const { return this->template get<5>(); }
+  decltype(auto) k3() const { return this->template get<6>(); }
+  decltype(auto) k4() const { return this->template get<7>(); }
 
   auto project(const auto& p) const {
-    const auto r2 = p[0] * p[0] + p[1] * p[1];
-    const auto theta_by_r = angleByRadius(r2, p[2]);
-    const auto t2 = theta_by_r * theta_by_r * r2;
-    const auto scale = theta_by_r * (1.0 + t2 * (k1() + t2 * (k2() + t2 * (k3() + t2 * k4()))));
-    return this->toPixels(scale * p[0], scale * p[1]);
+    return mtk::bottleneck(p, [this](const auto& q) {
+      const auto r2 = q[0] * q[0] + q[1] * q[1];
+      const auto theta_by_r = angleByRadius(r2, q[2]);
+      const auto t2 = theta_by_r * theta_by_r * r2;
+      const auto scale = theta_by_r * (1.0 + t2 * (k1() + t2 * (k2() + t2 * (k3() + t2 * k4()))));
+      return this->toPixels(scale * q[0], scale * q[1]);
+    });
   }
 
  private:
@@ -125,18 +148,22 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
 ///   page
 template <class S = double>
 struct SnavelyIntrinsics : mtk::vect<3, S> {
+  static constexpr bool has_separate_entries = true;
   static constexpr std::array<std::string_view, 3> component_names{"f", "k1", "k2"};
   using mtk::vect<3, S>::vect;
 
-  const S& f() const { return (*this)[0]; }
-  const S& k1() const { return (*this)[1]; }
-  const S& k2() const { return (*this)[2]; }
+  decltype(auto) f() const { return this->template get<0>(); }
+  decltype(auto) k1() const { return this->template get<1>(); }
+  decltype(auto) k2() const { return this->template get<2>(); }
 
   auto project(const auto& p) const {
-    const auto x = -p[0] / p[2], y = -p[1] / p[2];
-    const auto r2 = x * x + y * y;
-    const auto scale = f() * (1.0 + r2 * (k1() + r2 * k2()));
-    return mtk::vector(scale * x, scale * y);
+    return mtk::bottleneck(p, [this](const auto& q) {
+      const auto x = -detail::coordinate<0>(q) / detail::coordinate<2>(q);
+      const auto y = -detail::coordinate<1>(q) / detail::coordinate<2>(q);
+      const auto r2 = x * x + y * y;
+      const auto scale = f() * (1.0 + r2 * (k1() + r2 * k2()));
+      return mtk::vector(scale * x, scale * y);
+    });
   }
 };
 

@@ -426,22 +426,25 @@ class CallableMeasurement {
                   "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
                   "types, compounds of them and class templates (see mtk/rebind.hpp)");
     using Evaluation = typename Packed<std::make_index_sequence<sizeof...(Args)>>::type;
-    double unused[residual_dim * columns];
-    for (int i = 0; i < count; i += detail::kLanesAtOnce) {
+    constexpr int width = Evaluation::width, entries = residual_dim * columns;
+    for (int left = count; left > 0; left -= width) {
       typename Evaluation::Source source;
-      typename Evaluation::Target target_r, target_J;
-      for (int lane = 0; lane < detail::kLanesAtOnce; ++lane) {
-        const auto at = static_cast<std::size_t>(lane);
-        const int own = std::min(i + lane, count - 1);  // the last one fills lanes that are left over
-        source[at] = &first[own].args_;
-        target_r[at] = own == i + lane ? r + static_cast<std::ptrdiff_t>(own) * residual_dim : unused;
-        target_J[at] = own == i + lane ? J + static_cast<std::ptrdiff_t>(own) * (residual_dim * columns) : unused;
+      for (int lane = 0; lane < width; ++lane) {  // the last one fills lanes that are left over
+        source[static_cast<std::size_t>(lane)] = &first[std::min(lane, left - 1)].args_;
       }
+      double rest_r[width * residual_dim], rest_J[width * entries];
+      const bool is_full = left >= width;
+      double* const to_r = is_full ? r : rest_r;
       if (J == nullptr) {
-        Evaluation::evaluate(first->function(), source, target_r);
+        Evaluation::evaluate(first->function(), source, to_r);
       } else {
-        Evaluation::linearize(first->function(), source, target_r, target_J);
+        Evaluation::linearize(first->function(), source, to_r, is_full ? J : rest_J);
+        if (!is_full) std::copy_n(rest_J, left * entries, J);
+        J += width * entries;
       }
+      if (!is_full) std::copy_n(rest_r, left * residual_dim, r);
+      first += width;
+      r += width * residual_dim;
     }
   }
 

@@ -2,7 +2,10 @@
 /// manifold, of which the residual is f(Y) [-] z.
 #pragma once
 
+#include <cstddef>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "mtk/rebind.hpp"
 
@@ -18,11 +21,34 @@ const mtk::SparseDual<S, C>& plainNumber(const mtk::Scalar<mtk::SparseDual<S, C>
   return x;
 }
 
+/// Number of entries where the type says it, otherwise -1.
+template <class V>
+constexpr int sizeOf() {
+  if constexpr (requires { V::SizeAtCompileTime; }) {
+    return V::SizeAtCompileTime;
+  } else {
+    return -1;
+  }
+}
+/// f(i) for each entry i of v.
+template <class V, class F>
+void eachIndex(const V& v, const F& f) {
+  if constexpr (constexpr int size = sizeOf<V>(); size > 0 && size <= mtk::detail::kMostUnrolled) {
+    mtk::detail::unrolled<size>(f);
+  } else {
+    for (int i = 0; i < static_cast<int>(v.size()); ++i) f(i);
+  }
+}
+
 /// sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.
 template <class R, class Sink>
 void eachRow(const R& value, const Sink& sink) {
-  if constexpr (requires { value.size(); value[0]; }) {
-    for (int i = 0; i < static_cast<int>(value.size()); ++i) sink(i, plainNumber(value[static_cast<decltype(value.size())>(i)]));
+  if constexpr (requires { value.template get<0>(); }) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (sink(static_cast<int>(I), plainNumber(value.template get<I>())), ...);
+    }(std::make_index_sequence<std::tuple_size_v<R>>{});
+  } else if constexpr (requires { value.size(); value[0]; }) {
+    eachIndex(value, [&](int i) { sink(i, plainNumber(value[static_cast<decltype(value.size())>(i)])); });
   } else if constexpr (requires { value.partials(); } || mtk::is_scalar_v<R>) {
     sink(0, plainNumber(value));
   } else {
@@ -35,7 +61,7 @@ void eachRow(const R& value, const Sink& sink) {
 template <class X, class Z, class Sink>
 void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
   const auto entries = [&](const auto& v) {
-    for (int i = 0; i < static_cast<int>(v.size()); ++i) sink(row + i, v[i]);
+    eachIndex(v, [&](int i) { sink(row + i, v[i]); });
   };
   if constexpr (mtk::detail::Compound<Z>) {
     const auto part_x = mtk::detail::membersOf(x);
@@ -59,7 +85,7 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
     entries(decltype(z.inverse() * x)::log(from_z));
   } else if constexpr (mtk::detail::EigenState<Z> && !requires { z.vector(); }) {
     mtk::detail::requireSameSize(x.size(), z.size(), "x [-] y");
-    for (int i = 0; i < static_cast<int>(x.size()); ++i) sink(row + i, x[i] - z[i]);
+    eachIndex(x, [&](int i) { sink(row + i, x[i] - z[i]); });
   } else if constexpr (mtk::is_scalar_v<Z> || requires { z.value(); }) {
     using N = std::remove_cvref_t<decltype(mtk::detail::State::read(z))>;
     sink(row, x - static_cast<const N&>(mtk::detail::State::read(z)));

@@ -50,51 +50,34 @@ using Held = std::remove_cvref_t<decltype(held(std::declval<const Stored&>()))>;
 /// As many unknowns as columns of packs can tell apart, besides those that mtk::bottleneck takes.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
-inline constexpr int kLanesAtOnce = mtk::kPackWidth;
-using Lanes = mtk::Pack<kLanesAtOnce>;
+/// How many measurements are evaluated at once: as many as registers are wide, unless so many derivatives (`entries` of a
+/// Jacobian) would leave the registers that another width is faster.
+constexpr int packWidth(int entries) { return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4); }
 
-/// out[lane][i] := x[i][lane] for i < N.
-template <int N>
-void scatter(const Lanes* x, double* const* out) {
-  constexpr int step = mtk::detail::kNativeLanes;
-  int i = 0;
-#if !defined(EIGEN_DONT_VECTORIZE)
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wignored-attributes"  // the alignment of vector types, which does not matter here
-#endif
-  if constexpr (step == 2 || step == 4) {
-    using Traits = Eigen::internal::packet_traits<double>;
-    for (; i + step <= N; i += step) {
-      for (int v = 0; v < Lanes::count; ++v) {
-        Eigen::internal::PacketBlock<Traits::type, step> block;
-        for (int k = 0; k < step; ++k) block.packet[k] = reinterpret_cast<const Traits::type&>(x[i + k].lanes.v[v]);
-        Eigen::internal::ptranspose(block);
-        for (int k = 0; k < step; ++k) Eigen::internal::pstoreu(out[v * step + k] + i, block.packet[k]);
-      }
-    }
-  }
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
-#endif
-  for (; i < N; ++i) {
-    for (int lane = 0; lane < kLanesAtOnce; ++lane) out[lane][i] = x[i][lane];
-  }
+/// Written out: of a loop over pointers compilers make gathering loads, which are slow.
+template <int Width, class F>
+void forEachLane(const F& f) {
+  mtk::detail::unrolled<Width>([&](int lane) { f(static_cast<std::size_t>(lane)); });
+}
+/// out[lane * N + i] := x[i][lane] for i < N.
+template <int N, int Width>
+void scatter(const mtk::Pack<Width>* x, double* out) {
+  mtk::detail::deinterleave<N>(&x->lanes, out, N);
 }
 
 /// An argument in packs: its value, and what the function gets of it.
-template <class Stored>
+template <class Stored, int Width>
 struct PackedArgument {
-  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Held<Stored>, Lanes>>;
+  using Numbers = mtk::Pack<Width>;
+  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Held<Stored>, Numbers>>;
   static constexpr bool is_datum = is_measured<Stored>;
-  using Packed = std::conditional_t<possible, mtk::rebind_t<Held<Stored>, Lanes>, std::tuple<>>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<Held<Stored>, Numbers>, std::tuple<>>;
   using Passed = std::conditional_t<is_datum, std::tuple<>, std::tuple<const Packed&>>;
   Packed value{};
 
-  explicit PackedArgument(const std::array<const Stored*, kLanesAtOnce>& x) {
-    std::array<const Held<Stored>*, kLanesAtOnce> values;
-    for (std::size_t lane = 0; lane < x.size(); ++lane) values[lane] = &held(*x[lane]);
+  explicit PackedArgument(const std::array<const Stored*, Width>& x) {
+    std::array<const Held<Stored>*, Width> values;
+    forEachLane<Width>([&](std::size_t lane) { values[lane] = &held(*x[lane]); });
     mtk::detail::gatherParts(value, values);
   }
   PackedArgument(const PackedArgument&) = delete;
@@ -108,17 +91,17 @@ struct PackedArgument {
   }
 };
 /// The same argument where derivatives are wanted.
-template <class Stored, int Offset>
+template <class Stored, int Width, int Offset>
 struct SeededArgument {
-  const PackedArgument<Stored>& packed;
-  explicit SeededArgument(const PackedArgument<Stored>& argument) : packed(argument) {}
+  const PackedArgument<Stored, Width>& packed;
+  explicit SeededArgument(const PackedArgument<Stored, Width>& argument) : packed(argument) {}
   auto passed() const { return packed.passed(); }
 };
-template <class T, int Offset>
-struct SeededArgument<VarArg<T>, Offset> {
-  using Seeded = mtk::detail::sparse_rebind_t<T, Lanes, Offset>;
+template <class T, int Width, int Offset>
+struct SeededArgument<VarArg<T>, Width, Offset> {
+  using Seeded = mtk::detail::sparse_rebind_t<T, mtk::Pack<Width>, Offset>;
   Seeded value;
-  explicit SeededArgument(const PackedArgument<VarArg<T>>& packed)
+  explicit SeededArgument(const PackedArgument<VarArg<T>, Width>& packed)
       : value(mtk::detail::seededAs<Seeded>(packed.value, Offset, 64)) {}
   SeededArgument(const SeededArgument&) = delete;
   std::tuple<const Seeded&> passed() const { return {value}; }
@@ -129,7 +112,7 @@ constexpr bool arePackable(std::type_identity<std::tuple<M&...>>);
 /// Whether values of T fill packs: its size is fixed, and it is made of the library's types.
 template <class T>
 constexpr bool isPackable() {
-  if constexpr (!mtk::Manifold<T> || std::is_void_v<mtk::rebind_t<T, Lanes>>) {
+  if constexpr (!mtk::Manifold<T> || std::is_void_v<mtk::rebind_t<T, mtk::Pack<mtk::kPackWidth>>>) {
     return false;
   } else if constexpr (mtk::detail::Compound<T>) {
     return arePackable(std::type_identity<decltype(mtk::detail::membersOf(std::declval<T&>()))>{});
@@ -143,30 +126,30 @@ template <class... M>
 constexpr bool arePackable(std::type_identity<std::tuple<M&...>>) {
   return (isPackable<M>() && ...);
 }
-/// Evaluates f for kLanesAtOnce sets of arguments. Rows and Columns: length of the residual, number of unknowns.
+/// Evaluates f for `width` sets of arguments. Rows and Columns: length of the residual, number of unknowns. What
+/// belongs to the same set lies together in r and J.
 template <class F, int Rows, int Columns, class Offsets, class... Stored>
 class PackEvaluation;
 
 template <class F, int Rows, int Columns, int... Offset, class... Stored>
 class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, Stored...> {
   using Tuple = std::tuple<Stored...>;
-  using Arguments = std::tuple<PackedArgument<Stored>...>;
 
  public:
-  using Source = std::array<const Tuple*, kLanesAtOnce>;
-  using Target = std::array<double*, kLanesAtOnce>;
+  static constexpr int width = packWidth(Rows * Columns);
+  using Source = std::array<const Tuple*, width>;
 
-  SLOM_FLATTEN static void evaluate(const F& f, const Source& source, const Target& r) {
+  SLOM_FLATTEN static void evaluate(const F& f, const Source& source, double* r) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
     std::apply([&](const auto&... argument) {
       write(std::apply(f, std::tuple_cat(argument.passed()...)), sink, argument...);
     }, arguments);
-    scatter<Rows>(rows, r.data());
+    scatter<Rows>(rows, r);
   }
 
-  SLOM_FLATTEN static void linearize(const F& f, const Source& source, const Target& r, const Target& J) {
+  SLOM_FLATTEN static void linearize(const F& f, const Source& source, double* r, double* J) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows], partials[Rows * Columns];
     const auto sink = [&](int row, const auto& x) {
@@ -182,24 +165,27 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
       }
     };
     std::apply([&](const auto&... argument) {
-      const std::tuple<SeededArgument<Stored, Offset>...> seeds(argument...);
+      const std::tuple<SeededArgument<Stored, width, Offset>...> seeds(argument...);
       std::apply([&](const auto&... seed) {
         write(std::apply(f, std::tuple_cat(seed.passed()...)), sink, argument...);
       }, seeds);
     }, arguments);
-    scatter<Rows>(rows, r.data());
-    scatter<Rows * Columns>(partials, J.data());
+    scatter<Rows>(rows, r);
+    scatter<Rows * Columns>(partials, J);
   }
 
  private:
+  using Lanes = mtk::Pack<width>;
+  using Arguments = std::tuple<PackedArgument<Stored, width>...>;
+
   template <std::size_t... I>
   static Arguments gather(const Source& source, std::index_sequence<I...>) {
     return Arguments(pointers<I>(source)...);
   }
   template <std::size_t I>
   static auto pointers(const Source& source) {
-    std::array<const std::tuple_element_t<I, Tuple>*, kLanesAtOnce> result;
-    for (std::size_t lane = 0; lane < source.size(); ++lane) result[lane] = &std::get<I>(*source[lane]);
+    std::array<const std::tuple_element_t<I, Tuple>*, width> result;
+    forEachLane<width>([&](std::size_t lane) { result[lane] = &std::get<I>(*source[lane]); });
     return result;
   }
   template <class X, int C>

@@ -21,14 +21,14 @@ class BundleFit {
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
   /// In the order of the scene's.
-  const std::vector<VarID<Camera<>>>& cameras() const { return cameras_; }
+  const std::vector<VarID<Camera>>& cameras() const { return cameras_; }
   const std::vector<VarID<mtk::vect<3>>>& points() const { return points_; }
   /// Writes the values into the cameras and points of the scene.
   void writeTo(Scene& scene) const;
 
  private:
   Estimator est_;
-  std::vector<VarID<Camera<>>> cameras_;
+  std::vector<VarID<Camera>> cameras_;
   std::vector<VarID<mtk::vect<3>>> points_;
 };
 

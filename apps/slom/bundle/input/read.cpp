@@ -116,9 +116,9 @@ class Reader {
                             value, known));
   }
 
-  Camera<> camera(int i) {
+  Camera camera(int i) {
     const auto x = numbers("camera", i, camera_parts);
-    Camera<> camera;
+    Camera camera;
     camera.pose = {mtk::SO3<>::exp(mtk::vect<3>(x.head<3>())), mtk::vect<3>(x.segment<3>(3))};
     camera.lens = slom::SnavelyIntrinsics<>(x.tail<3>());
     return camera;

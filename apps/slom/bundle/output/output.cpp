@@ -43,7 +43,7 @@ std::string toBal(const Scene& scene) {
   append(text, "{} {} {}\n", scene.cameras.size(), scene.points.size(), scene.observations.size());
   for (const Observation& o : scene.observations)
     append(text, "{} {} {} {}\n", o.camera, o.point, o.pixel[0], o.pixel[1]);
-  for (const Camera<>& camera : scene.cameras) {
+  for (const Camera& camera : scene.cameras) {
     appendLines(text, mtk::SO3<>::log(camera.pose.orient));
     appendLines(text, camera.pose.pos);
     appendLines(text, camera.lens);
@@ -61,7 +61,7 @@ std::string toPly(const Scene& scene) {
          plural(scene.points.size(), "point"), plural(scene.cameras.size(), "camera"),
          scene.points.size() + scene.cameras.size());
   for (const mtk::vect<3>& point : scene.points) appendVertex(text, point, point_colour);
-  for (const Camera<>& camera : scene.cameras) appendVertex(text, camera.pose.inverse().pos, camera_colour);
+  for (const Camera& camera : scene.cameras) appendVertex(text, camera.pose.inverse().pos, camera_colour);
   return fmt::to_string(text);
 }
 
