@@ -43,11 +43,14 @@ set_property(SOURCE ${kernel_sources} PROPERTY SKIP_PRECOMPILE_HEADERS ON)
 
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp"
+                      "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
                       "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp"
                APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
+    set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
+                 APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq)
   else()
-    list(FILTER slom_sources EXCLUDE REGEX "/kernels_avx2\\.cpp$")
+    list(FILTER slom_sources EXCLUDE REGEX "/kernels_avx(2|512)\\.cpp$")
   endif()
 endif()

@@ -5,7 +5,7 @@ namespace {
 
 /// V := L D^-1 for D x D; the first pivot that is too small, D when there is none.
 template <int D>
-inline __attribute__((always_inline)) int factorizeUnit(int d, double* V, const double* least,
+SLOM_INLINE inline int factorizeUnit(int d, double* V, const double* least,
                                                         double* pivot) {
   const int n = D > 0 ? D : d;
   for (int j = 0; j < n; ++j) {

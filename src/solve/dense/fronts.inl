@@ -5,17 +5,11 @@ namespace {
 
 /// acc (4 H x W) -= A B^T over K columns of two stripes, A's rows at A, B's at B.
 template <int H, int W>
-inline __attribute__((always_inline)) void subtractProduct(int K, const double* A, const double* B, Vector (&acc)[W][H]) {
+SLOM_INLINE inline void subtractProduct(int K, const double* A, const double* B, Column<H> (&acc)[W]) {
   for (int k = 0; k < K; ++k, A += kStripe, B += kStripe) {
-    Vector a[H];
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) a[h] = load(A + kLanes * h);
-#pragma GCC unroll 4
-    for (int w = 0; w < W; ++w) {
-      const Vector b = all(B[w]);
-#pragma GCC unroll 3
-      for (int h = 0; h < H; ++h) acc[w][h] -= a[h] * b;
-    }
+    const auto a = Column<H>::loaded(A);
+#pragma GCC unroll 12
+    for (int w = 0; w < W; ++w) acc[w].subtract(a, Factor(B[w]));
   }
 }
 
@@ -23,29 +17,18 @@ inline __attribute__((always_inline)) void subtractProduct(int K, const double* 
 /// L at L + w.
 template <int H, int W>
 void solveColumns(int k, const double* L, const double* inverse, double* X) {
-  Vector acc[W][H];
+  Column<H> acc[W];
   double* const at = X + kStripe * k;
 #pragma GCC unroll 4
-  for (int w = 0; w < W; ++w) {
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
-  }
+  for (int w = 0; w < W; ++w) acc[w] = Column<H>::loaded(at + kStripe * w);
   subtractProduct<H, W>(k, X, L, acc);
   const double* const triangle = L + kStripe * k;
 #pragma GCC unroll 4
   for (int w = 0; w < W; ++w) {
 #pragma GCC unroll 4
-    for (int v = 0; v < w; ++v) {
-      const Vector l = all(triangle[kStripe * v + w]);
-#pragma GCC unroll 3
-      for (int h = 0; h < H; ++h) acc[w][h] -= acc[v][h] * l;
-    }
-    const Vector scale = all(inverse[k + w]);
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) {
-      acc[w][h] *= scale;
-      store(at + kStripe * w + kLanes * h, acc[w][h]);
-    }
+    for (int v = 0; v < w; ++v) acc[w].subtract(acc[v], Factor(triangle[kStripe * v + w]));
+    acc[w].scale(Factor(inverse[k + w]));
+    acc[w].storeTo(at + kStripe * w);
   }
 }
 
@@ -67,35 +50,25 @@ void solveStripe(const double* D, const double* inverse, int p, double* X, int c
 template <int H, int W>
 int factorizeColumns(int k, double* stripe, const double* least, double* inverse, double* pivot) {
   constexpr int kRow = kStripe - kLanes * H;
-  Vector acc[W][H];
+  Column<H> acc[W];
   double* const at = stripe + kStripe * k + kRow;
 #pragma GCC unroll 4
-  for (int w = 0; w < W; ++w) {
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) acc[w][h] = load(at + kStripe * w + kLanes * h);
-  }
+  for (int w = 0; w < W; ++w) acc[w] = Column<H>::loaded(at + kStripe * w);
   subtractProduct<H, W>(k, stripe + kRow, stripe + kRow, acc);
 #pragma GCC unroll 4
   for (int w = 0; w < W; ++w) {
-    const double d = acc[w][0][w];
+    const double d = acc[w].get(w);
     if (!(d > least[k + w])) {
       *pivot = d;
       return k + w;
     }
     const double root = __builtin_sqrt(d);
     inverse[k + w] = 1 / root;
-    const Vector scale = all(1 / root);
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) acc[w][h] *= scale;
-    acc[w][0][w] = root;
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) store(at + kStripe * w + kLanes * h, acc[w][h]);
+    acc[w].scale(Factor(1 / root));
+    acc[w].set(w, root);
+    acc[w].storeTo(at + kStripe * w);
 #pragma GCC unroll 4
-    for (int v = w + 1; v < W; ++v) {
-      const Vector l = all(acc[w][0][v]);
-#pragma GCC unroll 3
-      for (int h = 0; h < H; ++h) acc[v][h] -= acc[w][h] * l;
-    }
+    for (int v = w + 1; v < W; ++v) acc[v].subtract(acc[w], Factor(acc[w].get(v)));
   }
   return -1;
 }
@@ -137,21 +110,22 @@ void solveStripes(const double* D, const double* inverse, int p, double* B, int 
   }
 }
 
+/// Columns of a tile of an update: as many as there are registers for.
+#if defined(__AVX512F__)
+constexpr int kTile = 6;
+#else
+constexpr int kTile = 4;
+#endif
+
 /// The W columns of C := -A B^T for 4 H rows.
 template <int H, int W>
 inline void updateTile(int p, const double* A, const double* B, double* C) {
-  Vector acc[W][H];
-#pragma GCC unroll 4
-  for (int w = 0; w < W; ++w) {
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) acc[w][h] = all(0);
-  }
+  Column<H> acc[W];
+#pragma GCC unroll 12
+  for (int w = 0; w < W; ++w) acc[w] = Column<H>::zero();
   subtractProduct<H, W>(p, A, B, acc);
-#pragma GCC unroll 4
-  for (int w = 0; w < W; ++w) {
-#pragma GCC unroll 3
-    for (int h = 0; h < H; ++h) store(C + kStripe * w + kLanes * h, acc[w][h]);
-  }
+#pragma GCC unroll 12
+  for (int w = 0; w < W; ++w) acc[w].storeTo(C + kStripe * w);
 }
 template <int H>
 void updateColumns(int p, const double* A, const double* B, double* C, int columns) {
@@ -168,7 +142,7 @@ void updateStripe(const double* B, int p, int u, double* C, int s) {
   const double* const A = B + static_cast<std::ptrdiff_t>(kStripe) * p * s;
   for (int t = 0; t < s; ++t) {
     const double* const other = B + static_cast<std::ptrdiff_t>(kStripe) * p * t;
-    for (int k = 0; k < kStripe; k += 4) updateTile<H, 4>(p, A, other + k, C + kStripe * (kStripe * t + k));
+    for (int k = 0; k < kStripe; k += kTile) updateTile<H, kTile>(p, A, other + k, C + kStripe * (kStripe * t + k));
   }
   const int own = kStripe * s, width = smaller(kStripe, u - own);
   double* const diagonal = C + kStripe * own;

@@ -5,21 +5,14 @@ namespace {
 
 template <int D, int K>
 void solveRightOf(const double* L, const double* W, double* Y) {
-  constexpr int kVectors = padded(K) / kLanes;
-  Vector y[D][kVectors];
+  ColumnOf<K> y[D];
 #pragma GCC unroll 3
   for (int c = 0; c < D; ++c) {
-    loadColumn<K>(W + c * K, y[c]);
+    y[c] = loadColumn<K>(W + c * K);
 #pragma GCC unroll 3
-    for (int j = 0; j < c; ++j) {
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) y[c][v] -= all(L[j * D + c]) * y[j][v];
-    }
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
-      y[c][v] *= all(L[c * D + c]);
-      store(Y + c * padded(K) + kLanes * v, y[c][v]);
-    }
+    for (int j = 0; j < c; ++j) y[c].subtract(y[j], Factor(L[j * D + c]));
+    y[c].scale(Factor(L[c * D + c]));
+    y[c].storeTo(Y + c * padded(K));
   }
 }
 
@@ -44,34 +37,35 @@ void solveRight(int d, int k, const double* L, const double* W, double* Y) {
 /// Columns [j, j + W) of H, which stay in registers.
 template <int D, int K, int W>
 void subtractColumns(int j, int padded_l, int count, const Pair* pairs, const double* Y, double* H) {
-  constexpr int kVectors = padded(K) / kLanes;
-  Vector x[W][kVectors];
+  ColumnOf<K> x[W];
   double* const columns = H + j * K;
-#pragma GCC unroll 3
-  for (int w = 0; w < W; ++w) loadColumn<K>(columns + w * K, x[w]);
+#pragma GCC unroll 9
+  for (int w = 0; w < W; ++w) x[w] = loadColumn<K>(columns + w * K);
   for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
     const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
     const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding + j;
 #pragma GCC unroll 3
     for (int r = 0; r < D; ++r) {
-      Vector a[kVectors];
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) a[v] = load(A + r * padded(K) + kLanes * v);
-#pragma GCC unroll 3
-      for (int w = 0; w < W; ++w) {
-        const Vector b = all(B[r * padded_l + w]);
-#pragma GCC unroll 4
-        for (int v = 0; v < kVectors; ++v) x[w][v] -= a[v] * b;
-      }
+      const auto a = ColumnOf<K>::loaded(A + r * padded(K));
+#pragma GCC unroll 9
+      for (int w = 0; w < W; ++w) x[w].subtract(a, Factor(B[r * padded_l + w]));
     }
   }
-#pragma GCC unroll 3
+#pragma GCC unroll 9
   for (int w = 0; w < W; ++w) storeColumn<K>(columns + w * K, x[w]);
 }
+
+/// Columns that stay in registers together.
+#if defined(__AVX512F__)
+constexpr int kColumnsAtOnce = 9;
+#else
+constexpr int kColumnsAtOnce = 3;
+#endif
 
 template <int D, int K>
 void subtractOutersOf(int l, int count, const Pair* pairs, const double* Y, double* H) {
   int j = 0;
+  for (; j + kColumnsAtOnce <= l; j += kColumnsAtOnce) subtractColumns<D, K, kColumnsAtOnce>(j, padded(l), count, pairs, Y, H);
   for (; j + 3 <= l; j += 3) subtractColumns<D, K, 3>(j, padded(l), count, pairs, Y, H);
   for (; j < l; ++j) subtractColumns<D, K, 1>(j, padded(l), count, pairs, Y, H);
 }
@@ -96,16 +90,9 @@ void subtractOuters(int d, int k, int l, int count, const Pair* pairs, const dou
 
 template <int D, int K>
 void subtractProductOf(const double* W, const double* x, double* y) {
-  constexpr int kVectors = padded(K) / kLanes;
-  Vector rest[kVectors];
-  loadColumn<K>(y, rest);
+  auto rest = loadColumn<K>(y);
 #pragma GCC unroll 3
-  for (int c = 0; c < D; ++c) {
-    Vector column[kVectors];
-    loadColumn<K>(W + c * K, column);
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) rest[v] -= column[v] * all(x[c]);
-  }
+  for (int c = 0; c < D; ++c) rest.subtract(loadColumn<K>(W + c * K), Factor(x[c]));
   storeColumn<K>(y, rest);
 }
 
@@ -123,14 +110,13 @@ void subtractProduct(int d, int k, const double* W, const double* x, double* y) 
 template <int D, int K>
 void subtractTransposedProductOf(const double* W, const double* y, double* x) {
   constexpr int kVectors = padded(K) / kLanes;
-  Vector rows[kVectors], sum[4] = {all(0), all(0), all(0), all(0)};
-  loadColumn<K>(y, rows);
+  Vector sum[4] = {all(0), all(0), all(0), all(0)};
+  const auto rows = loadColumn<K>(y);
 #pragma GCC unroll 3
   for (int c = 0; c < D; ++c) {
-    Vector column[kVectors];
-    loadColumn<K>(W + c * K, column);
+    const auto column = loadColumn<K>(W + c * K);
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[c] += column[v] * rows[v];
+    for (int v = 0; v < kVectors; ++v) sum[c] += column.part(v) * rows.part(v);
   }
   const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
 #pragma GCC unroll 3

@@ -8,14 +8,9 @@ constexpr int kMostRows = 16;
 /// H += A^T B for A^T of K rows, column after column, each filled up to padded(K); b: distance of B's columns.
 template <int K>
 inline void accumulate(int rows, int l, const double* A, const double* B, int b, double* H) {
-  constexpr int kVectors = padded(K) / kLanes;
   for (int j = 0; j < l; ++j, B += b, H += K) {
-    Vector sum[kVectors];
-    loadColumn<K>(H, sum);
-    for (int r = 0; r < rows; ++r) {
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[v] += load(A + r * padded(K) + kLanes * v) * all(B[r]);
-    }
+    auto sum = loadColumn<K>(H);
+    for (int r = 0; r < rows; ++r) sum.add(ColumnOf<K>::loaded(A + r * padded(K)), Factor(B[r]));
     storeColumn<K>(H, sum);
   }
 }
@@ -56,37 +51,34 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
 
 /// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
 template <int R, int K>
-inline __attribute__((always_inline)) void addColumnsOfProduct(const Vector (&A)[R][padded(K) / kLanes], int columns,
-                                                               const double* B, double* H) {
-  constexpr int kVectors = padded(K) / kLanes;
+SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B,
+                                                               double* H) {
   for (int j = 0; j < columns; ++j, B += R, H += K) {
-    Vector sum[kVectors];
-    loadColumn<K>(H, sum);
+    auto sum = loadColumn<K>(H);
 #pragma GCC unroll 6
-    for (int r = 0; r < R; ++r) {
-#pragma GCC unroll 4
-      for (int v = 0; v < kVectors; ++v) sum[v] += A[r][v] * all(B[r]);
-    }
+    for (int r = 0; r < R; ++r) sum.add(A[r], Factor(B[r]));
     storeColumn<K>(H, sum);
   }
 }
 
 /// The rows of A, R x K, across the lanes.
 template <int R, int K>
-inline __attribute__((always_inline)) void transpose(const double* A, Vector (&rows)[R][padded(K) / kLanes]) {
+SLOM_INLINE inline void transpose(const double* A, ColumnOf<K> (&rows)[R]) {
   constexpr int kVectors = padded(K) / kLanes;
   const auto entry = [&](int r, int i) { return i < K ? A[i * R + r] : 0.0; };
 #pragma GCC unroll 6
   for (int r = 0; r < R; ++r) {
+    Vector parts[kVectors];
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
       const int i = kLanes * v;
-      rows[r][v] = Vector{entry(r, i), entry(r, i + 1), entry(r, i + 2), entry(r, i + 3)};
+      parts[v] = Vector{entry(r, i), entry(r, i + 1), entry(r, i + 2), entry(r, i + 3)};
     }
+    rows[r] = columnOf(parts);
   }
 }
 
-inline __attribute__((always_inline)) void addToThree(const Vector (&rows)[3], const double* r, double* to) {
+SLOM_INLINE inline void addToThree(const Vector (&rows)[3], const double* r, double* to) {
   Vector sum{to[0], to[1], to[2], 0};
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) sum += rows[i] * all(r[i]);
@@ -116,13 +108,13 @@ void addPairOfThrees(const double* A, const double* B, const double* r, const Pa
 template <int R, int K, int L>
 void addPairOf(const double* A, const double* B, const double* r, const PairTarget& to) {
   {
-    Vector rows[R][padded(K) / kLanes];
+    ColumnOf<K> rows[R];
     transpose<R, K>(A, rows);
     addColumnsOfProduct<R, K>(rows, K, A, to.AA);
     addColumnsOfProduct<R, K>(rows, L, B, to.AB);
     addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
   }
-  Vector rows[R][padded(L) / kLanes];
+  ColumnOf<L> rows[R];
   transpose<R, L>(B, rows);
   addColumnsOfProduct<R, L>(rows, L, B, to.BB);
   addColumnsOfProduct<R, L>(rows, 1, r, to.Br);

@@ -4,7 +4,7 @@ namespace slom::dense {
 namespace {
 
 /// Up to three vectors of `count` numbers, 0 behind the last.
-inline __attribute__((always_inline)) void loadStripe(const double* x, int count, Vector (&rows)[3]) {
+SLOM_INLINE inline void loadStripe(const double* x, int count, Vector (&rows)[3]) {
 #pragma GCC unroll 3
   for (int h = 0; h < 3; ++h) {
     const double* const at = x + kLanes * h;
@@ -19,7 +19,7 @@ inline __attribute__((always_inline)) void loadStripe(const double* x, int count
 
 /// One unknown after the other of a diagonal block: x[K] is found, and what it takes from those after it is subtracted.
 template <int K>
-inline __attribute__((always_inline)) void forwardBlock(const double* L, const double* inverse, int count, Vector (&rest)[3],
+SLOM_INLINE inline void forwardBlock(const double* L, const double* inverse, int count, Vector (&rest)[3],
                                                         double* x) {
   if constexpr (K < kStripe) {
     if (K >= count) return;
@@ -47,7 +47,7 @@ void forwardPivots(const double* D, const double* inverse, int p, double* x) {
 
 /// x -= B^T y for W columns of B, u x W, whose stripes are `distance` apart.
 template <int W>
-inline __attribute__((always_inline)) void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y,
+SLOM_INLINE inline void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y,
                                                               double* x) {
   Vector sum[4] = {all(0), all(0), all(0), all(0)};
   for (int row = 0; row < u; row += kStripe, B += distance) {

@@ -1,4 +1,4 @@
-// Vectors of four numbers, and small blocks in them.
+// Vectors of four numbers, columns made of them, and small blocks.
 #include <cstddef>
 
 #include "kernels.hpp"
@@ -6,6 +6,9 @@
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // how vectors are passed does not matter: nothing of it leaves this source
 #endif
+
+/// Whatever the instruction set, none of this is called.
+#define SLOM_INLINE __attribute__((always_inline))
 
 namespace slom::dense {
 namespace {
@@ -15,12 +18,12 @@ constexpr int smaller(int a, int b) { return a < b ? a : b; }
 constexpr int kLanes = 4;
 typedef double Vector __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
 
-inline __attribute__((always_inline)) Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p); }
-inline __attribute__((always_inline)) void store(double* p, Vector x) { *reinterpret_cast<Vector*>(p) = x; }
-inline __attribute__((always_inline)) Vector all(double x) { return Vector{x, x, x, x}; }
+SLOM_INLINE inline Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p); }
+SLOM_INLINE inline void store(double* p, Vector x) { *reinterpret_cast<Vector*>(p) = x; }
+SLOM_INLINE inline Vector all(double x) { return Vector{x, x, x, x}; }
 
 /// The sum of each vector's lanes.
-inline __attribute__((always_inline)) Vector sums(Vector a, Vector b, Vector c, Vector d) {
+SLOM_INLINE inline Vector sums(Vector a, Vector b, Vector c, Vector d) {
   const Vector ab = __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Vector cd = __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
@@ -29,33 +32,185 @@ inline __attribute__((always_inline)) Vector sums(Vector a, Vector b, Vector c, 
 constexpr int padded(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 static_assert(kRowPadding == kLanes);
 
-/// The K rows of a column as vectors, 0 behind the last.
-template <int K>
-inline __attribute__((always_inline)) void loadColumn(const double* column, Vector (&x)[padded(K) / kLanes]) {
-#pragma GCC unroll 4
-  for (int v = 0; v < K / kLanes; ++v) x[v] = load(column + kLanes * v);
-  if constexpr (K % kLanes != 0) {
-    Vector last = all(0);
-    for (int i = K / kLanes * kLanes; i < K; ++i) last[i % kLanes] = column[i];
-    x[K / kLanes] = last;
-  }
+/// The first `count` of four numbers, 0 behind them; count is known to the compiler.
+SLOM_INLINE inline Vector loadSome(const double* p, int count) {
+  if (count == kLanes) return load(p);
+  Vector x = all(0);
+  for (int i = 0; i < count; ++i) x[i] = p[i];
+  return x;
+}
+SLOM_INLINE inline void storeSome(double* p, Vector x, int count) {
+  if (count == kLanes) return store(p, x);
+  for (int i = 0; i < count; ++i) p[i] = x[i];
 }
 
-template <int K>
-inline __attribute__((always_inline)) void storeColumn(double* column, const Vector (&x)[padded(K) / kLanes]) {
-  constexpr int kWhole = K / kLanes;
+// Columns of 4 H numbers in registers. With AVX-512 two vectors of four are one of eight; each number is computed in the
+// same way, so that results have the same bits as with AVX2.
+#if defined(__AVX512F__)
+constexpr int kVectorsInWide = 2;
+typedef double Wide __attribute__((vector_size(8 * sizeof(double)), aligned(alignof(double)), may_alias));
+SLOM_INLINE inline Wide loadWide(const double* p) { return *reinterpret_cast<const Wide*>(p); }
+SLOM_INLINE inline void storeWide(double* p, Wide x) { *reinterpret_cast<Wide*>(p) = x; }
+SLOM_INLINE inline Wide allWide(double x) { return Wide{x, x, x, x, x, x, x, x}; }
+SLOM_INLINE inline Vector lower(Wide x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
+SLOM_INLINE inline Vector upper(Wide x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
+
+/// The same number in all lanes.
+struct Factor {
+  Wide wide;
+  Vector narrow;
+  SLOM_INLINE explicit Factor(double x) : wide(allWide(x)), narrow(lower(wide)) {}
+};
+template <int H>
+struct Column {
+  static constexpr int kWide = H / 2;
+  Wide wide[kWide > 0 ? kWide : 1];
+  Vector narrow;  // when H is odd
+
+  SLOM_INLINE static Column zero() {
+    Column x;
+    for (Wide& w : x.wide) w = allWide(0);
+    x.narrow = all(0);
+    return x;
+  }
+  /// `rows` numbers, more than 4 (H - 1), and 0 behind them.
+  SLOM_INLINE static Column loaded(const double* p, int rows = 4 * H) {
+    Column x = {};
 #pragma GCC unroll 4
-  for (int v = 0; v < kWhole; ++v) store(column + kLanes * v, x[v]);
-  for (int i = K / kLanes * kLanes; i < K; ++i) column[i] = x[i / kLanes][i % kLanes];
+    for (int i = 0; i < kWide; ++i) {
+      if (8 * i + 8 <= rows) {
+        x.wide[i] = loadWide(p + 8 * i);
+      } else {
+        x.wide[i] = __builtin_shufflevector(load(p + 8 * i), loadSome(p + 8 * i + 4, rows - 8 * i - 4), 0, 1, 2, 3, 4, 5, 6, 7);
+      }
+    }
+    if constexpr (H % 2 != 0) x.narrow = loadSome(p + 8 * kWide, rows - 8 * kWide);
+    return x;
+  }
+  SLOM_INLINE void storeTo(double* p, int rows = 4 * H) const {
+#pragma GCC unroll 4
+    for (int i = 0; i < kWide; ++i) {
+      if (8 * i + 8 <= rows) {
+        storeWide(p + 8 * i, wide[i]);
+      } else {
+        store(p + 8 * i, lower(wide[i]));
+        storeSome(p + 8 * i + 4, upper(wide[i]), rows - 8 * i - 4);
+      }
+    }
+    if constexpr (H % 2 != 0) storeSome(p + 8 * kWide, narrow, rows - 8 * kWide);
+  }
+  SLOM_INLINE void add(const Column& a, const Factor& b) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kWide; ++i) wide[i] += a.wide[i] * b.wide;
+    if constexpr (H % 2 != 0) narrow += a.narrow * b.narrow;
+  }
+  SLOM_INLINE void subtract(const Column& a, const Factor& b) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kWide; ++i) wide[i] -= a.wide[i] * b.wide;
+    if constexpr (H % 2 != 0) narrow -= a.narrow * b.narrow;
+  }
+  SLOM_INLINE void scale(const Factor& b) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kWide; ++i) wide[i] *= b.wide;
+    if constexpr (H % 2 != 0) narrow *= b.narrow;
+  }
+  SLOM_INLINE Vector part(int h) const { return h == 2 * kWide ? narrow : h % 2 == 0 ? lower(wide[h / 2]) : upper(wide[h / 2]); }
+  /// One of the first four numbers.
+  SLOM_INLINE double get(int i) const {
+    if constexpr (kWide > 0) {
+      return wide[0][i];
+    } else {
+      return narrow[i];
+    }
+  }
+  SLOM_INLINE void set(int i, double x) {
+    if constexpr (kWide > 0) {
+      wide[0][i] = x;
+    } else {
+      narrow[i] = x;
+    }
+  }
+};
+template <int H>
+SLOM_INLINE inline Column<H> columnOf(const Vector (&parts)[H]) {
+  Column<H> x = {};
+#pragma GCC unroll 4
+  for (int i = 0; i < H / 2; ++i) x.wide[i] = __builtin_shufflevector(parts[2 * i], parts[2 * i + 1], 0, 1, 2, 3, 4, 5, 6, 7);
+  if constexpr (H % 2 != 0) x.narrow = parts[H - 1];
+  return x;
+}
+#else
+/// The same number in all lanes.
+struct Factor {
+  Vector all_lanes;
+  SLOM_INLINE explicit Factor(double x) : all_lanes(all(x)) {}
+};
+template <int H>
+struct Column {
+  Vector v[H];
+
+  SLOM_INLINE static Column zero() {
+    Column x;
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) x.v[h] = all(0);
+    return x;
+  }
+  /// `rows` numbers, more than 4 (H - 1), and 0 behind them.
+  SLOM_INLINE static Column loaded(const double* p, int rows = 4 * H) {
+    Column x;
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) x.v[h] = loadSome(p + kLanes * h, smaller(kLanes, rows - kLanes * h));
+    return x;
+  }
+  SLOM_INLINE void storeTo(double* p, int rows = 4 * H) const {
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) storeSome(p + kLanes * h, v[h], smaller(kLanes, rows - kLanes * h));
+  }
+  SLOM_INLINE void add(const Column& a, const Factor& b) {
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) v[h] += a.v[h] * b.all_lanes;
+  }
+  SLOM_INLINE void subtract(const Column& a, const Factor& b) {
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) v[h] -= a.v[h] * b.all_lanes;
+  }
+  SLOM_INLINE void scale(const Factor& b) {
+#pragma GCC unroll 4
+    for (int h = 0; h < H; ++h) v[h] *= b.all_lanes;
+  }
+  SLOM_INLINE Vector part(int h) const { return v[h]; }
+  /// One of the first four numbers.
+  SLOM_INLINE double get(int i) const { return v[0][i]; }
+  SLOM_INLINE void set(int i, double x) { v[0][i] = x; }
+};
+template <int H>
+SLOM_INLINE inline Column<H> columnOf(const Vector (&parts)[H]) {
+  Column<H> x;
+#pragma GCC unroll 4
+  for (int h = 0; h < H; ++h) x.v[h] = parts[h];
+  return x;
+}
+#endif
+
+/// The K rows of a column, 0 behind the last.
+template <int K>
+using ColumnOf = Column<padded(K) / kLanes>;
+template <int K>
+SLOM_INLINE inline ColumnOf<K> loadColumn(const double* column) {
+  return ColumnOf<K>::loaded(column, K);
+}
+template <int K>
+SLOM_INLINE inline void storeColumn(double* column, const ColumnOf<K>& x) {
+  x.storeTo(column, K);
 }
 
 /// Entries [4 V, 4 V + 4) of a 3 x 3 block y z^T, column-major, need these of y and of z.
 template <int V>
-inline __attribute__((always_inline)) Vector rowsOfThree(Vector y) {
+SLOM_INLINE inline Vector rowsOfThree(Vector y) {
   return __builtin_shufflevector(y, y, 4 * V % 3, (4 * V + 1) % 3, (4 * V + 2) % 3, (4 * V + 3) % 3);
 }
 template <int V>
-inline __attribute__((always_inline)) Vector columnsOfThree(Vector z) {
+SLOM_INLINE inline Vector columnsOfThree(Vector z) {
   return __builtin_shufflevector(z, z, 4 * V / 3, (4 * V + 1) / 3, (4 * V + 2) / 3, (4 * V + 3) / 3);
 }
 
@@ -95,13 +250,13 @@ struct ThreeByThree {
 };
 
 /// The columns of a 3 x 3 matrix, with any number in the fourth lane.
-inline __attribute__((always_inline)) void columnsOf(const double* A, Vector (&columns)[3]) {
+SLOM_INLINE inline void columnsOf(const double* A, Vector (&columns)[3]) {
   columns[0] = load(A);
   columns[1] = load(A + 3);
   const Vector last = load(A + 5);
   columns[2] = __builtin_shufflevector(last, last, 1, 2, 3, 3);
 }
-inline __attribute__((always_inline)) void rowsOf(const double* A, Vector (&rows)[3]) {
+SLOM_INLINE inline void rowsOf(const double* A, Vector (&rows)[3]) {
   Vector c[3];
   columnsOf(A, c);
   const Vector low = __builtin_shufflevector(c[0], c[1], 0, 4, 1, 5), high = __builtin_shufflevector(c[0], c[1], 2, 6, 2, 6);

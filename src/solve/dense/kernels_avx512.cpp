@@ -1,0 +1,7 @@
+// The kernels for processors with AVX-512 (F, VL and DQ); compiled with these switched on.
+#include "kernels.inl"
+
+namespace slom::dense {
+extern const Kernels kAvx512Kernels;
+const Kernels kAvx512Kernels = makeKernels("AVX-512");
+}  // namespace slom::dense
