@@ -14,6 +14,5 @@ int main() {
                           centre, radius, p, slom::StandardDeviation(0.1));
   }
   std::cout << est.optimize();
-  std::cout << "centre " << centre->transpose() << " +- " << est.standardDeviation(centre).transpose() << "\n"
-            << "radius " << *radius << " +- " << est.standardDeviation(radius) << "\n";
+  std::cout << "diameter " << 2 * *radius << " +- " << 2 * est.standardDeviation(radius)[0] << "\n";
 }

@@ -1,5 +1,7 @@
 #include "data.hpp"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <fstream>
 #include <map>

@@ -24,6 +24,13 @@ const char* toString(StopReason reason) {
 
 bool isConverged(StopReason reason) { return reason <= StopReason::nothing_to_do; }
 
+Summary::Summary() = default;
+Summary::~Summary() = default;
+Summary::Summary(const Summary&) = default;
+Summary::Summary(Summary&&) noexcept = default;
+Summary& Summary::operator=(const Summary&) = default;
+Summary& Summary::operator=(Summary&&) noexcept = default;
+
 double Summary::chi2PerDof() const {
   return redundancy > 0 ? final_rss / redundancy : std::numeric_limits<double>::quiet_NaN();
 }

@@ -1,4 +1,7 @@
 // What the fit finds, against known truth and against an independent sum of squares.
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include "bundle/bundle_command.hpp"
 #include "bundle/input/read.hpp"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include "calibrate/fit/calibration.hpp"

@@ -3,6 +3,7 @@
 #include <random>
 #include <regex>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "calibrate/simulated_rig.hpp"

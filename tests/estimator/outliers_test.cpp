@@ -1,4 +1,5 @@
 // Tests of residuals: against refits without the measurement, re-simulated data, and published values.
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // Parts of variables: fixed, bounded, known beforehand, and all of that taken back.
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // Covariances are what they say: of 1000 problems with the same truth and new noise, the errors of the estimates e have
 // e^T C^-1 e distributed as chi-square.
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // Covariances of all variables at once, correlations, propagation, and whose word on sigma counts.
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "measurements/kind.hpp"
 

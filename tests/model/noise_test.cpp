@@ -1,6 +1,7 @@
 // Noise statements: W^T W is the inverse covariance for every form and shape, and every fault is named.
 #include <slom/slom.hpp>
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <random>

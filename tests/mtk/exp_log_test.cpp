@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include <Eigen/Geometry>
+
 namespace {
 
 using Long = long double;

@@ -1,6 +1,7 @@
 // Transforms, compounds, names, streaming, statistics.
 #include <mtk/mtk.hpp>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <random>

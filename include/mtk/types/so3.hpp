@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 
 #include "mtk/types/vect.hpp"
 
@@ -30,6 +30,7 @@ class SO3 {
   SO3() : q_(S(0), S(0), S(0), S(1)) {}
   /// From quaternion coefficients, normalised; note the order.
   SO3(const S& w, const S& x, const S& y, const S& z) : q_(x, y, z, w) { q_ /= q_.norm(); }
+  // Of Eigen's rotations Eigen/Core declares the names; whoever has one has included Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
@@ -40,9 +41,25 @@ class SO3 {
   SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it.
+  ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is no difference of large numbers
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
-  explicit SO3(const Eigen::MatrixBase<D>& R) : SO3(Eigen::Quaternion<S>(Eigen::Matrix<S, 3, 3>(R))) {}
+  explicit SO3(const Eigen::MatrixBase<D>& matrix) {
+    const Matrix R = matrix;
+    const S trace = R(0, 0) + R(1, 1) + R(2, 2);
+    int i = R(1, 1) > R(0, 0) ? 1 : 0;
+    if (R(2, 2) > R(i, i)) i = 2;
+    if (trace > R(i, i)) {
+      q_ << R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1), S(1) + trace;
+    } else {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      q_[i] = S(1) + R(i, i) - R(j, j) - R(k, k);
+      q_[j] = R(j, i) + R(i, j);
+      q_[k] = R(k, i) + R(i, k);
+      q_[3] = R(k, j) - R(j, k);
+    }
+    q_ /= q_.norm();
+  }
 
   /// Rotation by the angle |scale * d| about the axis d.
   static SO3 exp(vectview<const S, 3> d, S scale = S(1)) {
@@ -86,6 +103,7 @@ class SO3 {
   const S& z() const { return q_[2]; }
   /// (x, y, z, w)
   const Coefficients& coeffs() const { return q_; }
+  /// Include Eigen/Geometry before it is used.
   Eigen::Quaternion<S> quaternion() const { return Eigen::Quaternion<S>(w(), x(), y(), z()); }
 
   Matrix toRotationMatrix() const {

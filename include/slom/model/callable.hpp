@@ -349,9 +349,15 @@ class CallableMeasurement {
  public:
   static constexpr int residual_dim = rows();
   /// Whether several measurements are evaluated at once.
-  static constexpr bool vectorized = detail::is_vectorized<F> || (detail::VectorizedByItself<F> &&
-                                                                  columns <= detail::kMostPackedColumns &&
-                                                                  (detail::isPackable<detail::Held<Stored<Args>>>() && ...));
+  static constexpr bool vectorized = [] {
+    if constexpr (detail::is_vectorized<F>) {
+      return true;
+    } else if constexpr (detail::VectorizedByItself<F>) {
+      return columns <= detail::kMostPackedColumns && (detail::isPackable<detail::Held<Stored<Args>>>() && ...);
+    } else {
+      return false;
+    }
+  }();
   static constexpr DerivativeSource derivatives = [] {
     using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
     if (vectorized) return DerivativeSource::exact;

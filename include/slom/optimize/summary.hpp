@@ -132,6 +132,14 @@ struct Summary {
   std::vector<CorrelationSummary> correlations;  ///< of these the strongest, from 0.95 on
   std::vector<IterationRecord> trace;
 
+  // Compiled once, not in every file that fits something.
+  Summary();
+  ~Summary();
+  Summary(const Summary&);
+  Summary(Summary&&) noexcept;
+  Summary& operator=(const Summary&);
+  Summary& operator=(Summary&&) noexcept;
+
   /// final_rss / redundancy: near 1 when the stated uncertainties are right. NaN without redundancy. With losses it is
   /// smaller, as they make final_rss smaller than the sum of squares.
   double chi2PerDof() const;

@@ -2,6 +2,7 @@
 #include <array>
 #include <map>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <opencv2/aruco.hpp>

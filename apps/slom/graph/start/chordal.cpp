@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
