@@ -310,6 +310,13 @@ void Estimator::writeCovariance(int variable_a, int variable_b, double* block) c
   clearHeld(problem(), variable_a, variable_b, block);
 }
 
+void Estimator::writeDeviations(int variable, double* deviations) const {
+  const int dof = problem().variables()[static_cast<std::size_t>(variable)].dof;
+  Eigen::MatrixXd C(dof, dof);
+  writeCovariance(variable, variable, C.data());
+  for (int i = 0; i < dof; ++i) deviations[i] = std::sqrt(C(i, i));
+}
+
 Marginals Estimator::marginals() const {
   Marginals result;
   result.problem_ = &problem();

@@ -78,12 +78,12 @@ class Estimator {
     return insertVariable(value, true, "");
   }
   template <class T, std::same_as<bool> Flag>
-  auto insertRV(const T& value, Flag optimize, std::string name = "") {
-    return insertVariable(value, optimize, std::move(name));
+  auto insertRV(const T& value, Flag optimize, const std::string& name = "") {
+    return insertVariable(value, optimize, name);
   }
   template <class T>
-  auto insertRV(const T& value, std::string name) {
-    return insertVariable(value, true, std::move(name));
+  auto insertRV(const T& value, const std::string& name) {
+    return insertVariable(value, true, name);
   }
   /// The name that the paper's outlook gives to insertRV.
   template <class T, class... More>
@@ -302,7 +302,9 @@ class Estimator {
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    return detail::deviations(covariance(id));
+    Eigen::VectorXd result(mtk::dof(*id));
+    writeDeviations(problem().indexOf(id), result.data());
+    return result;
   }
   /// Of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
   template <class A, class B>
@@ -394,10 +396,10 @@ class Estimator {
   friend class Archive;
 
   template <class T>
-  auto insertVariable(const T& value, bool optimize, std::string name) {
+  auto insertVariable(const T& value, bool optimize, const std::string& name) {
     using V = detail::VariableType<T>;
     mtk::requireManifold<V>();
-    return problem().template insertVariable<V>(V(value), optimize, std::move(name));
+    return problem().template insertVariable<V>(V(value), optimize, name);
   }
   template <class F, class Tuple, std::size_t... I>
   auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
@@ -442,6 +444,7 @@ class Estimator {
   void writeResiduals(double* r) const;
   void writeJacobian(double* J) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
+  void writeDeviations(int variable, double* deviations) const;
 
   struct State;
   std::unique_ptr<State> state_;

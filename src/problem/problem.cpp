@@ -33,12 +33,12 @@ void Problem::bookVariable(int index, VariableRecord record) {
 }
 
 VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                       std::string name) {
+                                       const std::string& name) {
   auto& store = store_of_type_[type];
   if (!store) store.reset(make());
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::move(name), {}, {}});
+  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, name, {}, {}});
   return VariableHandle(store, ref);
 }
 

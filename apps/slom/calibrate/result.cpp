@@ -1,6 +1,7 @@
 #include "calibrate/result.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace slom::app::calib {
 
@@ -12,6 +13,17 @@ std::vector<const ImageResult*> Result::worstImages(std::size_t count) const {
   });
   order.resize(std::min(count, order.size()));
   return order;
+}
+
+void Result::declareUndetermined(std::string why) {
+  undetermined = std::move(why);
+  for (CameraResult& camera : cameras) {
+    for (Parameter& parameter : camera.parameters) parameter.std = unknown;
+    camera.translation_std = camera.rotation_std = camera.rotation_vector_std = vec3(unknown, unknown, unknown);
+  }
+  if (!imu) return;
+  imu->rotation_std = imu->rotation_vector_std = imu->acc_bias_std = vec3(unknown, unknown, unknown);
+  imu->gravity_std = unknown;
 }
 
 }  // namespace slom::app::calib

@@ -109,6 +109,8 @@ struct Result {
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
   bool success() const { return converged && undetermined.empty(); }
+  /// Takes back all standard deviations; why: for `undetermined`.
+  void declareUndetermined(std::string why);
   /// The `count` images with the largest chi2 per measurement, the worst first.
   std::vector<const ImageResult*> worstImages(std::size_t count) const;
 };

@@ -24,9 +24,9 @@ class Problem {
   // Variables.
 
   template <class T>
-  VarID<T> insertVariable(const T& value, bool optimize, std::string name) {
+  VarID<T> insertVariable(const T& value, bool optimize, const std::string& name) {
     mtk::requireManifold<T>();
-    return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, std::move(name)));
+    return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, name));
   }
   /// Index of the variable in the table; throws [slom.stale-handle] when it is not in this problem.
   template <class T>
@@ -124,7 +124,7 @@ class Problem {
   };
   // What concerns containers is compiled once, not in every file that inserts something.
   VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                std::string name);
+                                const std::string& name);
   void setValue(int variable, const void* value);
   /// `measurement` is of this type and is moved from; `arguments` are its variables.
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,

@@ -120,7 +120,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   options.max_iterations = settings.max_iterations;
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
-  if (!parallel.empty() && hasOpenFocalLength(result)) result.undetermined = parallel;
+  if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
   result.strays = findStrays(data, cameras, rig);
   if (imu) {

@@ -238,7 +238,7 @@ Result JointProblem<Camera>::result(const Summary& summary) {
   try {
     addStandardDeviations(result);
   } catch (const slom::Error& error) {
-    result.undetermined = sentenceOf(error);
+    result.declareUndetermined(sentenceOf(error));
   }
   return result;
 }
