@@ -104,8 +104,10 @@ template <class T>
 inline constexpr bool is_rotation = false;
 template <class S>
 inline constexpr bool is_rotation<SO2<S>> = true;
+template <class S>
+void acceptRotation(const SO3<S>& R);
 template <class T>
-  requires requires(const T& x) { []<class S>(const SO3<S>&) {}(x); }
+  requires requires(const T& x) { acceptRotation(x); }
 inline constexpr bool is_rotation<T> = true;
 
 /// A trafo where both parts have the same scalar, a SparseTrafo otherwise.
