@@ -34,7 +34,7 @@ MatrixXd stepsOf(const Pose3& pose) {
 /// For angle-axis p, exp(p + d) = exp(p) exp(J d) to first order with the right Jacobian of SO(3),
 ///   I - (1 - cos|p|) / |p|^2 [p]x + (|p| - sin|p|) / |p|^3 [p]x^2;
 /// and Ceres' camera has the rotation before the translation.
-MatrixXd stepsOf(const Camera<>& camera) {
+MatrixXd stepsOf(const Camera& camera) {
   const Eigen::AngleAxisd turn(Matrix3d(camera.pose.orient.toRotationMatrix()));
   const double angle = turn.angle();
   const Eigen::Vector3d u = turn.axis();
