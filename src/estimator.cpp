@@ -314,7 +314,7 @@ void Estimator::writeDeviations(int variable, double* deviations) const {
   const int dof = problem().variables()[static_cast<std::size_t>(variable)].dof;
   Eigen::MatrixXd C(dof, dof);
   writeCovariance(variable, variable, C.data());
-  for (int i = 0; i < dof; ++i) deviations[i] = std::sqrt(C(i, i));
+  Eigen::Map<Eigen::VectorXd>(deviations, dof) = detail::deviations(C);
 }
 
 Marginals Estimator::marginals() const {

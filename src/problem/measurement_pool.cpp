@@ -94,13 +94,10 @@ int MeasurementPool::evaluate(int first, int last, double* r) {
 int MeasurementPool::linearize(int first, int last, double* r, double* J) {
   runGuarded(first, last, r, J);
   double *const start_r = r, *const start_J = J;
-  const bool is_fixed = hasFixedSizes();
   for (int i = first; i < last; ++i) {
-    const int n = is_fixed ? type_.rows : rows(i), width = is_fixed ? columns_ : columns(i);
-    if (noise_kind_[at(i)] != WhiteningKind::unit) {
-      whitenRows(i, r, 1);
-      whitenRows(i, J, width);
-    }
+    const int n = rows(i), width = columns(i);
+    whitenRows(i, r, 1);
+    whitenRows(i, J, width);
     r += n;
     J += static_cast<std::ptrdiff_t>(n) * width;
   }

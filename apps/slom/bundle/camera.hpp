@@ -7,11 +7,11 @@
 
 namespace slom::app::bundle {
 
+using Pose = mtk::trafo<mtk::SO3<>>;
+using Lens = slom::SnavelyIntrinsics<>;
 /// Each camera has a lens of its own. It looks along -z, with x to the right and y upwards.
 ///   state    pose cam_T_world, P = R X + t; lens f [px], k1, k2
 ///   tangent  translation, rotation, lens: DOF = 9
-using Pose = mtk::trafo<mtk::SO3<>>;
-using Lens = slom::SnavelyIntrinsics<>;
 MTK_BUILD_MANIFOLD(Camera,
   ((Pose, pose))
   ((Lens, lens))

@@ -14,7 +14,15 @@ void unrolled(const F& f) {
   [&]<int... I>(std::integer_sequence<int, I...>) { (f(I), ...); }(std::make_integer_sequence<int, N>{});
 }
 
-inline constexpr int kMostUnrolled = 16;  ///< longer vectors are left to loops
+/// f(i) for the entries of a vector of `size`, known to the type as Size; written out unless they are many.
+template <int Size, class F>
+void forEachEntry(Eigen::Index size, const F& f) {
+  if constexpr (Size > 0 && Size <= 16) {
+    unrolled<Size>(f);
+  } else {
+    for (int i = 0; i < static_cast<int>(size); ++i) f(i);
+  }
+}
 
 /// `count` vectors of `lanes` numbers hold N numbers of type S; what is left over in the last one is zero.
 template <class S, int N>

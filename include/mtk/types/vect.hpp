@@ -172,11 +172,7 @@ Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
                 "mtk: vectors of different sizes cannot be added or subtracted");
   requireSameSize(a.size(), b.size(), name);
   auto result = unfilled<Sum<A, B>>(a.size());
-  if constexpr (constexpr int n = Sum<A, B>::DOF; n != Dynamic && n <= kMostUnrolled) {
-    unrolled<n>([&](int i) { result[i] = op(a[i], b[i]); });
-  } else {
-    for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i], b[i]);
-  }
+  forEachEntry<Sum<A, B>::DOF>(a.size(), [&](int i) { result[i] = op(a[i], b[i]); });
   return result;
 }
 inline constexpr auto plus = [](const auto& a, const auto& b) { return a + b; };
@@ -215,11 +211,7 @@ namespace detail {
 template <int N, class S, class Op>
 auto scaled(const vect<N, S>& a, const Op& op) {
   auto result = unfilled<vect<N, decltype(op(a[0]))>>(a.size());
-  if constexpr (N != Dynamic && N <= kMostUnrolled) {
-    unrolled<N>([&](int i) { result[i] = op(a[i]); });
-  } else {
-    for (Eigen::Index i = 0; i < a.size(); ++i) result[i] = op(a[i]);
-  }
+  forEachEntry<N>(a.size(), [&](int i) { result[i] = op(a[i]); });
   return result;
 }
 /// A number type other than S, one of the two not built in.

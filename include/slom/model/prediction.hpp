@@ -33,11 +33,7 @@ constexpr int sizeOf() {
 /// f(i) for each entry i of v.
 template <class V, class F>
 void eachIndex(const V& v, const F& f) {
-  if constexpr (constexpr int size = sizeOf<V>(); size > 0 && size <= mtk::detail::kMostUnrolled) {
-    mtk::detail::unrolled<size>(f);
-  } else {
-    for (int i = 0; i < static_cast<int>(v.size()); ++i) f(i);
-  }
+  mtk::detail::forEachEntry<sizeOf<V>()>(static_cast<Eigen::Index>(v.size()), f);
 }
 
 /// sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.

@@ -59,11 +59,6 @@ template <int Width, class F>
 void forEachLane(const F& f) {
   mtk::detail::unrolled<Width>([&](int lane) { f(static_cast<std::size_t>(lane)); });
 }
-/// out[lane * N + i] := x[i][lane] for i < N.
-template <int N, int Width>
-void scatter(const mtk::Pack<Width>* x, double* out) {
-  mtk::detail::deinterleave<N>(&x->lanes, out, N);
-}
 
 /// An argument in packs: its value, and what the function gets of it.
 template <class Stored, int Width>
@@ -146,7 +141,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     std::apply([&](const auto&... argument) {
       write(std::apply(f, std::tuple_cat(argument.passed()...)), sink, argument...);
     }, arguments);
-    scatter<Rows>(rows, r);
+    mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
   }
 
   SLOM_FLATTEN static void linearize(const F& f, const Source& source, double* r, double* J) {
@@ -170,8 +165,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         write(std::apply(f, std::tuple_cat(seed.passed()...)), sink, argument...);
       }, seeds);
     }, arguments);
-    scatter<Rows>(rows, r);
-    scatter<Rows * Columns>(partials, J);
+    mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
+    mtk::detail::deinterleave<Rows * Columns>(&partials->lanes, J, Rows * Columns);
   }
 
  private:

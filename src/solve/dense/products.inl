@@ -51,8 +51,7 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
 
 /// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
 template <int R, int K>
-SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B,
-                                                               double* H) {
+SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B, double* H) {
   for (int j = 0; j < columns; ++j, B += R, H += K) {
     auto sum = loadColumn<K>(H);
 #pragma GCC unroll 6

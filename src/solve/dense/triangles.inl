@@ -19,8 +19,7 @@ SLOM_INLINE inline void loadStripe(const double* x, int count, Vector (&rows)[3]
 
 /// One unknown after the other of a diagonal block: x[K] is found, and what it takes from those after it is subtracted.
 template <int K>
-SLOM_INLINE inline void forwardBlock(const double* L, const double* inverse, int count, Vector (&rest)[3],
-                                                        double* x) {
+SLOM_INLINE inline void forwardBlock(const double* L, const double* inverse, int count, Vector (&rest)[3], double* x) {
   if constexpr (K < kStripe) {
     if (K >= count) return;
     const Vector own = all(rest[K / kLanes][K % kLanes] * inverse[K]);
@@ -47,8 +46,7 @@ void forwardPivots(const double* D, const double* inverse, int p, double* x) {
 
 /// x -= B^T y for W columns of B, u x W, whose stripes are `distance` apart.
 template <int W>
-SLOM_INLINE inline void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y,
-                                                              double* x) {
+SLOM_INLINE inline void subtractTransposed(const double* B, std::ptrdiff_t distance, int u, const double* y, double* x) {
   Vector sum[4] = {all(0), all(0), all(0), all(0)};
   for (int row = 0; row < u; row += kStripe, B += distance) {
     Vector rows[3];

@@ -16,10 +16,11 @@ namespace {
 constexpr int smaller(int a, int b) { return a < b ? a : b; }
 
 constexpr int kLanes = 4;
-typedef double Vector __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
+typedef double Vector __attribute__((vector_size(kLanes * sizeof(double))));
+typedef Vector VectorInMemory __attribute__((aligned(alignof(double)), may_alias));
 
-SLOM_INLINE inline Vector load(const double* p) { return *reinterpret_cast<const Vector*>(p); }
-SLOM_INLINE inline void store(double* p, Vector x) { *reinterpret_cast<Vector*>(p) = x; }
+SLOM_INLINE inline Vector load(const double* p) { return *reinterpret_cast<const VectorInMemory*>(p); }
+SLOM_INLINE inline void store(double* p, Vector x) { *reinterpret_cast<VectorInMemory*>(p) = x; }
 SLOM_INLINE inline Vector all(double x) { return Vector{x, x, x, x}; }
 
 /// The sum of each vector's lanes.
@@ -47,10 +48,10 @@ SLOM_INLINE inline void storeSome(double* p, Vector x, int count) {
 // Columns of 4 H numbers in registers. With AVX-512 two vectors of four are one of eight; each number is computed in the
 // same way, so that results have the same bits as with AVX2.
 #if defined(__AVX512F__)
-constexpr int kVectorsInWide = 2;
-typedef double Wide __attribute__((vector_size(8 * sizeof(double)), aligned(alignof(double)), may_alias));
-SLOM_INLINE inline Wide loadWide(const double* p) { return *reinterpret_cast<const Wide*>(p); }
-SLOM_INLINE inline void storeWide(double* p, Wide x) { *reinterpret_cast<Wide*>(p) = x; }
+typedef double Wide __attribute__((vector_size(8 * sizeof(double))));
+typedef Wide WideInMemory __attribute__((aligned(alignof(double)), may_alias));
+SLOM_INLINE inline Wide loadWide(const double* p) { return *reinterpret_cast<const WideInMemory*>(p); }
+SLOM_INLINE inline void storeWide(double* p, Wide x) { *reinterpret_cast<WideInMemory*>(p) = x; }
 SLOM_INLINE inline Wide allWide(double x) { return Wide{x, x, x, x, x, x, x, x}; }
 SLOM_INLINE inline Vector lower(Wide x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
 SLOM_INLINE inline Vector upper(Wide x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
