@@ -50,12 +50,6 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
                  APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq)
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      # Before 12.4 and 13.3 the frames that the address sanitizer keeps to find uses after return are aligned to 32 bytes,
-      # and 64-byte vectors on them crash (GCC bug 110027). Without the sanitizer this changes nothing.
-      set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
-                   APPEND PROPERTY COMPILE_OPTIONS --param=asan-use-after-return=0)
-    endif()
   else()
     list(FILTER slom_sources EXCLUDE REGEX "/kernels_avx(2|512)\\.cpp$")
   endif()
