@@ -34,6 +34,8 @@ constexpr int kMostDenseUnknowns = 600;
 /// Spread of |J_i| from which on units are worth a thought.
 constexpr double kBadScale = 1e12;
 constexpr std::size_t kMostCorrelations = 5;
+/// Directions that are hardly determined are told one by one, the worst first; the others are counted.
+constexpr Index kMostWeak = 20;
 /// Of a group's chi-square; and the factor of its sigma from which on it is told.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
 
@@ -189,9 +191,10 @@ class Examination {
     std::vector<std::string> names, amounts;
   };
   Movement movement(const std::vector<int>& unknowns, const VectorXd& direction, const VectorXd& scale) const {
+    const double told = kSmall * direction.cwiseAbs().maxCoeff();
     std::vector<Index> order;
     for (Index i = 0; i < direction.size(); ++i) {
-      if (std::abs(direction[i]) > kSmall * direction.cwiseAbs().maxCoeff()) order.push_back(i);
+      if (std::abs(direction[i]) > told) order.push_back(i);
     }
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
       const double x = std::abs(direction[a]), y = std::abs(direction[b]);
@@ -230,7 +233,8 @@ class Examination {
   void describeWeak(const LeastInfluence& least, Index none) {
     std::vector<int> all(at(structure_.system.unknowns()));
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-    for (Index k = none; k < least.countBelow(kWeak); ++k) {
+    const Index weak = least.countBelow(kWeak);
+    for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
       Index largest = 0;
@@ -241,6 +245,13 @@ class Examination {
               (moves.names.size() == 1 ? "" : "moving together (by " + listed(moves.amounts) + "), ") +
               nameOf(static_cast<int>(largest)) + " has a standard deviation of " + number(deviation),
           moves.names, 1);
+    }
+    if (weak > none + kMostWeak) {
+      const Index more = weak - none - kMostWeak;
+      add(Kind::weak, false,
+          (least.may_miss_some ? "at least " : "") + counted(static_cast<int>(more), "more direction") + (more == 1 ? " is" : " are") +
+              " hardly determined: are all measurements as certain as they say in all their components?",
+          {}, static_cast<int>(more));
     }
   }
 

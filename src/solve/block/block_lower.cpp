@@ -19,8 +19,9 @@ void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& positio
     dof_[at(position[at(b)])] = graph.dof[at(b)];
   }
   column_.assign(1, 0);
+  column_.reserve(at(n) + 1);
   row_.clear();
-  start_.assign(1, 0);
+  row_.reserve(at(n) + graph.neighbour.size());
   for (int j = 0; j < n; ++j) {
     const int b = node[at(j)];
     row_.push_back(j);
@@ -29,10 +30,13 @@ void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& positio
       if (i > j) row_.push_back(i);
     }
     std::sort(row_.begin() + column_.back(), row_.end());
-    for (std::size_t k = at(column_.back()); k < row_.size(); ++k) {
-      start_.push_back(start_.back() + at(dof(j)) * at(dof(row_[k])));
-    }
     column_.push_back(static_cast<int>(row_.size()));
+  }
+  row_.shrink_to_fit();
+  start_.resize(row_.size() + 1);
+  start_[0] = 0;
+  for (int j = 0; j < n; ++j) {
+    for (int k = begin(j); k < begin(j + 1); ++k) start_[at(k) + 1] = start_[at(k)] + at(dof(j)) * at(dof(row_[at(k)]));
   }
   values_.resize(start_.back());
 }

@@ -25,9 +25,7 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
   const auto offset_of = [&](int block) { return static_cast<std::size_t>(H.values(block) - H.values(0)); };
   size_ = offset_of(H.begin(count));
   factor_.resize(size_);
-  const auto target = [&](int i, int j) {
-    return j < count ? factor_.data() + offset_of(H.find(i, j)) : S_.values(S_.find(i - count, j - count));
-  };
+  std::vector<double*> lower(at(kMostRowsBelow) * at(kMostRowsBelow));  // a column's targets, column after column
   for (int e = 0; e < count; ++e) {
     Column& column = columns_[at(e)];
     column.values = offset_of(H.begin(e));
@@ -36,11 +34,25 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
     column.below = H.begin(e + 1) - H.begin(e) - 1;
     dof_[at(e)] = H.dof(e);
     double rows = H.dof(e);
-    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      row_.push_back(H.row(k));
-      height_.push_back(H.dof(H.row(k)));
+    for (int k = 0; k < column.below; ++k) {
+      row_.push_back(H.row(H.begin(e) + 1 + k));
+      height_.push_back(H.dof(row_.back()));
       rows += height_.back();
-      for (int l = H.begin(e) + 1; l <= k; ++l) target_.push_back(target(H.row(k), H.row(l)));
+    }
+    // The rows of each of its neighbours' columns, among which its own are: both are sorted.
+    const int* const row = row_.data() + column.first_below;
+    for (int l = 0; l < column.below; ++l) {
+      const bool is_kept = row[l] >= count;
+      const int shift = is_kept ? count : 0;
+      const BlockLower& in = is_kept ? S_ : H;
+      int block = in.begin(row[l] - shift);
+      for (int k = l; k < column.below; ++k) {
+        while (in.row(block) != row[k] - shift) ++block;
+        lower[at(l * kMostRowsBelow + k)] = is_kept ? S_.values(block) : factor_.data() + offset_of(block);
+      }
+    }
+    for (int k = 0; k < column.below; ++k) {
+      for (int l = 0; l <= k; ++l) target_.push_back(lower[at(l * kMostRowsBelow + k)]);
     }
     for (int i = 1; i <= H.dof(e); ++i) flops_ += 1 + (rows - i) + (rows - i) * (rows - i + 1);
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 
 namespace slom {
 
@@ -27,6 +29,7 @@ class Elimination {
         room_(at(graph.size())),
         rows_(at(graph.size()), 0),
         round_(at(graph.size()), -1),
+        place_(at(graph.size()), 0),
         neighbour_(graph.neighbour) {
     for (int b = 0; b < graph.size(); ++b) {
       count_[at(b)] = room_[at(b)] = graph.start[at(b) + 1] - graph.start[at(b)];
@@ -70,28 +73,37 @@ class Elimination {
     const auto is_large = [&](int c) { return count_[at(c)] > kMostNeighbours; };
     if (std::any_of(begin(b), end(b), is_large)) return false;
     room_[at(b)] = -1;
-    for (int i = 0; i < count_[at(b)]; ++i) {
-      const int c = begin(b)[i];
-      const int before = rows_[at(c)];
-      remove(c, b);
-      for (int j = 0; j < count_[at(b)]; ++j) {
-        if (j != i) insert(c, begin(b)[j]);
-      }
+    const int count = count_[at(b)];
+    int own[kMostRowsBelow];  // a copy: lists move when they grow
+    std::copy_n(begin(b), count, own);
+    for (int i = 0; i < count; ++i) place_[at(own[i])] = i;
+    for (int i = 0; i < count; ++i) {
+      const int c = own[i], before = rows_[at(c)];
+      connect(c, b, own, count);
       round_[at(c)] = round;
       if (rows_[at(c)] != before) offer(c);
     }
     return true;
   }
 
-  void remove(int c, int b) {
-    int* const first = neighbour_.data() + first_[at(c)];
-    int* const found = std::find(first, first + count_[at(c)], b);
-    *found = first[--count_[at(c)]];
+  /// Where b was, c has the `count` blocks in `own` as neighbours, of which it is one; place_ says where they are.
+  void connect(int c, int b, const int* own, int count) {
+    std::uint32_t has = std::uint32_t{1} << place_[at(c)];
+    int* const list = neighbour_.data() + first_[at(c)];
+    int found = 0;
+    for (int i = 0; i < count_[at(c)]; ++i) {
+      const int other = list[i], place = place_[at(other)];  // anything for blocks that are not in `own`
+      if (other == b) found = i;
+      if (place < count && own[place] == other) has |= std::uint32_t{1} << place;
+    }
+    list[found] = list[--count_[at(c)]];
     rows_[at(c)] -= dof_[at(b)];
+    for (std::uint32_t lacks = ~has & ((std::uint32_t{1} << count) - 1); lacks != 0; lacks &= lacks - 1) {
+      append(c, own[std::countr_zero(lacks)]);
+    }
   }
 
-  void insert(int c, int b) {
-    if (std::find(begin(c), end(c), b) != end(c)) return;
+  void append(int c, int b) {
     if (count_[at(c)] == room_[at(c)]) {
       const int moved = static_cast<int>(neighbour_.size());
       room_[at(c)] = 2 * room_[at(c)] + 2;
@@ -107,6 +119,7 @@ class Elimination {
   std::vector<int> first_, count_, room_;  // of each block's neighbours; room -1: the block is gone
   std::vector<int> rows_;                  // degrees of freedom of each block's neighbours
   std::vector<int> round_;                 // in which a neighbour was eliminated last
+  std::vector<int> place_;  // of the neighbours of the block being eliminated: which of them
   std::vector<int> neighbour_;
   std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some have others by now
 };
@@ -132,13 +145,12 @@ LowDegree eliminateLowDegree(const BlockGraph& graph) {
     left.dof.push_back(graph.dof[at(b)]);
   }
   for (int b = 0; b < n; ++b) {
-    const auto first = static_cast<std::ptrdiff_t>(filled.neighbour.size());
     filled.neighbour.insert(filled.neighbour.end(), elimination.begin(b), elimination.end(b));
-    std::sort(filled.neighbour.begin() + first, filled.neighbour.end());
     filled.start.push_back(static_cast<int>(filled.neighbour.size()));
     if (elimination.is_gone(b)) continue;
-    for (auto c = filled.neighbour.begin() + first; c != filled.neighbour.end(); ++c)
-      left.neighbour.push_back(node[at(*c)]);
+    const auto first = static_cast<std::ptrdiff_t>(left.neighbour.size());
+    for (const int* c = elimination.begin(b); c != elimination.end(b); ++c) left.neighbour.push_back(node[at(*c)]);
+    std::sort(left.neighbour.begin() + first, left.neighbour.end());
     left.start.push_back(static_cast<int>(left.neighbour.size()));
   }
   return result;

@@ -12,7 +12,7 @@ namespace slom {
 struct LowDegree {
   std::vector<int> order;  ///< the eliminated blocks, in this order
   /// Of all blocks; of an eliminated one the neighbours that it has when it is eliminated, of the others what
-  /// they have at the end.
+  /// they have at the end; in any order.
   BlockGraph filled;
   ReducedGraph left;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace slom {
 
@@ -101,98 +102,118 @@ ColumnCounts countColumns(const BlockGraph& graph, const std::vector<int>& order
 struct Node {
   int p = 0, u = 0;
   int parent = -1;
-  std::vector<int> columns;
+  bool is_merged = false;           // into its parent
+  int first_child = -1, next = -1;  // of its own children; the next child of its parent
+};
+
+/// Fronts, and of each column the one that it belongs to.
+struct Nodes {
+  std::vector<Node> node;
+  std::vector<int> of_column;
 };
 
 /// Neighbouring columns with the same rows below them.
-std::vector<Node> fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& order,
-                                        const std::vector<int>& parent, const ColumnCounts& count) {
-  std::vector<Node> nodes;
-  std::vector<int> node_of(parent.size());
+Nodes fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& order, const std::vector<int>& parent,
+                            const ColumnCounts& count) {
+  Nodes nodes;
+  nodes.of_column.resize(parent.size());
+  std::vector<int> last_column;
   for (int j = 0; j < static_cast<int>(parent.size()); ++j) {
     const bool joins = j > 0 && parent[at(j - 1)] == j && count.blocks[at(j - 1)] == count.blocks[at(j)] + 1;
-    if (!joins) nodes.emplace_back();
-    Node& node = nodes.back();
-    node.columns.push_back(j);
+    if (!joins) {
+      nodes.node.emplace_back();
+      last_column.push_back(j);
+    }
+    Node& node = nodes.node.back();
+    last_column.back() = j;
     node.p += graph.dof[at(order[at(j)])];
     node.u = count.dof[at(j)];
-    node_of[at(j)] = static_cast<int>(nodes.size()) - 1;
+    nodes.of_column[at(j)] = static_cast<int>(nodes.node.size()) - 1;
   }
-  for (Node& node : nodes) {
-    const int above = parent[at(node.columns.back())];
-    node.parent = above < 0 ? -1 : node_of[at(above)];
+  for (std::size_t i = 0; i < nodes.node.size(); ++i) {
+    const int above = parent[at(last_column[i])];
+    nodes.node[i].parent = above < 0 ? -1 : nodes.of_column[at(above)];
   }
   return nodes;
 }
 
-/// Merges children into parents where one larger front costs less than two; a merged node is left without columns.
+/// Merges children into parents where one larger front costs less than two.
 void amalgamate(std::vector<Node>& nodes) {
   const int n = static_cast<int>(nodes.size());
-  std::vector<std::vector<int>> children(at(n));
-  for (int i = 0; i < n; ++i) {
-    if (nodes[at(i)].parent >= 0) children[at(nodes[at(i)].parent)].push_back(i);
-  }
-  std::vector<int> grand;
+  std::vector<int> own, kept;
   for (int i = 0; i < n; ++i) {
     Node& node = nodes[at(i)];
-    std::vector<int>& own = children[at(i)];
+    own.clear();
+    for (int c = node.first_child; c >= 0; c = nodes[at(c)].next) own.push_back(c);
     // The child whose rows fill the front best comes first: the others then see the larger front.
     std::sort(own.begin(), own.end(), [&](int a, int b) {
       return nodes[at(a)].u != nodes[at(b)].u ? nodes[at(a)].u > nodes[at(b)].u : a < b;
     });
-    grand.clear();
-    std::vector<int> kept, columns;
+    kept.clear();
+    double alone = cost(node.p, node.u);
     for (const int c : own) {
       Node& child = nodes[at(c)];
-      const double apart = cost(node.p, node.u) + cost(child.p, child.u);
-      if (cost(node.p + child.p, node.u) > apart) {
+      const double together = cost(node.p + child.p, node.u);
+      if (together > alone + cost(child.p, child.u)) {
         kept.push_back(c);
         continue;
       }
+      alone = together;
       node.p += child.p;
-      columns.insert(columns.end(), child.columns.begin(), child.columns.end());
-      child.columns.clear();
-      for (const int g : children[at(c)]) nodes[at(g)].parent = i;
-      grand.insert(grand.end(), children[at(c)].begin(), children[at(c)].end());
-      children[at(c)].clear();
+      child.is_merged = true;
+      for (int g = child.first_child; g >= 0; g = nodes[at(g)].next) kept.push_back(g);
     }
-    if (!columns.empty()) {
-      std::sort(columns.begin(), columns.end());
-      node.columns.insert(node.columns.begin(), columns.begin(), columns.end());
+    node.first_child = -1;
+    for (const int c : kept) {
+      nodes[at(c)].parent = i;
+      nodes[at(c)].next = std::exchange(node.first_child, c);
     }
-    kept.insert(kept.end(), grand.begin(), grand.end());
-    own = std::move(kept);
+    if (node.parent >= 0) node.next = std::exchange(nodes[at(node.parent)].first_child, i);
   }
 }
 
-/// The merged nodes, children before parents.
-std::vector<Node> compact(const std::vector<Node>& nodes) {
-  std::vector<int> left, number(nodes.size(), -1), parent;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].columns.empty()) continue;
-    number[i] = static_cast<int>(left.size());
-    left.push_back(static_cast<int>(i));
+/// The merged nodes, children before parents, and the columns of each, ascending.
+struct Merged {
+  std::vector<Node> node;
+  std::vector<int> first_column, column;  // those of node i are in column [first_column[i], first_column[i + 1])
+};
+Merged compact(const Nodes& nodes) {
+  const int n = static_cast<int>(nodes.node.size());
+  std::vector<int> left, number(at(n), -1), parent;
+  for (int i = 0; i < n; ++i) {
+    if (nodes.node[at(i)].is_merged) continue;
+    number[at(i)] = static_cast<int>(left.size());
+    left.push_back(i);
+  }
+  for (int i = n - 1; i >= 0; --i) {  // parents come behind their children
+    if (nodes.node[at(i)].is_merged) number[at(i)] = number[at(nodes.node[at(i)].parent)];
   }
   for (const int i : left) {
-    const int above = nodes[at(i)].parent;
+    const int above = nodes.node[at(i)].parent;
     parent.push_back(above < 0 ? -1 : number[at(above)]);
   }
   const std::vector<int> order = postorder(parent), place = inverse(order);
-  std::vector<Node> result;
-  result.reserve(order.size());
+  Merged result;
+  result.node.reserve(order.size());
   for (const int i : order) {
-    result.push_back(nodes[at(left[at(i)])]);
-    result.back().parent = parent[at(i)] < 0 ? -1 : place[at(parent[at(i)])];
+    result.node.push_back(nodes.node[at(left[at(i)])]);
+    result.node.back().parent = parent[at(i)] < 0 ? -1 : place[at(parent[at(i)])];
   }
+  result.first_column.assign(order.size() + 1, 0);
+  const auto node_of = [&](int column) { return at(place[at(number[at(nodes.of_column[at(column)])])]); };
+  const int columns = static_cast<int>(nodes.of_column.size());
+  for (int j = 0; j < columns; ++j) ++result.first_column[node_of(j) + 1];
+  for (std::size_t i = 0; i < order.size(); ++i) result.first_column[i + 1] += result.first_column[i];
+  std::vector<int> next = result.first_column;
+  result.column.resize(at(columns));
+  for (int j = 0; j < columns; ++j) result.column[at(next[node_of(j)]++)] = j;
   return result;
 }
 
-/// Appends the node as a chain of fronts with at most kMostPivots pivots, unless one block has more.
-void appendChain(const Node& node, int first_position, const BlockGraph& graph, Fronts& fronts) {
+/// Appends the node, whose columns are [position, end), as a chain of fronts with at most kMostPivots pivots, unless one block has more.
+void appendChain(const Node& node, int position, int end, const BlockGraph& graph, Fronts& fronts) {
   const int pieces = std::max(1, (node.p + kMostPivots - 1) / kMostPivots);
   const int wanted = (node.p + pieces - 1) / pieces;
-  int position = first_position;
-  const int end = first_position + static_cast<int>(node.columns.size());
   while (position < end) {
     Front front;
     front.first_column = position;
@@ -263,28 +284,26 @@ Fronts makeFronts(const BlockGraph& graph, const std::vector<int>& given_order) 
   }
   parent = std::move(moved);
 
-  std::vector<Node> nodes =
-      fundamentalSupernodes(graph, order, parent, countColumns(graph, order, inverse(order), parent));
-  amalgamate(nodes);
-  nodes = compact(nodes);
+  Nodes fundamental = fundamentalSupernodes(graph, order, parent, countColumns(graph, order, inverse(order), parent));
+  amalgamate(fundamental.node);
+  const Merged nodes = compact(fundamental);
 
   Fronts fronts;
-  for (const Node& node : nodes) {
-    for (const int column : node.columns) fronts.order.push_back(order[at(column)]);
-  }
+  fronts.order.reserve(order.size());
+  for (const int column : nodes.column) fronts.order.push_back(order[at(column)]);
   fronts.position = inverse(fronts.order);
+  fronts.offset.reserve(order.size() + 1);
   fronts.offset.push_back(0);
   for (const int b : fronts.order) fronts.offset.push_back(fronts.offset.back() + graph.dof[at(b)]);
   std::vector<int> first_front, last_front;
-  int next = 0;
-  for (const Node& node : nodes) {
+  for (std::size_t i = 0; i < nodes.node.size(); ++i) {
     first_front.push_back(static_cast<int>(fronts.front.size()));
-    appendChain(node, next, graph, fronts);
+    appendChain(nodes.node[i], nodes.first_column[i], nodes.first_column[i + 1], graph, fronts);
     last_front.push_back(static_cast<int>(fronts.front.size()) - 1);
-    next += static_cast<int>(node.columns.size());
   }
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].parent >= 0) fronts.front[at(last_front[i])].parent = first_front[at(nodes[i].parent)];
+  for (std::size_t i = 0; i < nodes.node.size(); ++i) {
+    const int above = nodes.node[i].parent;
+    if (above >= 0) fronts.front[at(last_front[i])].parent = first_front[at(above)];
   }
   findRows(graph, fronts);
   countWork(fronts);
