@@ -4,6 +4,7 @@
 
 #include "mtk/error.hpp"
 #include "slom/optimize/algorithm.hpp"
+#include "slom/optimize/system.hpp"
 
 namespace slom {
 

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "slom/optimize/algorithm.hpp"
+#include "slom/optimize/system.hpp"
 
 namespace slom {
 

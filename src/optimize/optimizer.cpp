@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "slom/optimize/system.hpp"
+
 namespace slom {
 
 const char* toString(StopReason reason) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <Eigen/Core>
 
@@ -48,8 +49,17 @@ int columnsOf(const MeasurementType& type) {
 
 }  // namespace
 
+struct MeasurementPool::Losses {
+  std::set<Loss> all;
+};
+
 MeasurementPool::MeasurementPool(std::string name, const MeasurementType& type, const std::vector<VariableRecord>& table)
-    : name_(std::move(name)), type_(type), arity_(type.arity), columns_(columnsOf(type)), table_(table) {}
+    : name_(std::move(name)),
+      type_(type),
+      arity_(type.arity),
+      columns_(columnsOf(type)),
+      table_(table),
+      losses_(std::make_unique<Losses>()) {}
 
 MeasurementPool::~MeasurementPool() = default;
 
@@ -194,7 +204,7 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
 const Loss* MeasurementPool::keepLoss(const Loss& loss) {
   if (loss.kind() == Loss::Kind::none) return nullptr;
   checkLoss(loss, [&] { return "measurement " + nextName(); });
-  return &*losses_.insert(loss).first;
+  return &*losses_->all.insert(loss).first;
 }
 
 SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss) {
@@ -252,7 +262,7 @@ void MeasurementPool::remove(int i) {
 void MeasurementPool::compact() {
   compactNoise();
   const std::set<const Loss*> used(loss_.begin(), loss_.end());
-  std::erase_if(losses_, [&](const Loss& loss) { return !used.contains(&loss); });
+  std::erase_if(losses_->all, [&](const Loss& loss) { return !used.contains(&loss); });
   removed_since_compaction_ = 0;
 }
 

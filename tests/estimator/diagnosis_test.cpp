@@ -213,6 +213,28 @@ TEST(Diagnosis, WeakDirectionsComeWithTheirStandardDeviation) {
             "a and b are hardly determined: moving together (by +1 and -1), a has a standard deviation of 1.41e+07");
 }
 
+TEST(Diagnosis, TellsTwentyWeakDirectionsAndCountsTheRest) {
+  slom::Estimator est;
+  for (int i = 0; i < 23; ++i) {
+    const auto a = est.insertRV(0.0), b = est.insertRV(0.0);
+    est.insertMeasurement([](const auto& x, const auto& y) { return x + y; }, a, b);
+    est.insertMeasurement([](const auto& x, const auto& y) { return x + y * (1 + 1e-7); }, a, b);
+  }
+  const slom::Diagnosis diagnosis = est.diagnose();
+  EXPECT_TRUE(diagnosis.isDetermined());
+  int weak = 0, directions = 0;
+  std::string last;
+  for (const slom::Finding& finding : diagnosis.findings) {
+    if (finding.kind != slom::Finding::Kind::weak) continue;
+    ++weak;
+    directions += finding.dimension;
+    last = finding.text;
+  }
+  EXPECT_EQ(weak, 21);
+  EXPECT_EQ(directions, 23);
+  EXPECT_EQ(last, "3 more directions are hardly determined: are all measurements as certain as they say in all their components?");
+}
+
 void connect(slom::Estimator& est, const slom::VarID<SE2>& a, const slom::VarID<SE2>& b) {
   est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(SE2(a->inverse() * *b)));
 }

@@ -1,15 +1,18 @@
 /// How a step is found: Gauss-Newton, Levenberg-Marquardt or Powell's dog leg.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include <Eigen/Core>
 
 #include "slom/optimize/summary.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/solve/linear_solver.hpp"
 
 namespace slom {
+
+class System;
 
 struct StepOutcome {
   enum class Kind {
@@ -28,6 +31,7 @@ struct StepOutcome {
   SolveStatus status;             ///< of the linear solver when singular
 };
 
+/// One of your own implements this, with the System of slom/optimize/system.hpp.
 class Algorithm {
  public:
   virtual ~Algorithm() = default;

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <set>
 #include <string>
 #include <tuple>
 #include <typeinfo>
@@ -181,7 +180,8 @@ class MeasurementPool {
   std::vector<std::size_t> noise_at_;
   std::vector<double> noise_;
   std::vector<const Loss*> loss_;  // into losses_
-  std::set<Loss> losses_;          // the different ones
+  struct Losses;
+  std::unique_ptr<Losses> losses_;  // the different ones
   int loss_count_ = 0;
   std::vector<long> serial_;
   std::vector<std::uint32_t> slot_;        // of each measurement

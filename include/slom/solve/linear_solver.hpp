@@ -7,7 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "slom/linearize/linearize.hpp"
+#include "slom/linearize/jacobian_sink.hpp"
+#include "slom/linearize/structure.hpp"
 
 namespace slom {
 

@@ -75,7 +75,7 @@ void MultifrontalCholesky::analyze(const std::vector<int>& offset, Fronts fronts
   relate();
   findEntries(H);
   cutIntoSubtrees();
-  planUpdates();
+  planUpdates(tbb::this_task_arena::max_concurrency() == 1);
   inverse_.assign(n, 0.0);
   least_.assign(n, 0.0);
   shift_.assign(n, 0.0);
@@ -213,22 +213,31 @@ void MultifrontalCholesky::cutIntoSubtrees() {
   }
 }
 
-void MultifrontalCholesky::planUpdates() {
+/// Where updates lie, until the parent has taken them. Threads that work on different subtrees must not share places; one
+/// alone goes from front to front, and places are used again by all that come later.
+void MultifrontalCholesky::planUpdates(bool is_sequential) {
+  is_sequential_ = is_sequential;
   std::size_t origin = 0;
-  for (std::size_t t = 0; t < subtree_.size(); ++t) {
-    Planner planner;
-    for (const int f : subtree_[t]) {
-      Layout& layout = layout_[at(f)];
-      layout.U = origin + planner.take(dense::updateSize(fronts_.front[at(f)].u));
-      for (int c = layout.first_child; c < layout.last_child; ++c) {
-        const int child = children_[at(c)];
-        if (subtree_of_[at(child)] != static_cast<int>(t)) continue;
-        planner.giveBack(layout_[at(child)].U - origin, dense::updateSize(fronts_.front[at(child)].u));
-      }
+  Planner planner;
+  const auto plan = [&](int f) {
+    Layout& layout = layout_[at(f)];
+    layout.U = origin + planner.take(dense::updateSize(fronts_.front[at(f)].u));
+    for (int c = layout.first_child; c < layout.last_child; ++c) {
+      const int child = children_[at(c)];
+      if (!is_sequential && subtree_of_[at(child)] != subtree_of_[at(f)]) continue;
+      planner.giveBack(layout_[at(child)].U - origin, dense::updateSize(fronts_.front[at(child)].u));
     }
-    origin += planner.end();
+  };
+  if (is_sequential) {
+    for (int f = 0; f < static_cast<int>(layout_.size()); ++f) plan(f);
+  } else {
+    for (const std::vector<int>& subtree : subtree_) {
+      for (const int f : subtree) plan(f);
+      origin += planner.end();
+      planner = Planner();
+    }
   }
-  updates_.resize(origin);
+  updates_.resize(is_sequential ? planner.end() : origin);
 }
 
 /// The front's columns of H + damping.
@@ -313,10 +322,34 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtree(const Block
   return {};
 }
 
+/// All fronts in their order. To say the same as threads do, a failure in a subtree goes before those above the subtrees.
+MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSequentially(const BlockLower& H) {
+  Failure above;
+  for (int f = 0; f < static_cast<int>(layout_.size()); ++f) {
+    const bool is_above = subtree_of_[at(f)] + 1 == static_cast<int>(subtree_.size());
+    if (is_above && above.pivot >= 0) continue;
+    const Failure failure = factorizeFront(H, f, false);
+    if (failure.pivot < 0) continue;
+    if (!is_above) return failure;
+    above = failure;
+  }
+  return above;
+}
+
 /// f for each subtree but the one above the others.
 template <class F>
 void MultifrontalCholesky::forEachSubtree(const F& f) const {
   detail::forEachIndex(static_cast<int>(subtree_.size()) - 1, f);
+}
+
+MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtrees(const BlockLower& H) {
+  std::vector<Failure> failures(subtree_.size());
+  forEachSubtree([&](int t) { failures[at(t)] = factorizeSubtree(H, t); });
+  const auto earlier = [](const Failure& a, const Failure& b) {
+    return a.pivot >= 0 && (b.pivot < 0 || a.pivot < b.pivot);
+  };
+  const Failure first = *std::min_element(failures.begin(), failures.end(), earlier);
+  return first.pivot >= 0 ? first : factorizeSubtree(H, static_cast<int>(subtree_.size()) - 1);
 }
 
 SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::VectorXd& diagonal,
@@ -326,13 +359,8 @@ SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::Ve
     shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
     least_[i] = tolerance * (diagonal[unknown] + shift_[i]);
   }
-  std::vector<Failure> failures(subtree_.size());
-  forEachSubtree([&](int t) { failures[at(t)] = factorizeSubtree(H, t); });
-  const auto earlier = [](const Failure& a, const Failure& b) {
-    return a.pivot >= 0 && (b.pivot < 0 || a.pivot < b.pivot);
-  };
-  Failure first = *std::min_element(failures.begin(), failures.end(), earlier);
-  if (first.pivot < 0) first = factorizeSubtree(H, static_cast<int>(subtree_.size()) - 1);
+  if (is_sequential_ && tbb::this_task_arena::max_concurrency() > 1) planUpdates(false);
+  const Failure first = is_sequential_ ? factorizeSequentially(H) : factorizeSubtrees(H);
   if (first.pivot < 0) return {};
   const double reference = least_[at(first.pivot)] / tolerance;
   return {false, unknown_[at(first.pivot)], reference > 0 ? std::max(0.0, first.value / reference) : 0.0};

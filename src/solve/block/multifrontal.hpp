@@ -52,10 +52,12 @@ class MultifrontalCholesky {
   void relate();
   void findEntries(const BlockLower& H);
   void cutIntoSubtrees();
-  void planUpdates();
+  void planUpdates(bool is_sequential);
   void assemble(const BlockLower& H, const Front& front, const Layout& layout);
   Failure factorizeFront(const BlockLower& H, int f, bool in_parallel);
   Failure factorizeSubtree(const BlockLower& H, int subtree);
+  Failure factorizeSubtrees(const BlockLower& H);
+  Failure factorizeSequentially(const BlockLower& H);
   template <class F>
   void forEachSubtree(const F& f) const;
   void forward(int f);
@@ -71,6 +73,7 @@ class MultifrontalCholesky {
   std::vector<Entry> entries_;
   std::vector<std::vector<int>> subtree_;  // fronts of each, and last those above them
   std::vector<int> subtree_of_;
+  bool is_sequential_ = false;  // places of updates are for one thread alone
   dense::BigArray L_, updates_;
   std::vector<double> inverse_, least_, shift_, vectors_, x_;
 };

@@ -7,7 +7,8 @@
 #include <Eigen/Core>
 
 #include "block_lower.hpp"
-#include "slom/linearize/linearize.hpp"
+#include "slom/linearize/jacobian_sink.hpp"
+#include "slom/linearize/structure.hpp"
 
 namespace slom {
 

@@ -1,0 +1,90 @@
+// The factorisation gives the same bits, and names the same unknown of a singular system, on any number of threads: also
+// when it was prepared for another number than it runs on.
+#include <slom/solve/block_solver.hpp>
+
+#include <gtest/gtest.h>
+
+#include <tbb/task_arena.h>
+
+#include <utility>
+#include <vector>
+
+#include "solve/random_problem.hpp"
+
+namespace {
+
+using Eigen::VectorXd;
+
+/// A lattice of side^3 blocks of 3, each measured with its neighbours, and all of them by themselves.
+RandomProblem lattice(int side, unsigned seed) {
+  RandomProblem problem(std::vector<int>(static_cast<std::size_t>(side * side * side), 3), seed);
+  const auto block = [&](int x, int y, int z) { return (z * side + y) * side + x; };
+  std::vector<std::vector<int>> pairs, priors;
+  for (int z = 0; z < side; ++z) {
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        priors.push_back({block(x, y, z)});
+        if (x > 0) pairs.push_back({block(x - 1, y, z), block(x, y, z)});
+        if (y > 0) pairs.push_back({block(x, y - 1, z), block(x, y, z)});
+        if (z > 0) pairs.push_back({block(x, y, z - 1), block(x, y, z)});
+      }
+    }
+  }
+  problem.addGroup(pairs, 3);
+  problem.addGroup(priors, 3);
+  return problem;
+}
+
+/// Nothing changes with the first unknown of the block any more.
+void makeSingular(RandomProblem& problem, int block) {
+  for (std::size_t g = 0; g < problem.batches.size(); ++g) {
+    const slom::MeasurementGroup& group = problem.structure.groups[g];
+    double* J = problem.batches[g].J.data();
+    for (const int b : group.blocks) {
+      if (b == block) std::fill_n(J, 3, 0.0);
+      J += 9;  // three rows, three unknowns
+    }
+  }
+}
+
+struct Outcome {
+  slom::SolveStatus status;
+  VectorXd step;
+  bool operator==(const Outcome& other) const {
+    return status.ok == other.status.ok && status.unknown == other.status.unknown && status.pivot == other.status.pivot &&
+           step == other.step;
+  }
+};
+
+Outcome solved(const RandomProblem& problem, int threads_to_analyze, int threads_to_solve) {
+  slom::BlockSolver solver({.elimination = slom::BlockSolverOptions::Elimination::none});
+  tbb::task_arena(threads_to_analyze).execute([&] { problem.linearizeInto(solver); });
+  Outcome outcome;
+  tbb::task_arena(threads_to_solve).execute([&] {
+    outcome.status = solver.solve(VectorXd::Constant(problem.structure.unknowns(), 1e-9), outcome.step);  // all at once
+    outcome.status = solver.solve({}, outcome.step);
+  });
+  return outcome;
+}
+
+void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok) {
+  const Outcome alone = solved(problem, 1, 1);
+  EXPECT_EQ(alone.status.ok, ok);
+  for (const auto& [to_analyze, to_solve] : {std::pair{1, 4}, {4, 1}, {4, 4}}) {
+    EXPECT_TRUE(solved(problem, to_analyze, to_solve) == alone) << to_analyze << " and " << to_solve << " threads";
+  }
+}
+
+TEST(Threads, DoNotChangeABit) { expectTheSameOnAnyNumber(lattice(7, 3), true); }
+
+TEST(Threads, DoNotChangeWhatIsNamedAsSingular) {
+  constexpr int side = 6, count = side * side * side;
+  std::mt19937 rng(5);
+  for (int i = 0; i < 12; ++i) {
+    RandomProblem problem = lattice(side, 4);
+    for (int k = 0; k < 3; ++k) makeSingular(problem, std::uniform_int_distribution<int>(0, count - 1)(rng));
+    expectTheSameOnAnyNumber(problem, false);
+  }
+}
+
+}  // namespace
