@@ -22,6 +22,8 @@ constexpr int kIterations = 6;
 /// nearly free.
 constexpr double kSeparated = 3e-5;
 constexpr Index kFirstCount = 12, kMostCount = 192;
+/// Of unknowns x directions^2, which the time goes with: some ten seconds.
+constexpr double kMostWork = 1e9;
 
 /// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,
 /// whose components may differ in unit, but hardly by this. A component that no residual depends on often has such a column, as the
@@ -102,7 +104,8 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
     }
     sortByInfluence(jacobian, result);
     if (count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated))) return result;
-    if (count >= kMostCount) {
+    const auto more = static_cast<double>(std::min(4 * count, dimension));
+    if (count >= kMostCount || static_cast<double>(diagonal.size()) * more * more > kMostWork) {
       result.may_miss_some = true;
       return result;
     }

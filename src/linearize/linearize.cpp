@@ -14,7 +14,13 @@ namespace slom {
 
 namespace {
 
-constexpr int kChunksPerThread = 8;  // in flight: few, so that they stay in the cache until they are added up
+/// Chunks in flight: few, so that they stay in the second-level cache until they are added up. One thread alone needs but one,
+/// which stays in the first.
+constexpr int kChunksPerThread = 8;
+int chunksInFlight() {
+  const int threads = tbb::this_task_arena::max_concurrency();
+  return threads == 1 ? 1 : kChunksPerThread * threads;
+}
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -135,7 +141,7 @@ void Linearizer::residuals(Problem& problem, double* r) {
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::vector<Range> all = ranges(problem);
   std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
-  const std::size_t per_wave = at(kChunksPerThread * tbb::this_task_arena::max_concurrency());
+  const std::size_t per_wave = at(chunksInFlight());
   chunks_.resize(std::min(all.size(), per_wave));
   std::vector<JacobianBatch> batches;
   held_.clear();

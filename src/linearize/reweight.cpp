@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace slom {
@@ -58,6 +59,11 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     const LossValue value = valueOf(pool.lossOf(i), s, widening);
     const Factors factors = factorsFor(value, s);
     sum += value.rho;
+    if (factors.of_J == 1 && factors.k == 0) {  // as small residuals, most of them, are with Huber's loss
+      J += static_cast<std::ptrdiff_t>(rows) * pool.columns(i);
+      r += rows;
+      continue;
+    }
     for (int k = 0; k < pool.arity(); ++k) {
       const VariableRecord& variable = problem.variables()[static_cast<std::size_t>(pool.variables(i)[k])];
       Map<MatrixXd> block(J, rows, variable.dof);
