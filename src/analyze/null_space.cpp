@@ -93,7 +93,7 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
   linearizer.linearize(problem, solver);
   VectorXd damping = kDamping * result.scale.cwiseAbs2();
   for (const int i : result.idle) damping[i] = 1;
-  for (Index count = std::min(kFirstCount, dimension);; count = std::min(4 * count, dimension)) {
+  for (Index count = std::min(kFirstCount, dimension);;) {
     result.direction = orthonormal(startVectors(diagonal, count));
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
@@ -104,11 +104,12 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
     }
     sortByInfluence(jacobian, result);
     if (count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated))) return result;
-    const auto more = static_cast<double>(std::min(4 * count, dimension));
-    if (count >= kMostCount || static_cast<double>(diagonal.size()) * more * more > kMostWork) {
+    const Index next = std::min(4 * count, dimension);
+    if (count >= kMostCount || static_cast<double>(diagonal.size() * next * next) > kMostWork) {
       result.may_miss_some = true;
       return result;
     }
+    count = next;
   }
 }
 

@@ -59,7 +59,7 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     const LossValue value = valueOf(pool.lossOf(i), s, widening);
     const Factors factors = factorsFor(value, s);
     sum += value.rho;
-    if (factors.of_J == 1 && factors.k == 0) {  // as small residuals, most of them, are with Huber's loss
+    if (factors.of_J == 1 && factors.k == 0) {  // without a loss, and with Huber's where the residual is small, as most are
       J += static_cast<std::ptrdiff_t>(rows) * pool.columns(i);
       r += rows;
       continue;
@@ -67,7 +67,7 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     for (int k = 0; k < pool.arity(); ++k) {
       const VariableRecord& variable = problem.variables()[static_cast<std::size_t>(pool.variables(i)[k])];
       Map<MatrixXd> block(J, rows, variable.dof);
-      if (variable.optimize && pool.lossOf(i) != nullptr) {
+      if (variable.optimize) {
         for (int j = 0; j < variable.dof; ++j) {
           if (factors.k != 0) block.col(j) -= factors.k * residual.dot(block.col(j)) * residual;
           block.col(j) *= factors.of_J;

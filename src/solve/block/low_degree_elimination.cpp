@@ -25,7 +25,6 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
   const auto offset_of = [&](int block) { return static_cast<std::size_t>(H.values(block) - H.values(0)); };
   size_ = offset_of(H.begin(count));
   factor_.resize(size_);
-  std::vector<double*> lower(at(kMostRowsBelow) * at(kMostRowsBelow));  // a column's targets, column after column
   for (int e = 0; e < count; ++e) {
     Column& column = columns_[at(e)];
     column.values = offset_of(H.begin(e));
@@ -39,6 +38,7 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
       height_.push_back(H.dof(row_.back()));
       rows += height_.back();
     }
+    target_.resize(target_.size() + at(column.below * (column.below + 1) / 2));
     // The rows of each of its neighbours' columns, among which its own are: both are sorted.
     const int* const row = row_.data() + column.first_below;
     for (int l = 0; l < column.below; ++l) {
@@ -48,11 +48,9 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
       int block = in.begin(row[l] - shift);
       for (int k = l; k < column.below; ++k) {
         while (in.row(block) != row[k] - shift) ++block;
-        lower[at(l * kMostRowsBelow + k)] = is_kept ? S_.values(block) : factor_.data() + offset_of(block);
+        double* const target = is_kept ? S_.values(block) : factor_.data() + offset_of(block);
+        target_[at(column.first_target + k * (k + 1) / 2 + l)] = target;
       }
-    }
-    for (int k = 0; k < column.below; ++k) {
-      for (int l = 0; l <= k; ++l) target_.push_back(lower[at(l * kMostRowsBelow + k)]);
     }
     for (int i = 1; i <= H.dof(e); ++i) flops_ += 1 + (rows - i) + (rows - i) * (rows - i + 1);
   }

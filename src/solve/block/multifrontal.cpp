@@ -230,6 +230,7 @@ void MultifrontalCholesky::planUpdates(bool is_sequential) {
   };
   if (is_sequential) {
     for (int f = 0; f < static_cast<int>(layout_.size()); ++f) plan(f);
+    origin = planner.end();
   } else {
     for (const std::vector<int>& subtree : subtree_) {
       for (const int f : subtree) plan(f);
@@ -237,7 +238,7 @@ void MultifrontalCholesky::planUpdates(bool is_sequential) {
       planner = Planner();
     }
   }
-  updates_.resize(is_sequential ? planner.end() : origin);
+  updates_.resize(origin);
 }
 
 /// The front's columns of H + damping.

@@ -210,7 +210,8 @@ Merged compact(const Nodes& nodes) {
   return result;
 }
 
-/// Appends the node, whose columns are [position, end), as a chain of fronts with at most kMostPivots pivots, unless one block has more.
+/// Appends the node, whose columns are [position, end), as a chain of fronts with at most kMostPivots pivots, unless one
+/// block has more.
 void appendChain(const Node& node, int position, int end, const BlockGraph& graph, Fronts& fronts) {
   const int pieces = std::max(1, (node.p + kMostPivots - 1) / kMostPivots);
   const int wanted = (node.p + pieces - 1) / pieces;
