@@ -22,7 +22,7 @@ const Eigen::VectorXd& UnknownScales::update(System& system, double memory) {
   }
   largest_ = diagonal.cwiseMax(memory * largest_);
   // An unknown that no measurement sees gets 1, so that damping holds it where it is.
-  scale_ = largest_.unaryExpr([](double h) { return h > 0 ? h : 1.0; });
+  scale_ = (largest_.array() > 0).select(largest_.array(), 1.0);
   return scale_;
 }
 
@@ -51,7 +51,7 @@ std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const { return std::make_
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
-  const Eigen::VectorXd D = scales_.update(system, memory_);
+  const Eigen::VectorXd& D = scales_.update(system, memory_);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;

@@ -13,6 +13,9 @@ namespace {
 constexpr int kMostActiveSets = 10;  // in one linearisation
 constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
 constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
+
+/// Whether the largest of some products of squares is right: none of those that matter has left the range of numbers.
+bool isWellScaled(double largest) { return largest > 1e-200 && largest < 1e200; }
 }  // namespace
 
 void System::setSolver(LinearSolver& solver) {
@@ -150,12 +153,18 @@ void System::setLossWidening(double widening) {
 double System::gradientCosine() const {
   const double r = std::sqrt(squared_norm_);
   const auto g = solver_->gradient().array();
-  const auto column = solver_->diagonal().array().sqrt();
-  return g.size() == 0 || !(r > 0) ? 0 : (column > 0).select(g.abs() / column, 0.0).maxCoeff() / r;
+  const auto h = solver_->diagonal().array();
+  if (g.size() == 0 || !(r > 0)) return 0;
+  const double squared = (h > 0).select(g.square() / h, 0.0).maxCoeff();
+  if (isWellScaled(squared)) return std::sqrt(squared) / r;
+  return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
 }
 
 double System::stepInDeviations(const Eigen::VectorXd& d) const {
-  return d.size() == 0 ? 0 : d.cwiseAbs().cwiseProduct(solver_->diagonal().cwiseSqrt()).maxCoeff();
+  const auto h = solver_->diagonal().array();
+  if (d.size() == 0) return 0;
+  const double squared = (d.array().square() * h).maxCoeff();
+  return isWellScaled(squared) ? std::sqrt(squared) : (d.array().abs() * h.sqrt()).maxCoeff();
 }
 
 Eigen::VectorXd System::magnitudes() {
@@ -199,11 +208,18 @@ SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd&
 }
 
 bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
-  const Eigen::VectorXd magnitude = magnitudes();
-  for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const double column = std::sqrt(solver_->diagonal()[i]);
-    const double limit = tolerance * (magnitude[i] + (column > 0 ? 1 / column : 0));
-    if (!(std::abs(d[i]) <= limit)) return false;
+  std::vector<double> magnitude;
+  const auto& variable = structure_.variable_of_block;
+  for (std::size_t b = 0; b < variable.size(); ++b) {  // seldom beyond the first
+    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable[b])];
+    magnitude.resize(static_cast<std::size_t>(record.dof));
+    record.store->magnitudes(record.slot, magnitude.data());
+    for (int c = 0; c < record.dof; ++c) {
+      const int i = structure_.system.offset[b] + c;
+      const double column = std::sqrt(solver_->diagonal()[i]);
+      const double limit = tolerance * (magnitude[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));
+      if (!(std::abs(d[i]) <= limit)) return false;
+    }
   }
   return true;
 }

@@ -147,6 +147,7 @@ struct BlockSolver::Implementation {
   VectorXd diagonal;
   std::vector<int> kept;  // unknowns of the reduced system
   bool has_undamped_factor = false;
+  bool took_along = false;  // a right-hand side, in the last call of factorize()
   SolveStatus undamped_status;
   double largest_gradient = 0;
   int steps = 0;
@@ -171,10 +172,11 @@ struct BlockSolver::Implementation {
   std::vector<int> keep(const std::vector<int>& blocks);
   void analyzeReduced(const BlockGraph& graph);
   void analyzeInexact(const BlockGraph& graph);
-  SolveStatus factorize(const VectorXd& damping);
+  SolveStatus factorize(const VectorXd& damping, VectorXd* b = nullptr);
   double forcing();
   std::unique_ptr<InverseBlocks> invertBlocks();
   SolveStatus solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x);
+  void solveRest(VectorXd& x);
   VectorXd keptOf(const VectorXd& x) const {
     return x.size() == 0 ? VectorXd() : VectorXd(x(kept));
   }
@@ -264,22 +266,27 @@ void BlockSolver::Implementation::analyzeInexact(const BlockGraph& graph) {
   reduced.analyze(equations.H(), count(), options.preconditioner);
 }
 
-SolveStatus BlockSolver::Implementation::factorize(const VectorXd& damping) {
+/// Takes b along, if there is anything to do: then solveRest() ends the solution for it.
+SolveStatus BlockSolver::Implementation::factorize(const VectorXd& damping, VectorXd* b) {
   const bool is_undamped = damping.size() == 0;
+  took_along = false;
   if (is_undamped && has_undamped_factor) return undamped_status;
   SolveStatus status;
   if (!is_exact) {
     status = reduced.prepare(equations.H(), equations.offset(), damping, kPivotTolerance);
   } else if (!isReduced() && !has_low) {
-    status = factor.factorize(equations.H(), diagonal, damping, kPivotTolerance);
+    status = factor.factorize(equations.H(), diagonal, damping, kPivotTolerance, b);
   } else {
-    status = has_low ? low.reduce(equations.H(), equations.offset(), damping, kPivotTolerance)
-                     : schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance);
+    status = has_low ? low.reduce(equations.H(), equations.offset(), damping, kPivotTolerance, b)
+                     : schur.reduce(equations.H(), equations.offset(), damping, kPivotTolerance, b);
     if (status.ok) {
-      status = factor.factorize(matrix(), keptOf(diagonal), keptOf(damping), kPivotTolerance);
+      VectorXd rest;
+      if (b != nullptr) rest = keptOf(*b);
+      status = factor.factorize(matrix(), keptOf(diagonal), keptOf(damping), kPivotTolerance, b != nullptr ? &rest : nullptr);
       if (!status.ok) status.unknown = kept[at(status.unknown)];
     }
   }
+  took_along = is_exact && b != nullptr;
   has_undamped_factor = is_undamped;
   if (is_undamped) undamped_status = status;
   return status;
@@ -292,6 +299,16 @@ double BlockSolver::Implementation::forcing() {
   largest_gradient = std::max(largest_gradient, std::sqrt(squared));
   if (!(largest_gradient > 0)) return options.forcing;
   return std::min(options.forcing, std::sqrt(std::sqrt(squared) / largest_gradient));
+}
+
+/// x := the solution, for the right-hand side that factorize() has taken along and left there.
+void BlockSolver::Implementation::solveRest(VectorXd& x) {
+  if (!has_low && !isReduced()) {
+    x = factor.solveRest();
+    return;
+  }
+  x(kept) = factor.solveRest();
+  has_low ? low.substitute(equations.offset(), x) : points().substitute(equations.H(), equations.offset(), x);
 }
 
 /// After factorize(): the tolerance is that of conjugate gradients.
@@ -356,18 +373,23 @@ void BlockSolver::beginLinearization() {
 }
 void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
 void BlockSolver::addAll(std::span<const JacobianBatch> batches) { self_->equations.add(batches); }
-void BlockSolver::endLinearization() { self_->diagonal = self_->equations.diagonal(); }
+void BlockSolver::endLinearization() { self_->equations.diagonal(self_->diagonal); }
 
 SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
+  VectorXd x = -gradient();
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    const SolveStatus status = self_->factorize(damping);
+    const SolveStatus status = self_->factorize(damping, &x);
     if (!status.ok) return status;
   }
   const detail::Stopwatch watch(seconds_.solve);
-  const double tolerance = self_->is_exact ? 0 : self_->forcing();
-  VectorXd x;
-  const SolveStatus status = self_->solve(-gradient(), tolerance, self_->options.max_iterations, x);
+  SolveStatus status;
+  if (self_->took_along) {
+    self_->solveRest(x);
+  } else {
+    const double tolerance = self_->is_exact ? 0 : self_->forcing();
+    status = self_->solve(-gradient(), tolerance, self_->options.max_iterations, x);
+  }
   if (status.ok) step = std::move(x);
   return status;
 }

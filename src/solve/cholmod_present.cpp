@@ -167,7 +167,7 @@ void Cholmod::beginLinearization() {
   self_->has_undamped_factor = false;
 }
 void Cholmod::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
-void Cholmod::endLinearization() { self_->diagonal = self_->equations.diagonal(); }
+void Cholmod::endLinearization() { self_->equations.diagonal(self_->diagonal); }
 
 SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
   {

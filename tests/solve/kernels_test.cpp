@@ -141,18 +141,23 @@ TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
     const MatrixXd A = random.matrix(rows, k), B = random.matrix(rows, l), r = random.matrix(rows, 1);
     const MatrixXd AA = random.matrix(k, k), BB = random.matrix(l, l), AB = random.matrix(k, l);
     const MatrixXd Ar = random.matrix(k, 1), Br = random.matrix(l, 1);
-    std::vector<Numbers> results;
-    for (const Kernels* kernels : available()) {
-      MatrixXd aa = AA, bb = BB, ab = AB, ar = Ar, br = Br;
-      ASSERT_TRUE(kernels->addPair(rows, k, l, A.data(), B.data(), r.data(), {aa.data(), bb.data(), ab.data(), ar.data(), br.data()}));
-      EXPECT_LT((aa - AA - A.transpose() * A).norm() + (bb - BB - B.transpose() * B).norm() + (ab - AB - A.transpose() * B).norm() +
-                    (ar - Ar - A.transpose() * r).norm() + (br - Br - B.transpose() * r).norm(),
-                1e-12) << kernels->name;
-      Numbers all;
-      for (const MatrixXd* m : {&aa, &bb, &ab, &ar, &br}) all.insert(all.end(), m->data(), m->data() + m->size());
-      results.push_back(all);
+    for (const bool is_new : {false, true}) {
+      const MatrixXd before = is_new ? MatrixXd(MatrixXd::Zero(k, l)) : AB;
+      std::vector<Numbers> results;
+      for (const Kernels* kernels : available()) {
+        MatrixXd aa = AA, bb = BB, ab = AB, ar = Ar, br = Br;
+        ASSERT_TRUE(kernels->addPair(rows, k, l, A.data(), B.data(), r.data(),
+                                     {aa.data(), bb.data(), ab.data(), ar.data(), br.data(), is_new}));
+        EXPECT_LT((aa - AA - A.transpose() * A).norm() + (bb - BB - B.transpose() * B).norm() +
+                      (ab - before - A.transpose() * B).norm() + (ar - Ar - A.transpose() * r).norm() +
+                      (br - Br - B.transpose() * r).norm(),
+                  1e-12) << kernels->name;
+        Numbers all;
+        for (const MatrixXd* m : {&aa, &bb, &ab, &ar, &br}) all.insert(all.end(), m->data(), m->data() + m->size());
+        results.push_back(all);
+      }
+      expectAlike(results, "J^T J");
     }
-    expectAlike(results, "J^T J");
   }
 }
 

@@ -65,6 +65,9 @@ void expectSameAsOracle(const RandomProblem& problem, slom::LinearSolver& sparse
   ASSERT_TRUE(sparse.solveFor(MatrixXd::Identity(n, n), X).ok);
   ASSERT_TRUE(dense.solveFor(MatrixXd::Identity(n, n), Y).ok);
   const MatrixXd inverse = (dense.jacobian().transpose() * dense.jacobian()).inverse();
+  VectorXd step;
+  ASSERT_TRUE(sparse.solve({}, step).ok);  // with the factor that is there by now
+  EXPECT_LT((step + inverse * dense.gradient()).norm(), 1e-8 * (1 + step.norm()));
   EXPECT_LT((X - inverse).norm(), 1e-8 * inverse.norm());
   EXPECT_LT((Y - inverse).norm(), 1e-8 * inverse.norm());
   std::unique_ptr<slom::InverseBlocks> blocks;

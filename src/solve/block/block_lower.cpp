@@ -34,10 +34,19 @@ void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& positio
   }
   row_.shrink_to_fit();
   start_.resize(row_.size() + 1);
-  start_[0] = 0;
+  std::size_t next = 0;
   for (int j = 0; j < n; ++j) {
-    for (int k = begin(j); k < begin(j + 1); ++k) start_[at(k) + 1] = start_[at(k)] + at(dof(j)) * at(dof(row_[at(k)]));
+    start_[at(begin(j))] = next;
+    next += at(dof(j)) * at(dof(j));
   }
+  diagonal_size_ = next;
+  for (int j = 0; j < n; ++j) {
+    for (int k = begin(j) + 1; k < begin(j + 1); ++k) {
+      start_[at(k)] = next;
+      next += at(dof(j)) * at(dof(row_[at(k)]));
+    }
+  }
+  start_.back() = next;
   values_.resize(start_.back());
 }
 
@@ -46,6 +55,7 @@ void BlockLower::layOutAs(const BlockLower& other) {
   column_ = other.column_;
   row_ = other.row_;
   start_ = other.start_;
+  diagonal_size_ = other.diagonal_size_;
   values_.resize(start_.back());
 }
 

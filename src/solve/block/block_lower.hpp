@@ -10,7 +10,8 @@
 namespace slom {
 
 /// Column after column; in each the diagonal block (stored whole) first and then the blocks below it by position. Each
-/// block is column-major and contiguous. Rows and columns are positions in the order of elimination.
+/// block is column-major and contiguous; the values of the diagonal blocks lie before all others, one after the other, as
+/// many passes go over them alone. Rows and columns are positions in the order of elimination.
 class BlockLower {
  public:
   /// A block for each edge of the graph and one for each node, with any numbers. `position`: of each node in the order of elimination.
@@ -25,8 +26,9 @@ class BlockLower {
   int row(int block) const { return row_[static_cast<std::size_t>(block)]; }
   const double* values(int block) const { return values_.data() + start_[static_cast<std::size_t>(block)]; }
   double* values(int block) { return values_.data() + start_[static_cast<std::size_t>(block)]; }
-  /// Numbers in all blocks.
+  /// Numbers in all blocks, and in those on the diagonal.
   std::size_t size() const { return start_.back(); }
+  std::size_t diagonalSize() const { return diagonal_size_; }
   /// The block of row i in column j <= i, which must be there.
   int find(int i, int j) const;
 
@@ -37,6 +39,7 @@ class BlockLower {
   std::vector<int> dof_;
   std::vector<int> column_, row_;
   std::vector<std::size_t> start_;  // of each block's values; one more for the end
+  std::size_t diagonal_size_ = 0;
   dense::BigArray values_;
 };
 

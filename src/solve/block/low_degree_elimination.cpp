@@ -22,12 +22,14 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
   row_.clear();
   target_.clear();
   flops_ = 0;
-  const auto offset_of = [&](int block) { return static_cast<std::size_t>(H.values(block) - H.values(0)); };
-  size_ = offset_of(H.begin(count));
-  factor_.resize(size_);
+  layOutFactor(H, count);
+  // Where a block of H in column e is in the factor.
+  const auto in_factor = [&](int e, int block) {
+    const Column& column = columns_[at(e)];
+    return block == H.begin(e) ? column.V : column.W + (H.values(block) - H.values(H.begin(e) + 1));
+  };
   for (int e = 0; e < count; ++e) {
     Column& column = columns_[at(e)];
-    column.values = offset_of(H.begin(e));
     column.first_below = static_cast<int>(row_.size());
     column.first_target = static_cast<int>(target_.size());
     column.below = H.begin(e + 1) - H.begin(e) - 1;
@@ -48,7 +50,7 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
       int block = in.begin(row[l] - shift);
       for (int k = l; k < column.below; ++k) {
         while (in.row(block) != row[k] - shift) ++block;
-        double* const target = is_kept ? S_.values(block) : factor_.data() + offset_of(block);
+        double* const target = is_kept ? S_.values(block) : in_factor(row[l], block);
         target_[at(column.first_target + k * (k + 1) / 2 + l)] = target;
       }
     }
@@ -56,16 +58,41 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
   }
 }
 
+/// As H: first its diagonal blocks, then those below them.
+void LowDegreeElimination::layOutFactor(const BlockLower& H, int count) {
+  diagonal_size_ = below_size_ = 0;
+  const auto size = [&](int e, int k) { return at(H.dof(e)) * at(H.dof(H.row(k))); };
+  for (int e = 0; e < count; ++e) {
+    diagonal_size_ += size(e, H.begin(e));
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) below_size_ += size(e, k);
+  }
+  factor_.resize(diagonal_size_ + below_size_);
+  double *V = factor_.data(), *W = V + diagonal_size_;
+  for (int e = 0; e < count; ++e) {
+    columns_[at(e)].V = V;
+    columns_[at(e)].W = W;
+    V += size(e, H.begin(e));
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) W += size(e, k);
+  }
+}
+
 SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
-                                         const Eigen::VectorXd& damping, double tolerance) {
-  std::copy_n(H.values(0), size_, factor_.data());
-  const int kept = S_.columns();
-  if (kept > 0) std::copy_n(H.values(H.begin(count())), S_.size(), S_.values(0));
-  const auto eliminate = dense::kernels().eliminate;
+                                         const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) {
+  // Both are laid out as parts of H.
+  const double* from = H.values(0);
+  const auto take = [&](std::size_t size, double* to) {
+    std::copy_n(from, size, to);
+    from += size;
+  };
+  take(diagonal_size_, factor_.data());
+  take(S_.diagonalSize(), S_.values(0));
+  take(below_size_, factor_.data() + diagonal_size_);
+  take(S_.size() - S_.diagonalSize(), S_.values(0) + S_.diagonalSize());
+  const dense::Kernels& kernel = dense::kernels();
   for (int e = 0; e < count(); ++e) {
     const Column& column = columns_[at(e)];
     const int d = dof_[at(e)];
-    double* const V = factor_.data() + column.values;
+    double* const V = column.V;
     const double* const original = H.values(H.begin(e));
     double least[kMostColumns], pivot = 0;
     for (int i = 0; i < d; ++i) {
@@ -73,25 +100,29 @@ SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<
       V[i * d + i] += shift;
       least[i] = tolerance * (original[i * d + i] + shift);
     }
-    const int done = eliminate(d, column.below, height_.data() + column.first_below, V,
-                               target_.data() + column.first_target, least, &pivot);
+    const int done = kernel.eliminate(d, column.below, height_.data() + column.first_below, V, column.W,
+                                      target_.data() + column.first_target, least, &pivot);
     if (done < d) {
       const double diagonal = least[done] / tolerance;
       return {false, offset[at(e)] + done, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
     }
+    if (x != nullptr) forwardColumn(kernel, e, offset, *x);
   }
   return {};
 }
 
 void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::VectorXd& x) const {
-  const auto forward_column = dense::kernels().forwardColumn;
-  for (int e = 0; e < count(); ++e) {
-    const Column& column = columns_[at(e)];
-    double* below[kMostRowsBelow];
-    for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
-    forward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
-                   factor_.data() + column.values, x.data() + offset[at(e)], below);
-  }
+  const dense::Kernels& kernel = dense::kernels();
+  for (int e = 0; e < count(); ++e) forwardColumn(kernel, e, offset, x);
+}
+
+void LowDegreeElimination::forwardColumn(const dense::Kernels& kernel, int e, const std::vector<int>& offset,
+                                         Eigen::VectorXd& x) const {
+  const Column& column = columns_[at(e)];
+  double* below[kMostRowsBelow];
+  for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
+  kernel.forwardColumn(dof_[at(e)], column.below, height_.data() + column.first_below, column.V, column.W,
+                       x.data() + offset[at(e)], below);
 }
 
 void LowDegreeElimination::substitute(const std::vector<int>& offset, Eigen::VectorXd& x) const {
@@ -101,7 +132,7 @@ void LowDegreeElimination::substitute(const std::vector<int>& offset, Eigen::Vec
     const double* below[kMostRowsBelow];
     for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
     backward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
-                    factor_.data() + column.values, below, x.data() + offset[at(e)]);
+                    column.V, column.W, below, x.data() + offset[at(e)]);
   }
 }
 
@@ -120,12 +151,12 @@ void LowDegreeElimination::invert(const BlockLower& H, const BlockLower& Z, Bloc
   for (int e = count() - 1; e >= 0; --e) {
     const Column& column = columns_[at(e)];
     const int d = dof_[at(e)];
-    const Block V(factor_.data() + column.values, d, d);
+    const Block V(column.V, d, d);
     const MatrixXd L = V.triangularView<Eigen::UnitLower>();
     const MatrixXd L_inverse = L.triangularView<Eigen::UnitLower>().solve(MatrixXd::Identity(d, d));
     const MatrixXd half = V.diagonal().asDiagonal() * L_inverse;  // D^-1 L^-1
     std::vector<MatrixXd> T;                                      // W V^-1 of each block below
-    const double* W = V.data() + d * d;
+    const double* W = column.W;
     for (int i = 0; i < column.below; ++i) {
       const int height = height_[at(column.first_below + i)];
       T.emplace_back(Block(W, height, d) * half);

@@ -27,9 +27,9 @@ class LowDegreeElimination {
 
   /// Factorises the eliminated columns of H + damping and makes S, without damping. Vectors by unknown;
   /// offset: first unknown of each position of H. A pivot below the share `tolerance` of the diagonal entry
-  /// of H + damping ends it.
+  /// of H + damping ends it. x, where given, goes through `forward` on the way.
   SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                     double tolerance);
+                     double tolerance, Eigen::VectorXd* x = nullptr);
   /// x := L^-1 x, in place: what is left for S, and for the eliminated blocks what `substitute` takes.
   void forward(const std::vector<int>& offset, Eigen::VectorXd& x) const;
   /// x_e for the eliminated blocks, when x has the solution for the others.
@@ -40,10 +40,13 @@ class LowDegreeElimination {
 
  private:
   struct Column {
-    std::size_t values = 0;          // in factor_: the diagonal block and those below it
+    double *V = nullptr, *W = nullptr;  // in factor_: the diagonal block, and those below it
     int first_below = 0, below = 0;  // in height_ and row_
     int first_target = 0;            // in target_
   };
+
+  void layOutFactor(const BlockLower& H, int count);
+  void forwardColumn(const dense::Kernels& kernel, int e, const std::vector<int>& offset, Eigen::VectorXd& x) const;
 
   BlockLower S_;
   double flops_ = 0;
@@ -51,7 +54,7 @@ class LowDegreeElimination {
   std::vector<int> dof_;           // of each column
   std::vector<int> height_, row_;  // of the blocks below the diagonal ones; positions in H
   std::vector<double*> target_;    // of the pairs (i, j <= i) of blocks below: a block of factor_ or S_
-  std::size_t size_ = 0;           // of what is eliminated
+  std::size_t diagonal_size_ = 0, below_size_ = 0;  // of what is eliminated
   dense::BigArray factor_;
 };
 

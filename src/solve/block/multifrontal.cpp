@@ -311,6 +311,7 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLo
     for (int s = 0; s < stripes; ++s) each_update(s);
   }
   add_children([&](const dense::Child& child) { kernel.addToUpdate(child, U, front.p); });
+  if (takes_along_) forward(f);
   return failure;
 }
 
@@ -354,7 +355,10 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtrees(const Bloc
 }
 
 SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::VectorXd& diagonal,
-                                            const Eigen::VectorXd& damping, double tolerance) {
+                                            const Eigen::VectorXd& damping, double tolerance,
+                                            const Eigen::VectorXd* b) {
+  takes_along_ = b != nullptr;
+  if (takes_along_) begin(*b);
   for (std::size_t i = 0; i < least_.size(); ++i) {
     const int unknown = unknown_[i];
     shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
@@ -406,15 +410,23 @@ void MultifrontalCholesky::backward(int f) {
   kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
 }
 
-Eigen::VectorXd MultifrontalCholesky::solve(const Eigen::VectorXd& b) {
+void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = b[unknown_[i]];
+}
+
+Eigen::VectorXd MultifrontalCholesky::solve(const Eigen::VectorXd& b) {
+  begin(b);
   forEachSubtree([&](int t) { for (const int f : subtree_[at(t)]) forward(f); });
   for (const int f : subtree_.back()) forward(f);
+  return solveRest();
+}
+
+Eigen::VectorXd MultifrontalCholesky::solveRest() {
   for (auto f = subtree_.back().rbegin(); f != subtree_.back().rend(); ++f) backward(*f);
   forEachSubtree([&](int t) {
     for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) backward(*f);
   });
-  Eigen::VectorXd result(b.size());
+  Eigen::VectorXd result(static_cast<Eigen::Index>(x_.size()));
   for (std::size_t i = 0; i < x_.size(); ++i) result[unknown_[i]] = x_[i];
   return result;
 }

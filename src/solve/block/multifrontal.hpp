@@ -23,10 +23,13 @@ class MultifrontalCholesky {
   void analyze(const std::vector<int>& offset, Fronts fronts, const BlockLower& H);
   const Fronts& fronts() const { return fronts_; }
 
-  /// Factorises H + damping (by unknown; may be empty). A pivot below the share `tolerance` of its diagonal entry ends it.
-  SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping, double tolerance);
+  /// Factorises H + damping (by unknown; may be empty). A pivot below the share `tolerance` of its diagonal entry ends it. A
+  /// right-hand side b is taken along, while each front is in the cache: solveRest() then ends the solution for it.
+  SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping, double tolerance,
+                        const Eigen::VectorXd* b = nullptr);
   /// (H + damping)^-1 b, by unknown.
   Eigen::VectorXd solve(const Eigen::VectorXd& b);
+  Eigen::VectorXd solveRest();
   /// The blocks of (H + damping)^-1 at the places of H's, into Z, which is laid out as H.
   void invertSelected(BlockLower& Z) const;
 
@@ -60,6 +63,7 @@ class MultifrontalCholesky {
   Failure factorizeSequentially(const BlockLower& H);
   template <class F>
   void forEachSubtree(const F& f) const;
+  void begin(const Eigen::VectorXd& b);
   void forward(int f);
   Eigen::MatrixXd invertFront(int f, const Eigen::MatrixXd& above, BlockLower& Z) const;
   void backward(int f);
@@ -74,6 +78,7 @@ class MultifrontalCholesky {
   std::vector<std::vector<int>> subtree_;  // fronts of each, and last those above them
   std::vector<int> subtree_of_;
   bool is_sequential_ = false;  // places of updates are for one thread alone
+  bool takes_along_ = false;    // a right-hand side, in the factorisation at work
   dense::BigArray L_, updates_;
   std::vector<double> inverse_, least_, shift_, vectors_, x_;
 };

@@ -9,6 +9,7 @@
 #include "block_lower.hpp"
 #include "slom/linearize/jacobian_sink.hpp"
 #include "slom/linearize/structure.hpp"
+#include "solve/dense/kernels.hpp"
 
 namespace slom {
 
@@ -24,7 +25,7 @@ class NormalEquations {
   const BlockLower& H() const { return H_; }
   /// By unknown, in the order of the structure; so are the others.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  Eigen::VectorXd diagonal() const;
+  void diagonal(Eigen::VectorXd& result) const;
   /// d^T H d
   double squaredImage(const Eigen::VectorXd& d) const;
   /// Of a block of the structure, in the order of elimination.
@@ -36,7 +37,7 @@ class NormalEquations {
   /// Where a block of the structure adds to.
   struct Place {
     int column = -1;
-    int diagonal = 0;  ///< block of H
+    double* diagonal = nullptr;  ///< block of H
     double* gradient = nullptr;
   };
   /// A block of H that two blocks of a measurement add to.
@@ -45,10 +46,11 @@ class NormalEquations {
     unsigned is_first : 1;  ///< nothing was added to it before
   };
   void findDestinations();
-  bool addPair(int rows, const int* blocks, const int* dof, Destination destination, const double* J,
+  bool addPair(const dense::Kernels& kernel, int rows, const int* blocks, const int* dof, Destination destination, const double* J,
                const double* r, int first, int last);
   void addColumns(const JacobianBatch& batch, int first, int last);
 
+  void prefetch(const int* blocks, Destination destination) const;
   double* begun(Destination destination, int size);
 
   const BlockStructure* structure_ = nullptr;

@@ -98,7 +98,7 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
   for (int e = 0; e < eliminated; ++e) depth_ = std::max(depth_, H.dof(e));
   reduced_.assign(1, 0);
   for (int e = 0; e < eliminated; ++e) {
-    std::size_t entries = 0;
+    std::size_t entries = at(vectorSize());
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k)
       entries += at(depth_ * dense::paddedRows(H.dof(H.row(k))));
     reduced_.push_back(reduced_.back() + entries);
@@ -114,7 +114,7 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
 /// Finds blocks of S, and counts.
 class SchurComplement::Places {
  public:
-  explicit Places(const BlockLower& S) : count(at(S.begin(S.columns())), 0), S_(S) {
+  explicit Places(const BlockLower& S) : count(at(S.begin(S.columns()) + S.columns()), 0), S_(S) {
     const int n = S.columns();
     if (n > kMostInTable) return;
     table_.assign(at(n) * at(n), -1);
@@ -126,7 +126,7 @@ class SchurComplement::Places {
     return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
   }
 
-  std::vector<int> count;  // of each block
+  std::vector<int> count;  // of each block, and of those of the right-hand side
   std::vector<int> found;  // blocks, of the pairs of a wave
 
  private:
@@ -138,7 +138,7 @@ void SchurComplement::listPairs(const BlockLower& H) {
   std::size_t pairs = 0;
   for (int e = 0; e < eliminated_.count(); ++e) {
     const std::size_t neighbours = at(H.begin(e + 1) - H.begin(e) - 1);
-    pairs += neighbours * (neighbours + 1) / 2;
+    pairs += neighbours * (neighbours + 3) / 2;
   }
   pair_ = std::vector<dense::Pair>();
   pair_.reserve(pairs);
@@ -157,13 +157,15 @@ void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
   const int end = std::min(wave + kPerWave, eliminated_.count());
   const auto first = static_cast<std::ptrdiff_t>(meeting_.size());
   places.found.clear();
+  const auto count = [&](int block) {
+    if (places.count[at(block)]++ == 0) meeting_.push_back({block, 0});
+    places.found.push_back(block);
+  };
   for (int e = wave; e < end; ++e) {
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      for (int l = H.begin(e) + 1; l <= k; ++l) {
-        const int block = places.find(H.row(k) - eliminated_.count(), H.row(l) - eliminated_.count());
-        if (places.count[at(block)]++ == 0) meeting_.push_back({block, 0});
-        places.found.push_back(block);
-      }
+      const int row = H.row(k) - eliminated_.count();
+      count(S_.begin(S_.columns()) + row);
+      for (int l = H.begin(e) + 1; l <= k; ++l) count(places.find(row, H.row(l) - eliminated_.count()));
     }
   }
   std::sort(meeting_.begin() + first, meeting_.end(),
@@ -181,11 +183,13 @@ void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
     };
     const auto begin =
         static_cast<std::uint32_t>((reduced_[at(e)] - reduced_[at(wave)]) / dense::kRowPadding);
-    std::uint32_t Yi = begin;
+    const auto add = [&](std::uint32_t a, std::uint32_t b) { pair_[at(places.count[at(*block++)]++)] = {a, b}; };
+    const std::uint32_t behind = begin + static_cast<std::uint32_t>(vectorSize() / dense::kRowPadding);
+    std::uint32_t Yi = behind;
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); Yi += width(k++)) {
-      std::uint32_t Yj = begin;
-      for (int l = H.begin(e) + 1; l <= k; Yj += width(l++))
-        pair_[at(places.count[at(*block++)]++)] = {Yi, Yj};
+      add(Yi, begin);
+      std::uint32_t Yj = behind;
+      for (int l = H.begin(e) + 1; l <= k; Yj += width(l++)) add(Yi, Yj);
     }
   }
   for (auto meeting = meeting_.begin() + first; meeting != meeting_.end(); ++meeting)
@@ -205,8 +209,16 @@ void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   }
 }
 
+/// y := (L^-1 b)^T, filled up in the same way.
+void SchurComplement::halfReduce(const double* b, int e, int d, double* y) const {
+  double solved[kLargestEliminated] = {};
+  std::copy_n(b, d, solved);
+  eliminated_.forward(e, d, solved);
+  for (int c = 0; c < depth_; ++c) y[c * dense::paddedRows(1)] = c < d ? solved[c] : 0;
+}
+
 SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset,
-                                    const Eigen::VectorXd& damping, double tolerance) {
+                                    const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* b) {
   detail::forEachIndex(S_.columns(), [&](int j) {
     for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
       const std::size_t size = at(S_.dof(j)) * at(S_.dof(S_.row(k)));
@@ -219,7 +231,7 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
   });
   constexpr int kPerTask = 64;
   const auto subtract_outers = dense::kernels().subtractOuters;
-  const int count = eliminated_.count();
+  const int count = eliminated_.count(), blocks = S_.begin(S_.columns());
   for (int wave = 0; wave < count; wave += kPerWave) {
     const int end = std::min(wave + kPerWave, count);
     std::vector<EliminatedBlocks::Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
@@ -227,16 +239,26 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
       const int first = wave + task * kPerTask, last = std::min(end, first + kPerTask);
       failures[at(task)] = eliminated_.factorize(H, first, last, offset, damping, tolerance);
       if (failures[at(task)].happened()) return;
-      for (int e = first; e < last; ++e) halfReduce(H, e, Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]));
+      for (int e = first; e < last; ++e) {
+        double* const Y = Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]);
+        if (b != nullptr) halfReduce(b->data() + offset[at(e)], e, H.dof(e), Y);
+        halfReduce(H, e, Y + vectorSize());
+      }
     });
     for (const EliminatedBlocks::Failure& failure : failures) {
       if (failure.happened()) return EliminatedBlocks::status(failure, offset);
     }
-    // Each block of S is one thread's, and adds up in registers what it takes.
+    // Each block is one thread's, and adds up in registers what it takes.
     const Meeting* const meetings = meeting_.data() + first_meeting_[at(wave / kPerWave)];
     detail::forEachIndex(
         first_meeting_[at(wave / kPerWave) + 1] - first_meeting_[at(wave / kPerWave)], [&](int m) {
-          const int first = meetings[m].first, block = meetings[m].block;
+          const int first = meetings[m].first, block = meetings[m].block, row = block - blocks;
+          if (row >= 0) {
+            if (b == nullptr) return;
+            subtract_outers(depth_, S_.dof(row), 1, meetings[m + 1].first - first, &pair_[at(first)], Y_.data(),
+                            b->data() + offset[at(count + row)]);
+            return;
+          }
           subtract_outers(depth_, S_.dof(S_.row(block)), S_.dof(column_[at(block)]),
                           meetings[m + 1].first - first, &pair_[at(first)], Y_.data(), S_.values(block));
         });

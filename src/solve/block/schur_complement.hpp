@@ -33,30 +33,34 @@ class SchurComplement {
   const EliminatedBlocks& eliminated() const { return eliminated_; }
 
   /// S := H_cc - W (V + damping)^-1 W^T. Vectors by unknown; offset: first unknown of each position of H. A
-  /// pivot below the share `tolerance` of its diagonal entry of V + damping ends it.
+  /// pivot below the share `tolerance` of its diagonal entry of V + damping ends it. b, where given, is reduced on the way
+  /// as by EliminatedBlocks::reduceVector.
   SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                     double tolerance);
+                     double tolerance, Eigen::VectorXd* b = nullptr);
 
  private:
-  /// A block of S in a wave of eliminated blocks: what it takes from them.
+  /// A block of S, or behind all these one of the right-hand side, in a wave of eliminated blocks: what it takes from them.
   struct Meeting {
-    int block;  ///< of S
+    int block;
     int first;  ///< of its pairs
   };
   class Places;
   void listPairs(const BlockLower& H);
   void listWave(const BlockLower& H, int wave, Places& places);
   void halfReduce(const BlockLower& H, int e, double* Y) const;
+  void halfReduce(const double* b, int e, int d, double* y) const;
 
   EliminatedBlocks eliminated_;
   BlockLower S_;
+  int vectorSize() const { return depth_ * dense::paddedRows(1); }
+
   int depth_ = 0;                     // columns of each block of Y
   std::vector<Meeting> meeting_;      // wave after wave, in each by block; one more for the end
   std::vector<int> first_meeting_;    // of each wave; one more for the end
   std::vector<dense::Pair> pair_;     // meeting after meeting
   std::vector<int> column_;           // of each block of S
   std::vector<int> copied_;           // block of H that each block of S starts from, -1: 0
-  std::vector<std::size_t> reduced_;  // of each eliminated block: entries of `halfReduce` of those before it
+  std::vector<std::size_t> reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
   dense::BigArray Y_;
 };
 

@@ -30,13 +30,12 @@ SLOM_INLINE inline int factorizeUnit(int d, double* V, const double* least,
 constexpr int kMostThrees = 8;
 
 /// Blocks of 3 x 3 alone.
-int eliminateThrees(int count, double* V, double* const* target, const double* least, double* pivot) {
+int eliminateThrees(int count, double* V, double* W, double* const* target, const double* least, double* pivot) {
   const int done = factorizeUnit<3>(3, V, least, pivot);
   if (done < 3) return done;
   const double l10 = V[1], l20 = V[2], l21 = V[5];
   const Vector scale[3] = {all(V[0]), all(V[4]), all(V[8])};
   Three part[kMostThrees][3];
-  double* W = V + 9;
   for (int i = 0; i < count; ++i, W += 9) {
     Vector y[3];
     columnsOf(W, y);
@@ -59,12 +58,12 @@ int eliminateThrees(int count, double* V, double* const* target, const double* l
 
 /// The same for blocks of any size, or all of D x D.
 template <int D>
-int eliminateAny(int d, int count, const int* height, double* V, double* const* target, const double* least,
-                 double* pivot) {
+int eliminateAny(int d, int count, const int* height, double* V, double* W, double* const* target,
+                 const double* least, double* pivot) {
   const int n = D > 0 ? D : d;
   const int done = factorizeUnit<D>(d, V, least, pivot);
   if (done < n) return done;
-  double* Wi = V + n * n;
+  double* Wi = W;
   for (int i = 0; i < count; ++i) {
     const int rows = D > 0 ? D : height[i];
     for (int k = 0; k < n; ++k) {
@@ -73,7 +72,7 @@ int eliminateAny(int d, int count, const int* height, double* V, double* const* 
         for (int r = 0; r < rows; ++r) Wi[k * rows + r] -= Wi[c * rows + r] * l;
       }
     }
-    const double* Wj = V + n * n;
+    const double* Wj = W;
     for (int j = 0; j <= i; ++j) {
       const int columns = D > 0 ? D : height[j];
       double* const H = *target++;
@@ -98,16 +97,16 @@ inline bool areAlike(int d, int count, const int* height) {
   return true;
 }
 
-int eliminate(int d, int count, const int* height, double* V, double* const* target, const double* least,
-              double* pivot) {
+int eliminate(int d, int count, const int* height, double* V, double* W, double* const* target,
+              const double* least, double* pivot) {
   if (d == 3 && count <= kMostThrees && areAlike(3, count, height))
-    return eliminateThrees(count, V, target, least, pivot);
-  if (d == 6 && areAlike(6, count, height)) return eliminateAny<6>(6, count, height, V, target, least, pivot);
-  return eliminateAny<0>(d, count, height, V, target, least, pivot);
+    return eliminateThrees(count, V, W, target, least, pivot);
+  if (d == 6 && areAlike(6, count, height)) return eliminateAny<6>(6, count, height, V, W, target, least, pivot);
+  return eliminateAny<0>(d, count, height, V, W, target, least, pivot);
 }
 
 template <int D>
-void forwardColumnOf(int d, int count, const int* height, const double* V, double* x, double* const* below) {
+void forwardColumnOf(int d, int count, const int* height, const double* V, const double* W, double* x, double* const* below) {
   constexpr int kMost = D > 0 ? D : kMostEliminated;
   const int n = D > 0 ? D : d;
   double scaled[kMost];
@@ -115,7 +114,6 @@ void forwardColumnOf(int d, int count, const int* height, const double* V, doubl
     for (int i = k + 1; i < n; ++i) x[i] -= V[k * n + i] * x[k];
     scaled[k] = x[k] * V[k * n + k];
   }
-  const double* W = V + n * n;
   for (int i = 0; i < count; ++i) {
     const int rows = D > 0 ? D : height[i];
     double* const y = below[i];
@@ -126,20 +124,19 @@ void forwardColumnOf(int d, int count, const int* height, const double* V, doubl
   }
 }
 
-void forwardColumn(int d, int count, const int* height, const double* V, double* x, double* const* below) {
-  if (d == 3 && areAlike(3, count, height)) return forwardColumnOf<3>(3, count, height, V, x, below);
-  if (d == 6 && areAlike(6, count, height)) return forwardColumnOf<6>(6, count, height, V, x, below);
-  forwardColumnOf<0>(d, count, height, V, x, below);
+void forwardColumn(int d, int count, const int* height, const double* V, const double* W, double* x, double* const* below) {
+  if (d == 3 && areAlike(3, count, height)) return forwardColumnOf<3>(3, count, height, V, W, x, below);
+  if (d == 6 && areAlike(6, count, height)) return forwardColumnOf<6>(6, count, height, V, W, x, below);
+  forwardColumnOf<0>(d, count, height, V, W, x, below);
 }
 
 template <int D>
-void backwardColumnOf(int d, int count, const int* height, const double* V, const double* const* below,
+void backwardColumnOf(int d, int count, const int* height, const double* V, const double* W, const double* const* below,
                       double* x) {
   constexpr int kMost = D > 0 ? D : kMostEliminated;
   const int n = D > 0 ? D : d;
   double rest[kMost];
   for (int k = 0; k < n; ++k) rest[k] = x[k];
-  const double* W = V + n * n;
   for (int i = 0; i < count; ++i) {
     const int rows = D > 0 ? D : height[i];
     const double* const y = below[i];
@@ -155,11 +152,11 @@ void backwardColumnOf(int d, int count, const int* height, const double* V, cons
   }
 }
 
-void backwardColumn(int d, int count, const int* height, const double* V, const double* const* below,
+void backwardColumn(int d, int count, const int* height, const double* V, const double* W, const double* const* below,
                     double* x) {
-  if (d == 3 && areAlike(3, count, height)) return backwardColumnOf<3>(3, count, height, V, below, x);
-  if (d == 6 && areAlike(6, count, height)) return backwardColumnOf<6>(6, count, height, V, below, x);
-  backwardColumnOf<0>(d, count, height, V, below, x);
+  if (d == 3 && areAlike(3, count, height)) return backwardColumnOf<3>(3, count, height, V, W, below, x);
+  if (d == 6 && areAlike(6, count, height)) return backwardColumnOf<6>(6, count, height, V, W, below, x);
+  backwardColumnOf<0>(d, count, height, V, W, below, x);
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ struct Child {
 /// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r.
 struct PairTarget {
   double *AA, *BB, *AB, *Ar, *Br;
+  bool AB_is_new;  ///< AB has no value yet and is taken as 0
 };
 
 /// Where two matrices begin, in units of kRowPadding numbers.
@@ -95,15 +96,18 @@ struct Kernels {
   /// y -= W x and x -= W^T y for W k x d, column-major without gaps
   void (*subtractProduct)(int d, int k, const double* W, const double* x, double* y);
   void (*subtractTransposedProduct)(int d, int k, const double* W, const double* y, double* x);
-  /// A column of a block factorisation: V, d x d, and `count` blocks W_i below it, height[i] x d, contiguous and column-major.
-  /// V := L D^-1 in V = L D L^T, with unit lower L; W_i := W_i L^-T; for i and j <= i, in this order, target -= W_i D^-1 W_j^T
-  /// (the W as they are then). Returns the first pivot that is not above least[i] and writes it to *pivot; d when there is
-  /// none.
-  int (*eliminate)(int d, int count, const int* height, double* V, double* const* target, const double* least, double* pivot);
+  /// A column of a block factorisation: V, d x d, and `count` blocks W_i below it, height[i] x d, all column-major, the W_i
+  /// contiguous. V := L D^-1 in V = L D L^T, with unit lower L; W_i := W_i L^-T; for i and j <= i, in this order, target -=
+  /// W_i D^-1 W_j^T (the W as they are then). Returns the first pivot that is not above least[i] and writes it to *pivot; d
+  /// when there is none.
+  int (*eliminate)(int d, int count, const int* height, double* V, double* W, double* const* target, const double* least,
+                   double* pivot);
   /// x := L^-1 x and below[i] -= W_i D^-1 x
-  void (*forwardColumn)(int d, int count, const int* height, const double* V, double* x, double* const* below);
+  void (*forwardColumn)(int d, int count, const int* height, const double* V, const double* W, double* x,
+                        double* const* below);
   /// x := L^-T D^-1 (x - sum of W_i^T below[i])
-  void (*backwardColumn)(int d, int count, const int* height, const double* V, const double* const* below, double* x);
+  void (*backwardColumn)(int d, int count, const int* height, const double* V, const double* W, const double* const* below,
+                         double* x);
 };
 
 /// For this processor.

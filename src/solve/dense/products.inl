@@ -51,9 +51,10 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
 
 /// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
 template <int R, int K>
-SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B, double* H) {
+SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B, double* H,
+                                            bool is_new = false) {
   for (int j = 0; j < columns; ++j, B += R, H += K) {
-    auto sum = loadColumn<K>(H);
+    auto sum = is_new ? ColumnOf<K>::zero() : loadColumn<K>(H);
 #pragma GCC unroll 6
     for (int r = 0; r < R; ++r) sum.add(A[r], Factor(B[r]));
     storeColumn<K>(H, sum);
@@ -89,7 +90,7 @@ void addPairOfThrees(const double* A, const double* B, const double* r, const Pa
   Vector a[3], b[3];
   rowsOf(A, a);
   rowsOf(B, b);
-  ThreeByThree AA(to.AA), BB(to.BB), AB(to.AB);
+  ThreeByThree AA(to.AA), BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const Three left(a[i], a[i]), right(b[i], b[i]);
@@ -110,7 +111,7 @@ void addPairOf(const double* A, const double* B, const double* r, const PairTarg
     ColumnOf<K> rows[R];
     transpose<R, K>(A, rows);
     addColumnsOfProduct<R, K>(rows, K, A, to.AA);
-    addColumnsOfProduct<R, K>(rows, L, B, to.AB);
+    addColumnsOfProduct<R, K>(rows, L, B, to.AB, to.AB_is_new);
     addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
   }
   ColumnOf<L> rows[R];

@@ -230,8 +230,9 @@ struct Three {
 
 /// A block of 3 x 3, column-major.
 struct ThreeByThree {
-  Vector first, second;
-  double last;
+  Vector first = all(0), second = all(0);
+  double last = 0;
+  ThreeByThree() = default;
   explicit ThreeByThree(const double* p) : first(load(p)), second(load(p + 4)), last(p[8]) {}
   void add(const Three& y, const Three& z) {
     first += y.rows[0] * z.columns[0];
