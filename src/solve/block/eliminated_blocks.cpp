@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
@@ -13,6 +14,50 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int kPerTask = 256;
+
+/// f of the size where it is that of points in space, which compilers make much of; of 0 for others.
+template <class F>
+void withSize(int d, const F& f) {
+  d == 3 ? f(std::integral_constant<int, 3>{}) : f(std::integral_constant<int, 0>{});
+}
+
+/// L of V + damping (null: none); the failure is of no component when there is none.
+template <int D>
+EliminatedBlocks::Failure factorizeOne(int size, const double* V, const double* damping, double tolerance, double* L) {
+  const int d = D > 0 ? D : size;
+  for (int j = 0; j < d; ++j) {
+    const double diagonal = V[j * d + j] + (damping != nullptr ? damping[j] : 0);
+    double pivot = diagonal;
+    for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
+    if (!(pivot > tolerance * diagonal)) return {0, j, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
+    const double inverse = 1 / std::sqrt(pivot);
+    L[j * d + j] = inverse;
+    for (int i = j + 1; i < d; ++i) {
+      double sum = V[j * d + i];
+      for (int k = 0; k < j; ++k) sum -= L[k * d + i] * L[k * d + j];
+      L[j * d + i] = sum * inverse;
+    }
+  }
+  return {};
+}
+
+template <int D>
+void forwardOne(int size, const double* L, double* b) {
+  const int d = D > 0 ? D : size;
+  for (int i = 0; i < d; ++i) {
+    for (int j = 0; j < i; ++j) b[i] -= L[j * d + i] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
+
+template <int D>
+void backwardOne(int size, const double* L, double* b) {
+  const int d = D > 0 ? D : size;
+  for (int i = d - 1; i >= 0; --i) {
+    for (int j = i + 1; j < d; ++j) b[i] -= L[i * d + j] * b[j];
+    b[i] *= L[i * d + i];
+  }
+}
 
 }  // namespace
 
@@ -27,23 +72,15 @@ EliminatedBlocks::Failure EliminatedBlocks::factorize(const BlockLower& H, int f
                                                       const std::vector<int>& offset,
                                                       const Eigen::VectorXd& damping, double tolerance) {
   for (int e = first; e < last; ++e) {
-    const int d = H.dof(e);
-    const double* const V = H.values(H.begin(e));
-    double* const L = factors_.data() + start_[at(e)];
-    for (int j = 0; j < d; ++j) {
-      const double diagonal = V[j * d + j] + (damping.size() > 0 ? damping[offset[at(e)] + j] : 0);
-      double pivot = diagonal;
-      for (int k = 0; k < j; ++k) pivot -= L[k * d + j] * L[k * d + j];
-      if (!(pivot > tolerance * diagonal))
-        return {e, j, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
-      const double inverse = 1 / std::sqrt(pivot);
-      L[j * d + j] = inverse;
-      for (int i = j + 1; i < d; ++i) {
-        double sum = V[j * d + i];
-        for (int k = 0; k < j; ++k) sum -= L[k * d + i] * L[k * d + j];
-        L[j * d + i] = sum * inverse;
-      }
-    }
+    Failure failure;
+    withSize(H.dof(e), [&](auto n) {
+      failure = factorizeOne<n>(H.dof(e), H.values(H.begin(e)),
+                                damping.size() > 0 ? damping.data() + offset[at(e)] : nullptr, tolerance,
+                                factors_.data() + start_[at(e)]);
+    });
+    if (failure.component < 0) continue;
+    failure.e = e;
+    return failure;
   }
   return {};
 }
@@ -65,19 +102,11 @@ SolveStatus EliminatedBlocks::status(const Failure& failure, const std::vector<i
 }
 
 void EliminatedBlocks::forward(int e, int d, double* b) const {
-  const double* const L = factor(e);
-  for (int i = 0; i < d; ++i) {
-    for (int j = 0; j < i; ++j) b[i] -= L[j * d + i] * b[j];
-    b[i] *= L[i * d + i];
-  }
+  withSize(d, [&](auto n) { forwardOne<n>(d, factor(e), b); });
 }
 
 void EliminatedBlocks::backward(int e, int d, double* b) const {
-  const double* const L = factor(e);
-  for (int i = d - 1; i >= 0; --i) {
-    for (int j = i + 1; j < d; ++j) b[i] -= L[i * d + j] * b[j];
-    b[i] *= L[i * d + i];
-  }
+  withSize(d, [&](auto n) { backwardOne<n>(d, factor(e), b); });
 }
 
 void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, BlockLower& inverse) const {

@@ -18,7 +18,7 @@ class EliminatedBlocks {
   int count() const { return count_; }
 
   struct Failure {
-    int e = -1, component = 0;
+    int e = -1, component = -1;
     double ratio = 0;
     bool happened() const { return e >= 0; }
   };

@@ -106,7 +106,9 @@ void NormalEquations::prefetch(const int* blocks, Destination destination) const
   for (int k = 0; k < 2; ++k) {
     if (blocks[k] >= 0) __builtin_prefetch(place_[at(blocks[k])].diagonal, 1);
   }
-  if (destination.block >= 0) __builtin_prefetch(H_.values(destination.block), 1);
+  if (destination.block < 0) return;
+  for (const double *line = H_.values(destination.block), *end = H_.values(destination.block + 1); line < end; line += 8)
+    __builtin_prefetch(line, 1);
 #endif
 }
 

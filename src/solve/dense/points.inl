@@ -62,8 +62,44 @@ constexpr int kColumnsAtOnce = 9;
 constexpr int kColumnsAtOnce = 3;
 #endif
 
+#if defined(__AVX512F__)
+/// Blocks of 9 x 9: eight rows in vectors of eight, the last row in one along it.
+template <int D>
+void subtractNines(int count, const Pair* pairs, const double* Y, double* H) {
+  Wide x[9];
+#pragma GCC unroll 9
+  for (int w = 0; w < 9; ++w) x[w] = loadWide(H + 9 * w);
+  Wide row{H[8], H[17], H[26], H[35], H[44], H[53], H[62], H[71]};
+  double corner = H[80];
+  for (const Pair* pair = pairs; pair < pairs + count; ++pair) {
+    const double* const A = Y + static_cast<std::size_t>(pair->a) * kRowPadding;
+    const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding;
+#pragma GCC unroll 3
+    for (int r = 0; r < D; ++r) {
+      const Wide a = loadWide(A + r * padded(9));
+      const double last = A[r * padded(9) + 8];
+      const double* const b = B + r * padded(9);
+#pragma GCC unroll 9
+      for (int w = 0; w < 9; ++w) x[w] -= a * allWide(b[w]);
+      row -= allWide(last) * loadWide(b);
+      corner -= last * b[8];
+    }
+  }
+#pragma GCC unroll 9
+  for (int w = 0; w < 9; ++w) storeWide(H + 9 * w, x[w]);
+#pragma GCC unroll 8
+  for (int w = 0; w < 8; ++w) H[9 * w + 8] = row[w];
+  H[80] = corner;
+}
+#endif
+
 template <int D, int K>
 void subtractOutersOf(int l, int count, const Pair* pairs, const double* Y, double* H) {
+#if defined(__AVX512F__)
+  if constexpr (K == 9) {
+    if (l == 9) return subtractNines<D>(count, pairs, Y, H);
+  }
+#endif
   int j = 0;
   for (; j + kColumnsAtOnce <= l; j += kColumnsAtOnce) subtractColumns<D, K, kColumnsAtOnce>(j, padded(l), count, pairs, Y, H);
   for (; j + 3 <= l; j += 3) subtractColumns<D, K, 3>(j, padded(l), count, pairs, Y, H);

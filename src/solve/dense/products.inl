@@ -74,7 +74,7 @@ SLOM_INLINE inline void transpose(const double* A, ColumnOf<K> (&rows)[R]) {
       const int i = kLanes * v;
       parts[v] = Vector{entry(r, i), entry(r, i + 1), entry(r, i + 2), entry(r, i + 3)};
     }
-    rows[r] = columnOf(parts);
+    rows[r] = columnOfParts<K>(parts);
   }
 }
 

@@ -1,5 +1,6 @@
 // Vectors of four numbers, columns made of them, and small blocks.
 #include <cstddef>
+#include <type_traits>
 
 #include "kernels.hpp"
 
@@ -193,9 +194,48 @@ SLOM_INLINE inline Column<H> columnOf(const Vector (&parts)[H]) {
 }
 #endif
 
+#if defined(__AVX512F__)
+/// Nine numbers, as cameras have them: what is left beside a vector is no vector. Other functions as those of Column.
+struct Nine {
+  Wide wide;
+  double last;
+
+  SLOM_INLINE static Nine zero() { return {allWide(0), 0}; }
+  SLOM_INLINE static Nine loaded(const double* p, int = 9) { return {loadWide(p), p[8]}; }
+  /// To 9 rows or to 12, with 0 in the last three.
+  SLOM_INLINE void storeTo(double* p, int rows = 12) const {
+    storeWide(p, wide);
+    rows == 9 ? void(p[8] = last) : store(p + 8, Vector{last, 0, 0, 0});
+  }
+  SLOM_INLINE void add(const Nine& a, const Factor& b) {
+    wide += a.wide * b.wide;
+    last += a.last * b.narrow[0];
+  }
+  SLOM_INLINE void subtract(const Nine& a, const Factor& b) {
+    wide -= a.wide * b.wide;
+    last -= a.last * b.narrow[0];
+  }
+  SLOM_INLINE void scale(const Factor& b) {
+    wide *= b.wide;
+    last *= b.narrow[0];
+  }
+  SLOM_INLINE Vector part(int h) const { return h == 0 ? lower(wide) : h == 1 ? upper(wide) : Vector{last, 0, 0, 0}; }
+};
+template <int K>
+using ColumnOf = std::conditional_t<K == 9, Nine, Column<padded(K) / kLanes>>;
+#else
 /// The K rows of a column, 0 behind the last.
 template <int K>
 using ColumnOf = Column<padded(K) / kLanes>;
+#endif
+template <int K>
+SLOM_INLINE inline ColumnOf<K> columnOfParts(const Vector (&parts)[padded(K) / kLanes]) {
+  if constexpr (std::is_same_v<ColumnOf<K>, Column<padded(K) / kLanes>>) {
+    return columnOf(parts);
+  } else {
+    return {__builtin_shufflevector(parts[0], parts[1], 0, 1, 2, 3, 4, 5, 6, 7), parts[2][0]};
+  }
+}
 template <int K>
 SLOM_INLINE inline ColumnOf<K> loadColumn(const double* column) {
   return ColumnOf<K>::loaded(column, K);
