@@ -50,7 +50,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
   const int count = range.last - range.first;
   // Chunks that are used again always have a Jacobian.
-  const bool is_laid_out = chunk.type == &pool.type() && chunk.last - chunk.first == count && pool.hasFixedSizes();
+  const bool is_laid_out = chunk.type == &pool.type() && pool.hasFixedSizes() && chunk.rows.size() >= at(count);
   chunk.type = &pool.type();
   chunk.group = range.group;
   chunk.first = range.first;
@@ -58,7 +58,10 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.bad = -1;
   chunk.threw.reset();
   chunk.held.clear();
-  if (is_laid_out) return;
+  if (is_laid_out) {
+    chunk.r.resize(at(count) * at(chunk.rows.front()));
+    return;
+  }
   chunk.rows.resize(at(count));
   chunk.dof.resize(at(count) * at(pool.arity()));
   pool.sizes(range.first, range.last, chunk.rows.data(), chunk.dof.data());

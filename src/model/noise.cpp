@@ -8,6 +8,7 @@
 
 #include "model/words.hpp"
 #include "mtk/error.hpp"
+#include "solve/dense/kernels.hpp"
 
 namespace slom {
 
@@ -218,16 +219,6 @@ void multiply(const double* W, double* m, int dim, int cols) {
   }
 }
 
-/// The same, with the columns of W across lanes; 3 do not fill them.
-template <>
-void multiply<3>(const double* W, double* m, int, int cols) {
-  const Eigen::Vector4d w0(W[0], W[1], W[2], 0), w1(W[3], W[4], W[5], 0), w2(W[6], W[7], W[8], 0);
-  for (int j = 0; j < cols; ++j, m += 3) {
-    const Eigen::Vector4d column = w0 * m[0] + w1 * m[1] + w2 * m[2];
-    for (int i = 0; i < 3; ++i) m[i] = column[i];
-  }
-}
-
 /// m := diag(w) m
 template <int N>
 void scale(const double* w, double* m, int dim, int cols) {
@@ -259,6 +250,7 @@ void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
       withDimension(dim, [&](auto n) { scale<n>(W, m, dim, cols); });
       break;
     case WhiteningKind::full:
+      if (dense::kernels().multiply(dim, cols, W, m)) return;
       withDimension(dim, [&](auto n) { multiply<n>(W, m, dim, cols); });
       break;
   }

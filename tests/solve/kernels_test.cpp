@@ -161,5 +161,21 @@ TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
   }
 }
 
+TEST(Kernels, MultiplyInPlace) {
+  Random random;
+  for (const int n : {1, 2, 3, 4, 6, 9}) {
+    const MatrixXd W = random.matrix(n, n), before = random.matrix(n, 13);
+    std::vector<Numbers> results;
+    for (const Kernels* kernels : available()) {
+      MatrixXd m = before;
+      const bool is_made_for = kernels->multiply(n, 13, W.data(), m.data());
+      EXPECT_EQ(is_made_for, n == 3 || n == 6);
+      EXPECT_LT((m - (is_made_for ? MatrixXd(W * before) : before)).norm(), 1e-13 * m.norm()) << kernels->name;
+      results.emplace_back(m.data(), m.data() + m.size());
+    }
+    expectAlike(results, "product");
+  }
+}
+
 }  // namespace
 }  // namespace slom::dense

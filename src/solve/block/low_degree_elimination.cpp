@@ -1,12 +1,19 @@
 #include "low_degree_elimination.hpp"
 
 #include <algorithm>
+#include <numeric>
+
+#include "solve/dense/prefetch.hpp"
 
 namespace slom {
 
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Columns after which what is fetched is needed, where the factor is larger than [numbers] caches are.
+constexpr int kAhead = 3;
+constexpr std::size_t kLarge = 1 << 16;
 
 static_assert(kMostColumns <= dense::kMostEliminated);
 
@@ -33,7 +40,6 @@ void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
     column.first_below = static_cast<int>(row_.size());
     column.first_target = static_cast<int>(target_.size());
     column.below = H.begin(e + 1) - H.begin(e) - 1;
-    dof_[at(e)] = H.dof(e);
     double rows = H.dof(e);
     for (int k = 0; k < column.below; ++k) {
       row_.push_back(H.row(H.begin(e) + 1 + k));
@@ -63,10 +69,12 @@ void LowDegreeElimination::layOutFactor(const BlockLower& H, int count) {
   diagonal_size_ = below_size_ = 0;
   const auto size = [&](int e, int k) { return at(H.dof(e)) * at(H.dof(H.row(k))); };
   for (int e = 0; e < count; ++e) {
+    dof_[at(e)] = H.dof(e);
     diagonal_size_ += size(e, H.begin(e));
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) below_size_ += size(e, k);
   }
   factor_.resize(diagonal_size_ + below_size_);
+  least_.resize(at(std::accumulate(dof_.begin(), dof_.end(), 0)));
   double *V = factor_.data(), *W = V + diagonal_size_;
   for (int e = 0; e < count; ++e) {
     columns_[at(e)].V = V;
@@ -88,51 +96,68 @@ SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<
   take(S_.diagonalSize(), S_.values(0));
   take(below_size_, factor_.data() + diagonal_size_);
   take(S_.size() - S_.diagonalSize(), S_.values(0) + S_.diagonalSize());
+  double* least = least_.data();
+  for (int e = 0; e < count(); ++e) {
+    const int d = dof_[at(e)];
+    for (int i = 0; i < d; ++i) {
+      double& diagonal = columns_[at(e)].V[i * d + i];
+      if (damping.size() > 0) diagonal += damping[offset[at(e)] + i];
+      *least++ = tolerance * diagonal;
+    }
+  }
   const dense::Kernels& kernel = dense::kernels();
+  least = least_.data();
+  Below below;
+  const bool is_large = diagonal_size_ + below_size_ > kLarge;
   for (int e = 0; e < count(); ++e) {
     const Column& column = columns_[at(e)];
     const int d = dof_[at(e)];
-    double* const V = column.V;
-    const double* const original = H.values(H.begin(e));
-    double least[kMostColumns], pivot = 0;
-    for (int i = 0; i < d; ++i) {
-      const double shift = damping.size() > 0 ? damping[offset[at(e)] + i] : 0;
-      V[i * d + i] += shift;
-      least[i] = tolerance * (original[i * d + i] + shift);
-    }
-    const int done = kernel.eliminate(d, column.below, height_.data() + column.first_below, V, column.W,
-                                      target_.data() + column.first_target, least, &pivot);
+    double pivot = 0;
+    if (is_large && e + kAhead < count()) prefetchTargets(columns_[at(e + kAhead)]);
+    if (x != nullptr) findBelow(column, offset, *x, below);
+    const int done = kernel.eliminate(d, column.below, height_.data() + column.first_below, column.V, column.W,
+                                      target_.data() + column.first_target, least, &pivot,
+                                      x != nullptr ? x->data() + offset[at(e)] : nullptr, below.data());
     if (done < d) {
       const double diagonal = least[done] / tolerance;
       return {false, offset[at(e)] + done, diagonal > 0 ? std::max(0.0, pivot / diagonal) : 0.0};
     }
-    if (x != nullptr) forwardColumn(kernel, e, offset, *x);
+    least += d;
   }
   return {};
 }
 
-void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::VectorXd& x) const {
-  const dense::Kernels& kernel = dense::kernels();
-  for (int e = 0; e < count(); ++e) forwardColumn(kernel, e, offset, x);
+void LowDegreeElimination::prefetchTargets(const Column& column) const {
+  for (int t = 0; t < column.below * (column.below + 1) / 2; ++t) {
+    const double* const target = target_[at(column.first_target + t)];
+    dense::prefetch(target, target + 9);  // as much as most have
+  }
 }
 
-void LowDegreeElimination::forwardColumn(const dense::Kernels& kernel, int e, const std::vector<int>& offset,
-                                         Eigen::VectorXd& x) const {
-  const Column& column = columns_[at(e)];
-  double* below[kMostRowsBelow];
-  for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
-  kernel.forwardColumn(dof_[at(e)], column.below, height_.data() + column.first_below, column.V, column.W,
-                       x.data() + offset[at(e)], below);
+void LowDegreeElimination::findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x,
+                                     Below& below) const {
+  for (int i = 0; i < column.below; ++i) below[at(i)] = x.data() + offset[at(row_[at(column.first_below + i)])];
+}
+
+void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  const auto forward_column = dense::kernels().forwardColumn;
+  Below below;
+  for (int e = 0; e < count(); ++e) {
+    const Column& column = columns_[at(e)];
+    findBelow(column, offset, x, below);
+    forward_column(dof_[at(e)], column.below, height_.data() + column.first_below, column.V, column.W,
+                   x.data() + offset[at(e)], below.data());
+  }
 }
 
 void LowDegreeElimination::substitute(const std::vector<int>& offset, Eigen::VectorXd& x) const {
   const auto backward_column = dense::kernels().backwardColumn;
+  Below below;
   for (int e = count() - 1; e >= 0; --e) {
     const Column& column = columns_[at(e)];
-    const double* below[kMostRowsBelow];
-    for (int i = 0; i < column.below; ++i) below[i] = x.data() + offset[at(row_[at(column.first_below + i)])];
+    findBelow(column, offset, x, below);
     backward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
-                    column.V, column.W, below, x.data() + offset[at(e)]);
+                    column.V, column.W, below.data(), x.data() + offset[at(e)]);
   }
 }
 

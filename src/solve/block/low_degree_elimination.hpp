@@ -2,6 +2,7 @@
 /// Cholesky factorisation V = L D L^T, column by column, whose updates go straight to where they belong.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,8 +46,10 @@ class LowDegreeElimination {
     int first_target = 0;            // in target_
   };
 
+  using Below = std::array<double*, kMostRowsBelow>;  // parts of a vector
   void layOutFactor(const BlockLower& H, int count);
-  void forwardColumn(const dense::Kernels& kernel, int e, const std::vector<int>& offset, Eigen::VectorXd& x) const;
+  void prefetchTargets(const Column& column) const;
+  void findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x, Below& below) const;
 
   BlockLower S_;
   double flops_ = 0;
@@ -56,6 +59,7 @@ class LowDegreeElimination {
   std::vector<double*> target_;    // of the pairs (i, j <= i) of blocks below: a block of factor_ or S_
   std::size_t diagonal_size_ = 0, below_size_ = 0;  // of what is eliminated
   dense::BigArray factor_;
+  std::vector<double> least_;  // pivots, by unknown in the order of elimination
 };
 
 }  // namespace slom

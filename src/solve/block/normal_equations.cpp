@@ -4,6 +4,7 @@
 
 #include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
+#include "solve/dense/prefetch.hpp"
 
 namespace slom {
 
@@ -102,14 +103,10 @@ bool NormalEquations::addPair(const dense::Kernels& kernel, int rows, const int*
 
 /// Where a measurement of two variables will add to.
 void NormalEquations::prefetch(const int* blocks, Destination destination) const {
-#if defined(__GNUC__)
   for (int k = 0; k < 2; ++k) {
-    if (blocks[k] >= 0) __builtin_prefetch(place_[at(blocks[k])].diagonal, 1);
+    if (blocks[k] >= 0) dense::prefetch(place_[at(blocks[k])].diagonal, place_[at(blocks[k])].diagonal + 1);
   }
-  if (destination.block < 0) return;
-  for (const double *line = H_.values(destination.block), *end = H_.values(destination.block + 1); line < end; line += 8)
-    __builtin_prefetch(line, 1);
-#endif
+  if (destination.block >= 0) dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
 }
 
 /// What the batch adds to the columns [first, last) of H and to their entries of g.

@@ -27,14 +27,40 @@ SLOM_INLINE inline int factorizeUnit(int d, double* V, const double* least,
   return n;
 }
 
+template <int D>
+void forwardColumnOf(int d, int count, const int* height, const double* V, const double* W, double* x, double* const* below) {
+  constexpr int kMost = D > 0 ? D : kMostEliminated;
+  const int n = D > 0 ? D : d;
+  double scaled[kMost];
+  for (int k = 0; k < n; ++k) {
+    for (int i = k + 1; i < n; ++i) x[i] -= V[k * n + i] * x[k];
+    scaled[k] = x[k] * V[k * n + k];
+  }
+  for (int i = 0; i < count; ++i) {
+    const int rows = D > 0 ? D : height[i];
+    double* const y = below[i];
+    for (int k = 0; k < n; ++k) {
+      for (int r = 0; r < rows; ++r) y[r] -= W[k * rows + r] * scaled[k];
+    }
+    W += rows * n;
+  }
+}
+
 constexpr int kMostThrees = 8;
 
 /// Blocks of 3 x 3 alone.
-int eliminateThrees(int count, double* V, double* W, double* const* target, const double* least, double* pivot) {
+int eliminateThrees(int count, double* V, double* W, double* const* target, const double* least, double* pivot, double* x,
+                    double* const* below) {
   const int done = factorizeUnit<3>(3, V, least, pivot);
   if (done < 3) return done;
   const double l10 = V[1], l20 = V[2], l21 = V[5];
   const Vector scale[3] = {all(V[0]), all(V[4]), all(V[8])};
+  Vector scaled[3];
+  if (x != nullptr) {
+    x[1] -= l10 * x[0];
+    x[2] -= l20 * x[0] + l21 * x[1];
+    for (int k = 0; k < 3; ++k) scaled[k] = all(x[k]) * scale[k];
+  }
   Three part[kMostThrees][3];
   for (int i = 0; i < count; ++i, W += 9) {
     Vector y[3];
@@ -46,6 +72,11 @@ int eliminateThrees(int count, double* V, double* W, double* const* target, cons
     W[8] = y[2][2];
 #pragma GCC unroll 3
     for (int k = 0; k < 3; ++k) part[i][k] = Three(y[k], y[k] * scale[k]);
+    if (x != nullptr) {
+      double* const to = below[i];
+      const Vector change = y[0] * scaled[0] + y[1] * scaled[1] + y[2] * scaled[2];
+      for (int r = 0; r < 3; ++r) to[r] -= change[r];
+    }
     for (int j = 0; j <= i; ++j) {
       ThreeByThree H(*target);
 #pragma GCC unroll 3
@@ -59,7 +90,7 @@ int eliminateThrees(int count, double* V, double* W, double* const* target, cons
 /// The same for blocks of any size, or all of D x D.
 template <int D>
 int eliminateAny(int d, int count, const int* height, double* V, double* W, double* const* target,
-                 const double* least, double* pivot) {
+                 const double* least, double* pivot, double* x, double* const* below) {
   const int n = D > 0 ? D : d;
   const int done = factorizeUnit<D>(d, V, least, pivot);
   if (done < n) return done;
@@ -86,6 +117,7 @@ int eliminateAny(int d, int count, const int* height, double* V, double* W, doub
     }
     Wi += rows * n;
   }
+  if (x != nullptr) forwardColumnOf<D>(d, count, height, V, W, x, below);
   return n;
 }
 
@@ -98,30 +130,11 @@ inline bool areAlike(int d, int count, const int* height) {
 }
 
 int eliminate(int d, int count, const int* height, double* V, double* W, double* const* target,
-              const double* least, double* pivot) {
+              const double* least, double* pivot, double* x, double* const* below) {
   if (d == 3 && count <= kMostThrees && areAlike(3, count, height))
-    return eliminateThrees(count, V, W, target, least, pivot);
-  if (d == 6 && areAlike(6, count, height)) return eliminateAny<6>(6, count, height, V, W, target, least, pivot);
-  return eliminateAny<0>(d, count, height, V, W, target, least, pivot);
-}
-
-template <int D>
-void forwardColumnOf(int d, int count, const int* height, const double* V, const double* W, double* x, double* const* below) {
-  constexpr int kMost = D > 0 ? D : kMostEliminated;
-  const int n = D > 0 ? D : d;
-  double scaled[kMost];
-  for (int k = 0; k < n; ++k) {
-    for (int i = k + 1; i < n; ++i) x[i] -= V[k * n + i] * x[k];
-    scaled[k] = x[k] * V[k * n + k];
-  }
-  for (int i = 0; i < count; ++i) {
-    const int rows = D > 0 ? D : height[i];
-    double* const y = below[i];
-    for (int k = 0; k < n; ++k) {
-      for (int r = 0; r < rows; ++r) y[r] -= W[k * rows + r] * scaled[k];
-    }
-    W += rows * n;
-  }
+    return eliminateThrees(count, V, W, target, least, pivot, x, below);
+  if (d == 6 && areAlike(6, count, height)) return eliminateAny<6>(6, count, height, V, W, target, least, pivot, x, below);
+  return eliminateAny<0>(d, count, height, V, W, target, least, pivot, x, below);
 }
 
 void forwardColumn(int d, int count, const int* height, const double* V, const double* W, double* x, double* const* below) {

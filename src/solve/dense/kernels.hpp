@@ -87,6 +87,9 @@ struct Kernels {
   /// AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as for
   /// addProduct. Returns false, with nothing done, for sizes it is not made for.
   bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to);
+  /// m := W m for W n x n and m n x cols, both column-major and without gaps. Returns false, with nothing done, for sizes it is
+  /// not made for.
+  bool (*multiply)(int n, int cols, const double* W, double* m);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
   /// paddedRows(k) rows, those behind the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);
@@ -98,10 +101,10 @@ struct Kernels {
   void (*subtractTransposedProduct)(int d, int k, const double* W, const double* y, double* x);
   /// A column of a block factorisation: V, d x d, and `count` blocks W_i below it, height[i] x d, all column-major, the W_i
   /// contiguous. V := L D^-1 in V = L D L^T, with unit lower L; W_i := W_i L^-T; for i and j <= i, in this order, target -=
-  /// W_i D^-1 W_j^T (the W as they are then). Returns the first pivot that is not above least[i] and writes it to *pivot; d
-  /// when there is none.
+  /// W_i D^-1 W_j^T (the W as they are then). Where x is not null, what forwardColumn does. Returns the first pivot that is not
+  /// above least[i] and writes it to *pivot; d when there is none.
   int (*eliminate)(int d, int count, const int* height, double* V, double* W, double* const* target, const double* least,
-                   double* pivot);
+                   double* pivot, double* x, double* const* below);
   /// x := L^-1 x and below[i] -= W_i D^-1 x
   void (*forwardColumn)(int d, int count, const int* height, const double* V, const double* W, double* x,
                         double* const* below);

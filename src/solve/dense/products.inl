@@ -135,5 +135,35 @@ bool addPair(int rows, int k, int l, const double* A, const double* B, const dou
   }
 }
 
+void multiplyThrees(int cols, const double* W, double* m) {
+  Vector w[3];
+  columnsOf(W, w);
+  for (int j = 0; j < cols; ++j, m += 3) {
+    const Vector y = w[0] * all(m[0]) + w[1] * all(m[1]) + w[2] * all(m[2]);
+    for (int i = 0; i < 3; ++i) m[i] = y[i];
+  }
+}
+
+template <int N>
+void multiplyOf(int cols, const double* W, double* m) {
+  ColumnOf<N> w[N];
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i) w[i] = loadColumn<N>(W + N * i);
+  for (int j = 0; j < cols; ++j, m += N) {
+    auto sum = ColumnOf<N>::zero();
+#pragma GCC unroll 6
+    for (int i = 0; i < N; ++i) sum.add(w[i], Factor(m[i]));
+    storeColumn<N>(m, sum);
+  }
+}
+
+bool multiply(int n, int cols, const double* W, double* m) {
+  switch (n) {
+    case 3: multiplyThrees(cols, W, m); return true;
+    case 6: multiplyOf<6>(cols, W, m); return true;
+    default: return false;
+  }
+}
+
 }  // namespace
 }  // namespace slom::dense
