@@ -50,10 +50,10 @@ class SchurComplement {
   void halfReduce(const BlockLower& H, int e, double* Y) const;
   void halfReduce(const double* b, int e, int d, double* y) const;
 
-  EliminatedBlocks eliminated_;
-  BlockLower S_;
   int vectorSize() const { return depth_ * dense::paddedRows(1); }
 
+  EliminatedBlocks eliminated_;
+  BlockLower S_;
   int depth_ = 0;                     // columns of each block of Y
   std::vector<Meeting> meeting_;      // wave after wave, in each by block; one more for the end
   std::vector<int> first_meeting_;    // of each wave; one more for the end
