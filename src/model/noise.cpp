@@ -8,7 +8,6 @@
 
 #include "model/words.hpp"
 #include "mtk/error.hpp"
-#include "solve/dense/kernels.hpp"
 
 namespace slom {
 
@@ -250,7 +249,6 @@ void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
       withDimension(dim, [&](auto n) { scale<n>(W, m, dim, cols); });
       break;
     case WhiteningKind::full:
-      if (dense::kernels().multiply(dim, cols, W, m)) return;
       withDimension(dim, [&](auto n) { multiply<n>(W, m, dim, cols); });
       break;
   }

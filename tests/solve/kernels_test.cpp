@@ -152,28 +152,18 @@ TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
                       (ab - before - A.transpose() * B).norm() + (ar - Ar - A.transpose() * r).norm() +
                       (br - Br - B.transpose() * r).norm(),
                   1e-12) << kernels->name;
+        MatrixXd aa_alone = AA, bb_alone = BB, ab_alone = AB, ar_alone = Ar, br_alone = Br;
+        ASSERT_TRUE(kernels->addPair(rows, k, l, A.data(), B.data(), r.data(),
+                                     {aa_alone.data(), nullptr, nullptr, ar_alone.data(), nullptr, false}));
+        ASSERT_TRUE(kernels->addPair(rows, k, l, A.data(), B.data(), r.data(),
+                                     {nullptr, bb_alone.data(), ab_alone.data(), nullptr, br_alone.data(), is_new}));
+        EXPECT_TRUE(aa == aa_alone && bb == bb_alone && ab == ab_alone && ar == ar_alone && br == br_alone);
         Numbers all;
         for (const MatrixXd* m : {&aa, &bb, &ab, &ar, &br}) all.insert(all.end(), m->data(), m->data() + m->size());
         results.push_back(all);
       }
       expectAlike(results, "J^T J");
     }
-  }
-}
-
-TEST(Kernels, MultiplyInPlace) {
-  Random random;
-  for (const int n : {1, 2, 3, 4, 6, 9}) {
-    const MatrixXd W = random.matrix(n, n), before = random.matrix(n, 13);
-    std::vector<Numbers> results;
-    for (const Kernels* kernels : available()) {
-      MatrixXd m = before;
-      const bool is_made_for = kernels->multiply(n, 13, W.data(), m.data());
-      EXPECT_EQ(is_made_for, n == 3 || n == 6);
-      EXPECT_LT((m - (is_made_for ? MatrixXd(W * before) : before)).norm(), 1e-13 * m.norm()) << kernels->name;
-      results.emplace_back(m.data(), m.data() + m.size());
-    }
-    expectAlike(results, "product");
   }
 }
 

@@ -87,26 +87,42 @@ double* NormalEquations::begun(Destination destination, int size) {
   return values;
 }
 
-/// What a measurement of two free variables adds, at once, to the same bits as one after the other. Returns
-/// false, with nothing added, where that is not possible.
-bool NormalEquations::addPair(const dense::Kernels& kernel, int rows, const int* blocks, const int* dof, Destination destination,
-                              const double* J, const double* r, int first, int last) {
-  if (blocks[0] < 0 || blocks[1] < 0) return false;
+/// What a measurement of two free variables adds to the columns [first, last), at once, to the same bits as one after
+/// the other. Returns false, with nothing added, where that is not possible.
+bool NormalEquations::addPair(const dense::Kernels& kernel, int rows, const int* blocks, const int* dof,
+                              Destination destination, const double* J, const double* r, int first, int last) {
+  if (blocks[0] < 0 || blocks[1] < 0 || blocks[0] == blocks[1]) return false;
   const Place* const place[] = {&place_[at(blocks[0])], &place_[at(blocks[1])]};
   const int later = place[0]->column > place[1]->column ? 0 : 1, earlier = 1 - later;
-  if (blocks[0] == blocks[1] || place[earlier]->column < first || place[later]->column >= last) return false;
+  const auto is_meant = [&](int k) { return first <= place[k]->column && place[k]->column < last; };
+  dense::PairTarget to{};
+  if (is_meant(later)) {
+    to.AA = place[later]->diagonal;
+    to.Ar = place[later]->gradient;
+  }
+  if (is_meant(earlier)) {
+    to.BB = place[earlier]->diagonal;
+    to.Br = place[earlier]->gradient;
+    to.AB = H_.values(destination.block);
+    to.AB_is_new = destination.is_first != 0;
+  }
+  if (to.AA == nullptr && to.BB == nullptr) return true;
   const double* const of[] = {J, J + static_cast<std::ptrdiff_t>(rows) * dof[0]};
-  return kernel.addPair(rows, dof[later], dof[earlier], of[later], of[earlier], r,
-                        {place[later]->diagonal, place[earlier]->diagonal, H_.values(destination.block), place[later]->gradient, place[earlier]->gradient,
-                         destination.is_first != 0});
+  return kernel.addPair(rows, dof[later], dof[earlier], of[later], of[earlier], r, to);
 }
 
-/// Where a measurement of two variables will add to.
-void NormalEquations::prefetch(const int* blocks, Destination destination) const {
+/// Where a measurement of two variables will add to, as far as it is in the columns [first, last): others are another
+/// thread's.
+void NormalEquations::prefetch(const int* blocks, Destination destination, int first, int last) const {
+  int earliest = last;
   for (int k = 0; k < 2; ++k) {
-    if (blocks[k] >= 0) dense::prefetch(place_[at(blocks[k])].diagonal, place_[at(blocks[k])].diagonal + 1);
+    if (blocks[k] < 0) return;
+    const Place& place = place_[at(blocks[k])];
+    earliest = std::min(earliest, place.column);
+    if (first <= place.column && place.column < last) dense::prefetch(place.diagonal, place.diagonal + 1);
   }
-  if (destination.block >= 0) dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
+  if (first <= earliest && earliest < last)
+    dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
 }
 
 /// What the batch adds to the columns [first, last) of H and to their entries of g.
@@ -123,7 +139,8 @@ void NormalEquations::addColumns(const JacobianBatch& batch, int first, int last
   const int* dof = batch.dof;
   for (int m = 0; m < batch.count; ++m, blocks += arity, dof += arity) {
     const int rows = batch.rows[m];
-    if (arity == 2 && m + kAhead < batch.count) prefetch(blocks + 2 * kAhead, destination[kAhead]);
+    if (arity == 2 && m + kAhead < batch.count)
+      prefetch(blocks + 2 * kAhead, destination[kAhead], first, last);
     if (arity == 2 && addPair(kernel, rows, blocks, dof, *destination, J, r, first, last)) {
       ++destination;
       J += static_cast<std::ptrdiff_t>(rows) * (dof[0] + dof[1]);

@@ -50,7 +50,7 @@ class NormalEquations {
                const double* r, int first, int last);
   void addColumns(const JacobianBatch& batch, int first, int last);
 
-  void prefetch(const int* blocks, Destination destination) const;
+  void prefetch(const int* blocks, Destination destination, int first, int last) const;
   double* begun(Destination destination, int size);
 
   const BlockStructure* structure_ = nullptr;

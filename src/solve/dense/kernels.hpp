@@ -47,7 +47,8 @@ struct Child {
   const double* update;
 };
 
-/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r.
+/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r. AA and Ar may be null, BB,
+/// AB and Br as well: then these are left alone.
 struct PairTarget {
   double *AA, *BB, *AB, *Ar, *Br;
   bool AB_is_new;  ///< AB has no value yet and is taken as 0
@@ -87,9 +88,6 @@ struct Kernels {
   /// AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as for
   /// addProduct. Returns false, with nothing done, for sizes it is not made for.
   bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to);
-  /// m := W m for W n x n and m n x cols, both column-major and without gaps. Returns false, with nothing done, for sizes it is
-  /// not made for.
-  bool (*multiply)(int n, int cols, const double* W, double* m);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
   /// paddedRows(k) rows, those behind the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);

@@ -90,18 +90,26 @@ void addPairOfThrees(const double* A, const double* B, const double* r, const Pa
   Vector a[3], b[3];
   rowsOf(A, a);
   rowsOf(B, b);
-  ThreeByThree AA(to.AA), BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
+  if (to.AA != nullptr) {
+    ThreeByThree AA(to.AA);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+      const Three left(a[i], a[i]);
+      AA.add(left, left);
+    }
+    AA.storeTo(to.AA);
+    addToThree(a, r, to.Ar);
+  }
+  if (to.BB == nullptr) return;
+  ThreeByThree BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const Three left(a[i], a[i]), right(b[i], b[i]);
-    AA.add(left, left);
     AB.add(left, right);
     BB.add(right, right);
   }
-  AA.storeTo(to.AA);
   BB.storeTo(to.BB);
   AB.storeTo(to.AB);
-  addToThree(a, r, to.Ar);
   addToThree(b, r, to.Br);
 }
 
@@ -110,9 +118,12 @@ void addPairOf(const double* A, const double* B, const double* r, const PairTarg
   {
     ColumnOf<K> rows[R];
     transpose<R, K>(A, rows);
-    addColumnsOfProduct<R, K>(rows, K, A, to.AA);
+    if (to.AA != nullptr) {
+      addColumnsOfProduct<R, K>(rows, K, A, to.AA);
+      addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
+    }
+    if (to.BB == nullptr) return;
     addColumnsOfProduct<R, K>(rows, L, B, to.AB, to.AB_is_new);
-    addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
   }
   ColumnOf<L> rows[R];
   transpose<R, L>(B, rows);
@@ -131,36 +142,6 @@ bool addPair(int rows, int k, int l, const double* A, const double* B, const dou
     case shapeOf(6, 6, 6): addPairOf<6, 6, 6>(A, B, r, to); return true;
     case shapeOf(3, 3, 3): addPairOfThrees(A, B, r, to); return true;
     case shapeOf(2, 3, 2): addPairOf<2, 3, 2>(A, B, r, to); return true;
-    default: return false;
-  }
-}
-
-void multiplyThrees(int cols, const double* W, double* m) {
-  Vector w[3];
-  columnsOf(W, w);
-  for (int j = 0; j < cols; ++j, m += 3) {
-    const Vector y = w[0] * all(m[0]) + w[1] * all(m[1]) + w[2] * all(m[2]);
-    for (int i = 0; i < 3; ++i) m[i] = y[i];
-  }
-}
-
-template <int N>
-void multiplyOf(int cols, const double* W, double* m) {
-  ColumnOf<N> w[N];
-#pragma GCC unroll 6
-  for (int i = 0; i < N; ++i) w[i] = loadColumn<N>(W + N * i);
-  for (int j = 0; j < cols; ++j, m += N) {
-    auto sum = ColumnOf<N>::zero();
-#pragma GCC unroll 6
-    for (int i = 0; i < N; ++i) sum.add(w[i], Factor(m[i]));
-    storeColumn<N>(m, sum);
-  }
-}
-
-bool multiply(int n, int cols, const double* W, double* m) {
-  switch (n) {
-    case 3: multiplyThrees(cols, W, m); return true;
-    case 6: multiplyOf<6>(cols, W, m); return true;
     default: return false;
   }
 }
