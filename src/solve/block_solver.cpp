@@ -313,29 +313,20 @@ void BlockSolver::Implementation::solveRest(VectorXd& x) {
 
 /// After factorize(): the tolerance is that of conjugate gradients.
 SolveStatus BlockSolver::Implementation::solve(const VectorXd& b, double tolerance, int max_iterations, VectorXd& x) {
-  if (is_exact && has_low) {
-    x = b;
-    low.forward(equations.offset(), x);
-    x(kept) = factor.solve(keptOf(x));
-    low.substitute(equations.offset(), x);
-    return {};
-  }
-  if (is_exact && !isReduced()) {
-    x = factor.solve(b);
-    return {};
-  }
   x = b;
+  if (has_low) low.forward(equations.offset(), x);
   if (isReduced()) points().reduceVector(equations.H(), equations.offset(), x);
   if (is_exact) {
-    x(kept) = factor.solve(keptOf(x));
-  } else {
-    VectorXd part;
-    const auto outcome = conjugateGradients(reduced, reduced.reducedOf(x, equations.offset()), tolerance, max_iterations, part);
-    iterations += outcome.iterations;
-    ++steps;
-    if (!outcome.ok) return {false, equations.offset()[at(count())], 0};
-    reduced.putInto(part, equations.offset(), x);
+    factor.solveFirst(has_low || isReduced() ? keptOf(x) : x);
+    solveRest(x);
+    return {};
   }
+  VectorXd part;
+  const auto outcome = conjugateGradients(reduced, reduced.reducedOf(x, equations.offset()), tolerance, max_iterations, part);
+  iterations += outcome.iterations;
+  ++steps;
+  if (!outcome.ok) return {false, equations.offset()[at(count())], 0};
+  reduced.putInto(part, equations.offset(), x);
   if (isReduced()) points().substitute(equations.H(), equations.offset(), x);
   return {};
 }

@@ -414,11 +414,10 @@ void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = b[unknown_[i]];
 }
 
-Eigen::VectorXd MultifrontalCholesky::solve(const Eigen::VectorXd& b) {
+void MultifrontalCholesky::solveFirst(const Eigen::VectorXd& b) {
   begin(b);
   forEachSubtree([&](int t) { for (const int f : subtree_[at(t)]) forward(f); });
   for (const int f : subtree_.back()) forward(f);
-  return solveRest();
 }
 
 Eigen::VectorXd MultifrontalCholesky::solveRest() {

@@ -27,8 +27,9 @@ class MultifrontalCholesky {
   /// right-hand side b is taken along, while each front is in the cache: solveRest() then ends the solution for it.
   SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping, double tolerance,
                         const Eigen::VectorXd* b = nullptr);
+  /// The first half of the solution for b, where the factorisation did not take it along, and the rest of it:
   /// (H + damping)^-1 b, by unknown.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b);
+  void solveFirst(const Eigen::VectorXd& b);
   Eigen::VectorXd solveRest();
   /// The blocks of (H + damping)^-1 at the places of H's, into Z, which is laid out as H.
   void invertSelected(BlockLower& Z) const;
