@@ -34,10 +34,12 @@ Camera cameraAbove(double x, double y, Random& random) {
   return camera;
 }
 
+/// Turned about its own centre, so that large scenes start as near to the solution as small ones.
 Camera disturbed(const Camera& truth, Random& random) {
+  const Vec3 centre = truth.pose.orient.inverse() * truth.pose.pos;
   Camera camera = truth;
   camera.pose.orient = truth.pose.orient * mtk::SO3<>::exp(normalVector(random, 0.01));
-  camera.pose.pos = truth.pose.pos + normalVector(random, 0.02);
+  camera.pose.pos = camera.pose.orient * centre + normalVector(random, 0.02);
   camera.lens = slom::SnavelyIntrinsics<>(mtk::vect<3>(truth.lens.f() * (1 + 0.01 * random.normal()),
                                                        truth.lens.k1() + 0.01 * random.normal(), truth.lens.k2()));
   return camera;
