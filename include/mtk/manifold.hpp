@@ -151,10 +151,14 @@ void visitIndexNames(int n, bool is_vector, const std::string& path, Sink&& sink
   for (int i = 0; i < n; ++i) sink(joinPath(path, letters ? std::string(1, "xyz"[i]) : std::to_string(i)));
 }
 
-inline void requireSameSize(Eigen::Index x, Eigen::Index y, const char* operation) {
-  if (x == y) return;
-  throw Error("mtk.size-mismatch", std::string("the operands of ") + operation + " have " + std::to_string(x) +
-                                       " and " + std::to_string(y) + " entries; give both the same size");
+/// Nothing is compiled where both sizes are part of the types.
+template <class X, class Y>
+void requireSameSize(const X& x, const Y& y, const char* operation) {
+  if constexpr (X::SizeAtCompileTime == Dynamic || Y::SizeAtCompileTime == Dynamic) {
+    if (x.size() == y.size()) return;
+    throw Error("mtk.size-mismatch", std::string("the operands of ") + operation + " have " + std::to_string(x.size()) +
+                                         " and " + std::to_string(y.size()) + " entries; give both the same size");
+  }
 }
 
 }  // namespace detail
@@ -344,11 +348,11 @@ struct ManifoldTraits<V> {
   static constexpr int DOF = V::RowsAtCompileTime;
   static int dof(const V& x) { return static_cast<int>(x.size()); }
   static void boxplus(V& x, vectview<const scalar, DOF> d, scalar scale) {
-    detail::requireSameSize(x.size(), d.size(), "x [+] d");
+    detail::requireSameSize(x, d, "x [+] d");
     x += scale * d;
   }
   static void boxminus(vectview<scalar, DOF> out, const V& x, const V& y) {
-    detail::requireSameSize(x.size(), y.size(), "x [-] y");
+    detail::requireSameSize(x, y, "x [-] y");
     out = x - y;
   }
   template <class Sink>

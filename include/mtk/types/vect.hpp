@@ -98,11 +98,11 @@ class vect : public PlainVector<S, N> {
 
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
-    detail::requireSameSize(this->size(), d.size(), "x [+] d");
+    detail::requireSameSize(*this, d, "x [+] d");
     Base::operator+=(scale * d);
   }
   void boxminus(vectview<S, N> out, const vect& y) const {
-    detail::requireSameSize(this->size(), y.size(), "x [-] y");
+    detail::requireSameSize(*this, y, "x [-] y");
     out = *this - y;
   }
   void magnitudes(vectview<S, N> out) const { out = this->cwiseAbs(); }
@@ -170,7 +170,7 @@ Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
   static_assert(int(A::SizeAtCompileTime) == int(B::SizeAtCompileTime) || A::SizeAtCompileTime == Dynamic ||
                     B::SizeAtCompileTime == Dynamic,
                 "mtk: vectors of different sizes cannot be added or subtracted");
-  requireSameSize(a.size(), b.size(), name);
+  requireSameSize(a, b, name);
   auto result = unfilled<Sum<A, B>>(a.size());
   forEachEntry<Sum<A, B>::DOF>(a.size(), [&](int i) { result[i] = op(a[i], b[i]); });
   return result;

@@ -180,25 +180,18 @@ inline constexpr int kRuntimeOffset = -1;
 /// What the function gets of a stored argument when derivatives are wanted: variables over the dual number D.
 template <class Stored, class D, int Offset>
 struct DualArgument {
-  std::tuple<const Stored&> passed;
-  explicit DualArgument(const std::pair<const Stored*, int>& source) : passed(*source.first) {}
+  const Stored& value;
+  explicit DualArgument(const std::pair<const Stored*, int>& source) : value(*source.first) {}
 };
 template <class T, class D, int Offset>
 struct DualArgument<VarArg<T>, D, Offset> {
   mtk::rebind_t<T, D> value;
-  std::tuple<const mtk::rebind_t<T, D>&> passed{value};
   /// The variable and the number of its first unknown.
   explicit DualArgument(const std::pair<const VarArg<T>*, int>& source)
       : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(**source.first, Offset == kRuntimeOffset ? source.second : Offset,
                                                          D::size)) {}
   DualArgument(const DualArgument&) = delete;
 };
-template <class Z, class D, int Offset>
-struct DualArgument<Measured<Z>, D, Offset> {
-  std::tuple<> passed;
-  explicit DualArgument(const std::pair<const Measured<Z>*, int>&) {}
-};
-
 template <class A>
 inline constexpr int argument_dof = 0;
 template <class T>
@@ -252,7 +245,7 @@ struct ResultOf<F, std::tuple<P...>> {
   using type = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
 };
 
-/// The types of DualArgument::passed, without the classes around them.
+/// What the function gets of a DualArgument, without the class around it.
 template <class Stored, class D>
 struct DualPassed {
   using type = std::tuple<const Stored&>;
@@ -478,6 +471,10 @@ class CallableMeasurement {
   Value predict(std::index_sequence<I...>) const {
     return std::invoke(function(), detail::held(std::get<I>(args_))...);
   }
+  template <class Seeds, std::size_t... I>
+  auto predictFrom(const Seeds& seeds, std::index_sequence<I...>) const {
+    return std::invoke(function(), std::get<I>(seeds).value...);
+  }
   /// The blocks of f.jacobian, one after the other.
   template <std::size_t... P, std::size_t... V>
   void writeJacobian(int rows, double* J, std::index_sequence<P...>, std::index_sequence<V...>) const {
@@ -523,7 +520,7 @@ class CallableMeasurement {
         seeds(std::pair(&std::get<I>(args_), offset[I])...);
     if constexpr (one_pass) width = columns;
     if constexpr (residual_dim != mtk::Dynamic) rows = residual_dim;
-    return write(std::apply(function(), std::tuple_cat(std::get<I>(seeds).passed...)), rows, r, J, width);
+    return write(predictFrom(seeds, PassedIndices{}), rows, r, J, width);
   }
   template <class Result>
   int write(const Result& result, int rows, double* r, double* J, int width) const {

@@ -80,7 +80,7 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
     const auto from_z = z.inverse() * x;
     entries(decltype(z.inverse() * x)::log(from_z));
   } else if constexpr (mtk::detail::EigenState<Z> && !requires { z.vector(); }) {
-    mtk::detail::requireSameSize(x.size(), z.size(), "x [-] y");
+    mtk::detail::requireSameSize(x, z, "x [-] y");
     eachIndex(x, [&](int i) { sink(row + i, x[i] - z[i]); });
   } else if constexpr (mtk::is_scalar_v<Z> || requires { z.value(); }) {
     using N = std::remove_cvref_t<decltype(mtk::detail::State::read(z))>;

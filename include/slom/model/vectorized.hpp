@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "mtk/bottleneck.hpp"
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
+#include "slom/model/indices.hpp"
 #include "slom/model/prediction.hpp"
 #include "slom/model/var_id.hpp"
 
@@ -60,14 +62,12 @@ void forEachLane(const F& f) {
   mtk::detail::unrolled<Width>([&](int lane) { f(static_cast<std::size_t>(lane)); });
 }
 
-/// An argument in packs: its value, and what the function gets of it.
+/// An argument in packs.
 template <class Stored, int Width>
 struct PackedArgument {
   using Numbers = mtk::Pack<Width>;
   static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Held<Stored>, Numbers>>;
-  static constexpr bool is_datum = is_measured<Stored>;
   using Packed = std::conditional_t<possible, mtk::rebind_t<Held<Stored>, Numbers>, std::tuple<>>;
-  using Passed = std::conditional_t<is_datum, std::tuple<>, std::tuple<const Packed&>>;
   Packed value{};
 
   explicit PackedArgument(const std::array<const Stored*, Width>& x) {
@@ -76,21 +76,12 @@ struct PackedArgument {
     mtk::detail::gatherParts(value, values);
   }
   PackedArgument(const PackedArgument&) = delete;
-
-  Passed passed() const {
-    if constexpr (is_datum) {
-      return {};
-    } else {
-      return {value};
-    }
-  }
 };
 /// The same argument where derivatives are wanted.
 template <class Stored, int Width, int Offset>
 struct SeededArgument {
-  const PackedArgument<Stored, Width>& packed;
-  explicit SeededArgument(const PackedArgument<Stored, Width>& argument) : packed(argument) {}
-  auto passed() const { return packed.passed(); }
+  const typename PackedArgument<Stored, Width>::Packed& value;
+  explicit SeededArgument(const PackedArgument<Stored, Width>& packed) : value(packed.value) {}
 };
 template <class T, int Width, int Offset>
 struct SeededArgument<VarArg<T>, Width, Offset> {
@@ -99,7 +90,6 @@ struct SeededArgument<VarArg<T>, Width, Offset> {
   explicit SeededArgument(const PackedArgument<VarArg<T>, Width>& packed)
       : value(mtk::detail::seededAs<Seeded>(packed.value, Offset, 64)) {}
   SeededArgument(const SeededArgument&) = delete;
-  std::tuple<const Seeded&> passed() const { return {value}; }
 };
 
 template <class... M>
@@ -138,9 +128,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
     Lanes rows[Rows];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
-    std::apply([&](const auto&... argument) {
-      write(std::apply(f, std::tuple_cat(argument.passed()...)), sink, argument...);
-    }, arguments);
+    write(predict(f, arguments, PassedIndices{}), sink, arguments);
     mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
   }
 
@@ -159,12 +147,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
       }
     };
-    std::apply([&](const auto&... argument) {
-      const std::tuple<SeededArgument<Stored, width, Offset>...> seeds(argument...);
-      std::apply([&](const auto&... seed) {
-        write(std::apply(f, std::tuple_cat(seed.passed()...)), sink, argument...);
-      }, seeds);
-    }, arguments);
+    const auto seeds = std::make_from_tuple<std::tuple<SeededArgument<Stored, width, Offset>...>>(arguments);
+    write(predict(f, seeds, PassedIndices{}), sink, arguments);
     mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
     mtk::detail::deinterleave<Rows * Columns>(&partials->lanes, J, Rows * Columns);
   }
@@ -172,6 +156,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
  private:
   using Lanes = mtk::Pack<width>;
   using Arguments = std::tuple<PackedArgument<Stored, width>...>;
+  using PassedIndices = decltype(indicesWhere<!is_measured<Stored>...>());
+  using DatumIndices = decltype(indicesWhere<is_measured<Stored>...>());
 
   template <std::size_t... I>
   static Arguments gather(const Source& source, std::index_sequence<I...>) {
@@ -191,13 +177,17 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
       return Lanes(0.0);
     }
   }
-  template <class Result, class Sink, class... A>
-  static void write(const Result& result, const Sink& sink, const A&... argument) {
-    if constexpr ((A::is_datum || ...)) {
-      const auto one = [&](const auto& a) {
-        if constexpr (std::remove_cvref_t<decltype(a)>::is_datum) eachDifference(result, a.value, 0, sink);
-      };
-      (one(argument), ...);
+  template <class Values, std::size_t... I>
+  static auto predict(const F& f, const Values& values, std::index_sequence<I...>) {
+    return std::invoke(f, std::get<I>(values).value...);
+  }
+  template <class Result, class Sink>
+  static void write(const Result& result, const Sink& sink, const Arguments& arguments) {
+    constexpr bool has_datum = DatumIndices::size() > 0;
+    if constexpr (has_datum) {
+      [&]<std::size_t... I>(std::index_sequence<I...>) {
+        (eachDifference(result, std::get<I>(arguments).value, 0, sink), ...);
+      }(DatumIndices{});
     } else {
       eachRow(result, sink);
     }

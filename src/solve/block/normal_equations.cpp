@@ -37,13 +37,14 @@ void NormalEquations::findDestinations() {
   destination_.assign(structure_->groups.size(), {});
   work_.assign(place_.size() + 1, 0.0);
   std::vector<char> is_touched(at(H_.begin(H_.columns())), 0);
+  const auto products = [&](int a, int b) { return static_cast<double>(structure_->dof(a)) * structure_->dof(b); };
   for (std::size_t g = 0; g < structure_->groups.size(); ++g) {
     const MeasurementGroup& group = structure_->groups[g];
     destination_[g].reserve(at(group.size()) * at(group.arity * (group.arity - 1) / 2));
     for (int m = 0; m < group.size(); ++m) {
       const int* blocks = group.blocks.data() + at(m) * at(group.arity);
       for (int k = 0; k < group.arity; ++k) {
-        if (blocks[k] >= 0) ++work_[at(position(blocks[k])) + 1];
+        if (blocks[k] >= 0) work_[at(position(blocks[k])) + 1] += products(blocks[k], blocks[k]);
         for (int l = k + 1; l < group.arity; ++l) {
           if (blocks[k] < 0 || blocks[l] < 0) {
             destination_[g].push_back({-1, 0});
@@ -53,7 +54,7 @@ void NormalEquations::findDestinations() {
                     block = H_.find(std::max(a, b), std::min(a, b));
           destination_[g].push_back({block, a != b && is_touched[at(block)] == 0});
           is_touched[at(block)] = 1;
-          ++work_[at(std::min(a, b)) + 1];
+          work_[at(std::min(a, b)) + 1] += products(blocks[k], blocks[l]);
         }
       }
     }

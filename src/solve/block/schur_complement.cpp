@@ -23,6 +23,11 @@ constexpr double kLeastShare = 2.0 / 3;
 constexpr int kMostInTable = 1024;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
 constexpr int kPerWave = 128;
+/// Numbers of S that one part more may cost for each pair of blocks that it is about, so that one thread alone loses little.
+constexpr double kNumbersPerPair = 0.2;
+constexpr int kMostParts = 8;
+/// Fewer in a wave are not worth being shared by threads.
+constexpr int kFewestSharedPairs = 1 << 14;
 
 }  // namespace
 
@@ -103,12 +108,24 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
       entries += at(depth_ * dense::paddedRows(H.dof(H.row(k))));
     reduced_.push_back(reduced_.back() + entries);
   }
-  std::size_t largest = 0;
+  largest_ = 0;
   for (int wave = 0; wave < eliminated; wave += kPerWave) {
-    largest = std::max(largest, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);
+    largest_ = std::max(largest_, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);
   }
-  Y_.resize(largest);
+  unknowns_ = 0;
+  for (int j = 0; j < n; ++j) unknowns_ += at(S_.dof(j));
   listPairs(H);
+  parts_ = chooseParts();
+  Y_.resize(at(parts_) * largest_);
+  taken_.resize(at(parts_ - 1) * (S_.size() + unknowns_));
+}
+
+int SchurComplement::waves() const { return (eliminated_.count() + kPerWave - 1) / kPerWave; }
+
+int SchurComplement::chooseParts() const {
+  const double numbers = static_cast<double>(S_.size() + unknowns_);
+  const double affordable = numbers > 0 ? kNumbersPerPair * static_cast<double>(pair_.size()) / numbers : 0;
+  return std::max(1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostParts)), kMostParts, waves()}));
 }
 
 /// Finds blocks of S, and counts.
@@ -217,8 +234,8 @@ void SchurComplement::halfReduce(const double* b, int e, int d, double* y) const
   for (int c = 0; c < depth_; ++c) y[c * dense::paddedRows(1)] = c < d ? solved[c] : 0;
 }
 
-SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset,
-                                    const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* b) {
+/// S := H_cc
+void SchurComplement::start(const BlockLower& H) {
   detail::forEachIndex(S_.columns(), [&](int j) {
     for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
       const std::size_t size = at(S_.dof(j)) * at(S_.dof(S_.row(k)));
@@ -229,39 +246,71 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
       }
     }
   });
-  constexpr int kPerTask = 64;
+}
+
+EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const std::vector<int>& offset,
+                                                      const Eigen::VectorXd& damping, double tolerance, int wave,
+                                                      const Eigen::VectorXd* b, const Target& target, double* Y) {
+  const int begin = wave * kPerWave, end = std::min(begin + kPerWave, eliminated_.count());
+  const auto failure = eliminated_.factorize(H, begin, end, offset, damping, tolerance);
+  if (failure.happened()) return failure;
+  for (int e = begin; e < end; ++e) {
+    double* const Y_e = Y + (reduced_[at(e)] - reduced_[at(begin)]);
+    if (b != nullptr) halfReduce(b->data() + offset[at(e)], e, H.dof(e), Y_e);
+    halfReduce(H, e, Y_e + vectorSize());
+  }
+  // Each block adds up in registers what it takes.
   const auto subtract_outers = dense::kernels().subtractOuters;
   const int count = eliminated_.count(), blocks = S_.begin(S_.columns());
-  for (int wave = 0; wave < count; wave += kPerWave) {
-    const int end = std::min(wave + kPerWave, count);
-    std::vector<EliminatedBlocks::Failure> failures(at((end - wave + kPerTask - 1) / kPerTask));
-    detail::forEachIndex(static_cast<int>(failures.size()), [&](int task) {
-      const int first = wave + task * kPerTask, last = std::min(end, first + kPerTask);
-      failures[at(task)] = eliminated_.factorize(H, first, last, offset, damping, tolerance);
-      if (failures[at(task)].happened()) return;
-      for (int e = first; e < last; ++e) {
-        double* const Y = Y_.data() + (reduced_[at(e)] - reduced_[at(wave)]);
-        if (b != nullptr) halfReduce(b->data() + offset[at(e)], e, H.dof(e), Y);
-        halfReduce(H, e, Y + vectorSize());
-      }
-    });
-    for (const EliminatedBlocks::Failure& failure : failures) {
-      if (failure.happened()) return EliminatedBlocks::status(failure, offset);
+  const int first_meeting = first_meeting_[at(wave)], last_meeting = first_meeting_[at(wave + 1)];
+  const auto take = [&](int m) {
+    const Meeting& meeting = meeting_[at(m)];
+    const int pairs = meeting_[at(m + 1)].first - meeting.first, row = meeting.block - blocks;
+    const dense::Pair* const pair = &pair_[at(meeting.first)];
+    if (row < 0) {
+      subtract_outers(depth_, S_.dof(S_.row(meeting.block)), S_.dof(column_[at(meeting.block)]), pairs, pair, Y,
+                      target.S + (S_.values(meeting.block) - S_.values(0)));
+    } else if (b != nullptr) {
+      subtract_outers(depth_, S_.dof(row), 1, pairs, pair, Y, target.b + (offset[at(count + row)] - offset[at(count)]));
     }
-    // Each block is one thread's, and adds up in registers what it takes.
-    const Meeting* const meetings = meeting_.data() + first_meeting_[at(wave / kPerWave)];
-    detail::forEachIndex(
-        first_meeting_[at(wave / kPerWave) + 1] - first_meeting_[at(wave / kPerWave)], [&](int m) {
-          const int first = meetings[m].first, block = meetings[m].block, row = block - blocks;
-          if (row >= 0) {
-            if (b == nullptr) return;
-            subtract_outers(depth_, S_.dof(row), 1, meetings[m + 1].first - first, &pair_[at(first)], Y_.data(),
-                            b->data() + offset[at(count + row)]);
-            return;
-          }
-          subtract_outers(depth_, S_.dof(S_.row(block)), S_.dof(column_[at(block)]),
-                          meetings[m + 1].first - first, &pair_[at(first)], Y_.data(), S_.values(block));
-        });
+  };
+  const bool is_shared = parts_ == 1 && meeting_[at(last_meeting)].first - meeting_[at(first_meeting)].first >= kFewestSharedPairs;
+  if (is_shared) {
+    detail::forEachIndex(last_meeting - first_meeting, [&](int m) { take(first_meeting + m); });
+  } else {
+    for (int m = first_meeting; m < last_meeting; ++m) take(m);
+  }
+  return {};
+}
+
+SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>& offset,
+                                    const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* b) {
+  start(H);
+  if (eliminated_.count() == 0) return {};
+  const std::size_t own = S_.size() + unknowns_;
+  const Target whole{S_.values(0), b == nullptr ? nullptr : b->data() + offset[at(eliminated_.count())]};
+  const auto target = [&](int part) {
+    double* const numbers = taken_.data() + at(part - 1) * own;
+    return part == 0 ? whole : Target{numbers, numbers + S_.size()};
+  };
+  std::vector<EliminatedBlocks::Failure> failures(at(parts_));
+  detail::forEachIndex(parts_, [&](int part) {
+    if (part > 0) std::fill_n(target(part).S, own, 0.0);
+    const int last = static_cast<int>(std::int64_t{waves()} * (part + 1) / parts_);
+    for (int wave = static_cast<int>(std::int64_t{waves()} * part / parts_); wave < last; ++wave) {
+      failures[at(part)] = reduceWave(H, offset, damping, tolerance, wave, b, target(part), Y_.data() + at(part) * largest_);
+      if (failures[at(part)].happened()) return;
+    }
+  });
+  for (const EliminatedBlocks::Failure& failure : failures) {
+    if (failure.happened()) return EliminatedBlocks::status(failure, offset);
+  }
+  for (int part = 1; part < parts_; ++part) {
+    const auto add = [](const double* x, std::size_t n, double* sum) {
+      Eigen::Map<Eigen::ArrayXd>(sum, static_cast<Eigen::Index>(n)) += Eigen::Map<const Eigen::ArrayXd>(x, static_cast<Eigen::Index>(n));
+    };
+    add(target(part).S, S_.size(), whole.S);
+    if (b != nullptr) add(target(part).b, unknowns_, whole.b);
   }
   return {};
 }

@@ -45,7 +45,16 @@ class SchurComplement {
     int first;  ///< of its pairs
   };
   class Places;
+  /// Where eliminated blocks take what they take from S and b: there, or from numbers of their own that begin as 0.
+  struct Target {
+    double *S, *b;
+  };
   void listPairs(const BlockLower& H);
+  int chooseParts() const;
+  int waves() const;
+  void start(const BlockLower& H);
+  EliminatedBlocks::Failure reduceWave(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                                       double tolerance, int wave, const Eigen::VectorXd* b, const Target& target, double* Y);
   void listWave(const BlockLower& H, int wave, Places& places);
   void halfReduce(const BlockLower& H, int e, double* Y) const;
   void halfReduce(const double* b, int e, int d, double* y) const;
@@ -61,7 +70,13 @@ class SchurComplement {
   std::vector<int> column_;           // of each block of S
   std::vector<int> copied_;           // block of H that each block of S starts from, -1: 0
   std::vector<std::size_t> reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
-  dense::BigArray Y_;
+  /// Parts of the waves that threads take, with numbers of their own, which are added up in the end: as many whatever the
+  /// number of threads.
+  int parts_ = 1;
+  std::size_t unknowns_ = 0;        // of S
+  std::size_t largest_ = 0;         // numbers of Y in a wave
+  dense::BigArray Y_;               // of each part
+  dense::BigArray taken_;           // of each part but the first: from S, from b
 };
 
 }  // namespace slom
