@@ -229,8 +229,8 @@ class Estimator {
   }
   /// How linear systems are solved; the default is BlockSolver.
   void changeSolver(std::unique_ptr<LinearSolver> solver);
-  /// Number of threads for residuals and derivatives; 0 (default): as many as the machine has. Results do not depend
-  /// on it.
+  /// Most threads that work for this estimator; 0 (default): as many as the machine has. Results do not depend on it, to
+  /// the last bit.
   void setThreads(int threads);
 
   // What the fit knows.

@@ -37,11 +37,17 @@ double squaredNorm(const std::vector<double>& r) {
 
 }  // namespace
 
-std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem) const {
+std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, std::span<const MeasurementPlace> parts) {
   std::vector<Range> result;
+  auto cut = parts.begin();
   for (int g = 0; g < static_cast<int>(problem.pools().size()); ++g) {
     const int size = problem.pools()[at(g)]->size(), per_chunk = perChunk(*problem.pools()[at(g)]);
-    for (int first = 0; first < size; first += per_chunk) result.push_back({g, first, std::min(first + per_chunk, size)});
+    for (int first = 0, last = 0; first < size; first = last) {
+      while (cut != parts.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
+      last = std::min(first + per_chunk, size);
+      if (cut != parts.end() && cut->group == g) last = std::min(last, cut->index);
+      result.push_back({g, first, last});
+    }
   }
   return result;
 }
@@ -55,8 +61,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.group = range.group;
   chunk.first = range.first;
   chunk.last = range.last;
-  chunk.bad = -1;
-  chunk.threw.reset();
+  chunk.forget();
   chunk.held.clear();
   if (is_laid_out) {
     chunk.r.resize(at(count) * at(chunk.rows.front()));
@@ -141,50 +146,81 @@ void Linearizer::residuals(Problem& problem, double* r) {
   }
 }
 
+void Linearizer::linearizeChunk(Problem& problem, const Range& range, Chunk& chunk) const {
+  prepare(problem, range, true, chunk);
+  try {
+    chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+    if (chunk.bad < 0) {
+      addLosses(problem, true, chunk);
+      if (!problem.constrained().empty()) clearHeld(problem, chunk);
+    }
+  } catch (const MeasurementThrew& event) {
+    chunk.threw = event;
+  }
+}
+
+void Linearizer::requireGood(Problem& problem, const Chunk& chunk) {
+  if (chunk.threw) problem.raiseThrew(*problem.pools()[at(chunk.group)], *chunk.threw);
+  if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
+}
+
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
-  const std::vector<Range> all = ranges(problem);
-  std::vector<double> rss_of_pool(problem.pools().size(), 0.0), squared_norm_of_pool = rss_of_pool;
-  const std::size_t per_wave = at(chunksInFlight());
-  chunks_.resize(std::min(all.size(), per_wave));
-  std::vector<JacobianBatch> batches;
+  const std::span<const MeasurementPlace> parts = sink.parts();
+  const std::vector<Range> all = ranges(problem, parts);
+  std::vector<double> rss(all.size()), squared_norm(all.size());
   held_.clear();
   sink.beginLinearization();
-  for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
-    const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
-    detail::forEachIndex(count, [&](int c) {
-      Chunk& chunk = chunks_[at(c)];
-      prepare(problem, all[wave + at(c)], true, chunk);
-      try {
-        chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
-        if (chunk.bad < 0) {
-          addLosses(problem, true, chunk);
-          if (!problem.constrained().empty()) clearHeld(problem, chunk);
-        }
-      } catch (const MeasurementThrew& event) {
-        chunk.threw = event;
+  const auto send = [&](std::size_t c, const Chunk& chunk) {
+    rss[c] = chunk.rss;
+    squared_norm[c] = chunk.squared_norm;
+    sink.add(chunk.batch());
+  };
+  const auto book = [&](const std::vector<HeldColumn>& held) {
+    for (const HeldColumn& part : held) {
+      HeldColumn& whole = held_.try_emplace({part.variable, part.component}, HeldColumn{}).first->second;
+      whole.gradient += part.gradient;
+      whole.squared_norm += part.squared_norm;
+    }
+  };
+  if (parts.size() > 1) {
+    std::vector<std::size_t> first;
+    for (const MeasurementPlace& part : parts) {
+      const auto is_before = [&](const Range& range) { return std::pair(range.group, range.first) < std::pair(part.group, part.index); };
+      first.push_back(at(static_cast<int>(std::partition_point(all.begin(), all.end(), is_before) - all.begin())));
+    }
+    first.push_back(all.size());
+    chunks_.resize(parts.size());
+    for (Chunk& chunk : chunks_) chunk.forget();
+    std::vector<std::vector<HeldColumn>> held(parts.size());
+    detail::forEachIndex(static_cast<int>(parts.size()), [&](int p) {
+      Chunk& chunk = chunks_[at(p)];
+      for (std::size_t c = first[at(p)]; c < first[at(p) + 1]; ++c) {
+        linearizeChunk(problem, all[c], chunk);
+        if (!chunk.isGood()) return;
+        send(c, chunk);
+        held[at(p)].insert(held[at(p)].end(), chunk.held.begin(), chunk.held.end());
       }
     });
-    for (int c = 0; c < count; ++c) {
-      const Chunk& chunk = chunks_[at(c)];
-      if (chunk.threw) problem.raiseThrew(*problem.pools()[at(chunk.group)], *chunk.threw);
-      if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
-      rss_of_pool[at(chunk.group)] += chunk.rss;
-      squared_norm_of_pool[at(chunk.group)] += chunk.squared_norm;
-      for (const HeldColumn& part : chunk.held) {
-        HeldColumn& whole = held_.try_emplace({part.variable, part.component}, HeldColumn{}).first->second;
-        whole.gradient += part.gradient;
-        whole.squared_norm += part.squared_norm;
+    for (const Chunk& chunk : chunks_) requireGood(problem, chunk);
+    for (const auto& part : held) book(part);
+  } else {
+    const std::size_t per_wave = at(chunksInFlight());
+    chunks_.resize(std::min(all.size(), per_wave));
+    for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
+      const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
+      detail::forEachIndex(count, [&](int c) { linearizeChunk(problem, all[wave + at(c)], chunks_[at(c)]); });
+      for (int c = 0; c < count; ++c) {
+        const Chunk& chunk = chunks_[at(c)];
+        requireGood(problem, chunk);
+        send(wave + at(c), chunk);
+        book(chunk.held);
       }
-      batches.push_back({chunk.group, chunk.first, chunk.last - chunk.first, chunk.rows.data(), chunk.dof.data(),
-                         chunk.r.data(), chunk.J.data()});
     }
-    sink.addAll(batches);
-    batches.clear();
   }
   if (!problem.constrained().empty()) sendHeld(problem, sink);
   sink.endLinearization();
-  squared_norm_sent_ = std::accumulate(squared_norm_of_pool.begin(), squared_norm_of_pool.end(), 0.0);
-  return std::accumulate(rss_of_pool.begin(), rss_of_pool.end(), 0.0);
+  squared_norm_sent_ = std::accumulate(squared_norm.begin(), squared_norm.end(), 0.0);
+  return std::accumulate(rss.begin(), rss.end(), 0.0);
 }
 
 void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {

@@ -362,9 +362,12 @@ void BlockSolver::beginLinearization() {
   self_->equations.setZero();
   self_->has_undamped_factor = false;
 }
-void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
-void BlockSolver::addAll(std::span<const JacobianBatch> batches) { self_->equations.add(batches); }
-void BlockSolver::endLinearization() { self_->equations.diagonal(self_->diagonal); }
+void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add(batch); }
+std::span<const MeasurementPlace> BlockSolver::parts() const { return self_->equations.parts(); }
+void BlockSolver::endLinearization() {
+  self_->equations.addUp();
+  self_->equations.diagonal(self_->diagonal);
+}
 
 SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
   VectorXd x = -gradient();

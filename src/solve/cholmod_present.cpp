@@ -166,8 +166,11 @@ void Cholmod::beginLinearization() {
   self_->equations.setZero();
   self_->has_undamped_factor = false;
 }
-void Cholmod::add(const JacobianBatch& batch) { self_->equations.add({&batch, 1}); }
-void Cholmod::endLinearization() { self_->equations.diagonal(self_->diagonal); }
+void Cholmod::add(const JacobianBatch& batch) { self_->equations.add(batch); }
+void Cholmod::endLinearization() {
+  self_->equations.addUp();
+  self_->equations.diagonal(self_->diagonal);
+}
 
 SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
   {

@@ -251,6 +251,8 @@ TEST(Estimator, GivesTheSameBitsOnAnyNumberOfThreads) {
   std::vector<SE2> values;
   for (const int threads : {1, 2, 5}) {
     Loop loop(1000);
+    for (const int i : {10, 500, 990}) loop.est.fix(loop.poses[i], "orient");
+    loop.est.bound(loop.poses[700], "pos.x", -1e3, (*loop.poses[700]).pos[0]);
     loop.est.setThreads(threads);
     rss.push_back(loop.est.optimize().final_rss);
     values.push_back(*loop.poses[321]);
@@ -396,6 +398,23 @@ TEST(Exceptions, OfUserCodeLeaveTheEstimatorAsItWas) {
   armed = false;
   EXPECT_TRUE(est.optimize().converged);
   EXPECT_NEAR(*x, std::sqrt(2.0), 1e-12);
+}
+
+TEST(Exceptions, NameTheFirstOfManyMeasurementsOnAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 5}) {
+    slom::Estimator est;
+    est.setThreads(threads);
+    const auto x = est.insertRV(1.0, "x");
+    for (int i = 1; i <= 4000; ++i) {
+      est.insertMeasurement([](const auto& v, int number) {
+        if (number == 3990 || number == 2345) throw std::domain_error("no value");
+        return number == 3000 ? v / 0.0 : v - 1.0;
+      }, x, i, slom::named("many"));
+    }
+    EXPECT_EQ(messageOf([&] { est.optimizeStep(); }),
+              "[slom.measurement-threw] the function of measurement many #2345 threw an exception (no value) at x = (1); let it "
+              "return NaN where it has no value, steps there are taken back");
+  }
 }
 
 TEST(Progress, IsSilentUnlessAskedAndThenATable) {

@@ -33,7 +33,7 @@ std::istringstream blankSeparated(std::string line) {
 }
 
 TEST(PublishedOptimum, OfTheMonocularCalibrationIsReached) {
-  const std::string folder = std::string(SLOM_SHARED_DATA_DIR) + "/mono/";
+  const std::string folder = SLOM_SHARED_DATA_DIR "/mono/";
   std::ifstream guess(folder + "initial_guess.csv"), corners(folder + "corners.csv");
   if (!guess || !corners) GTEST_SKIP() << "needs " << folder;
 

@@ -4,6 +4,7 @@
 #include <slom/solve/linear_solver.hpp>
 
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -47,10 +48,49 @@ struct RandomProblem {
   }
   void sendTo(slom::LinearSolver& solver) const {
     solver.beginLinearization();
-    for (std::size_t g = 0; g < batches.size(); ++g) {
-      const Batch& b = batches[g];
-      solver.add({static_cast<int>(g), 0, static_cast<int>(b.rows.size()), b.rows.data(), b.dof.data(), b.r.data(), b.J.data()});
-    }
+    for (std::size_t g = 0; g < batches.size(); ++g) sendTo(solver, g, 0, batches[g].rows.size());
     solver.endLinearization();
   }
+  /// The measurements [first, last) of a group.
+  void sendTo(slom::LinearSolver& solver, std::size_t group, std::size_t first, std::size_t last) const {
+    const Batch& b = batches[group];
+    const auto arity = static_cast<std::size_t>(structure.groups[group].arity);
+    const double *r = b.r.data(), *J = b.J.data();
+    for (std::size_t m = 0; m < first; ++m) {
+      for (std::size_t k = 0; k < arity; ++k) J += b.rows[m] * b.dof[m * arity + k];
+      r += b.rows[m];
+    }
+    solver.add({static_cast<int>(group), static_cast<int>(first), static_cast<int>(last - first), b.rows.data() + first,
+                b.dof.data() + first * arity, r, J});
+  }
+  /// One of the solver's parts.
+  void sendTo(slom::LinearSolver& solver, std::size_t part) const {
+    const auto begin = [&](std::size_t p, std::size_t group) -> std::size_t {
+      if (p == solver.parts().size()) return batches[group].rows.size();
+      const slom::MeasurementPlace& place = solver.parts()[p];
+      const auto of = static_cast<std::size_t>(place.group);
+      return of < group ? 0 : of > group ? batches[group].rows.size() : static_cast<std::size_t>(place.index);
+    };
+    for (std::size_t g = 0; g < batches.size(); ++g) {
+      if (begin(part, g) < begin(part + 1, g)) sendTo(solver, g, begin(part, g), begin(part + 1, g));
+    }
+  }
 };
+
+/// Few blocks of 1 to 7 that all measurements are about: of one, of two, of the same one twice, of three, of fixed ones.
+inline RandomProblem crowd(int measurements, unsigned seed) {
+  std::mt19937 rng(seed);
+  const auto any = [&](int first, int last) { return std::uniform_int_distribution<int>(first, last)(rng); };
+  constexpr int count = 12;
+  std::vector<int> sizes;
+  for (int b = 0; b < count; ++b) sizes.push_back(any(1, 7));
+  RandomProblem problem(sizes, seed);
+  std::vector<std::vector<int>> ones, pairs, triples;
+  for (int b = 0; b < count; ++b) ones.push_back({b});
+  for (int i = 0; i < measurements; ++i) pairs.push_back({any(-1, count - 1), any(-1, count - 1)});
+  for (int i = 0; i < measurements / 4; ++i) triples.push_back({any(0, count - 1), any(-1, count - 1), any(0, count - 1)});
+  problem.addGroup(pairs, 3);
+  problem.addGroup(triples, 2);
+  problem.addGroup(ones, 8);
+  return problem;
+}

@@ -240,6 +240,16 @@ TEST(Solvers, NameWhatIsSingularAmongBlocksWithFewNeighbours) {
   EXPECT_TRUE(solver.solve(VectorXd::Constant(100, 1e-3), step).ok);
 }
 
+TEST(Solvers, AddUpWhatPartsOfManyMeasurementsSum) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const RandomProblem problem = crowd(1500, seed);
+    slom::BlockSolver solver;
+    solver.analyze(problem.structure);
+    EXPECT_GT(solver.parts().size(), 1u);
+    expectSameAsOracle(problem);
+  }
+}
+
 TEST(Solvers, HandleOneGiantBlockAndEmptyGroups) {
   RandomProblem problem({120, 1, 1}, 3);
   problem.addGroup({{0, 1}, {0, 2}, {1, 0}}, 60);

@@ -1,9 +1,10 @@
-// The factorisation gives the same bits, and names the same unknown of a singular system, on any number of threads: also
-// when it was prepared for another number than it runs on.
+// The solver gives the same bits, and names the same unknown of a singular system, on any number of threads: also when it was
+// prepared for another number than it runs on, and in whatever order threads add their parts of the measurements.
 #include <slom/solve/block_solver.hpp>
 
 #include <gtest/gtest.h>
 
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -95,6 +96,49 @@ void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok, Elimination
 TEST(Threads, DoNotChangeABit) {
   expectTheSameOnAnyNumber(lattice(7, 3), true);
   expectTheSameOnAnyNumber(scene(12, 2000, 3), true, Elimination::automatic);  // points first
+}
+
+TEST(Threads, MayAddTheirPartsInAnyOrder) {
+  for (const RandomProblem& problem : {crowd(3000, 1), lattice(9, 2), scene(12, 2000, 3)}) {
+    slom::BlockSolver in_order, at_once, reversed;
+    problem.linearizeInto(in_order);
+    const int parts = static_cast<int>(in_order.parts().size());
+    ASSERT_GT(parts, 1);
+    at_once.analyze(problem.structure);
+    at_once.beginLinearization();
+    tbb::task_arena(2).execute([&] {
+      tbb::parallel_for(0, parts, [&](int part) { problem.sendTo(at_once, static_cast<std::size_t>(part)); });
+    });
+    at_once.endLinearization();
+    reversed.analyze(problem.structure);
+    for (int repetition = 0; repetition < 2; ++repetition) {
+      reversed.beginLinearization();
+      for (int part = parts; part-- > 0;) problem.sendTo(reversed, static_cast<std::size_t>(part));
+      reversed.endLinearization();
+    }
+    VectorXd step;
+    ASSERT_TRUE(in_order.solve({}, step).ok);
+    for (slom::BlockSolver* other : {&at_once, &reversed}) {
+      EXPECT_TRUE(other->gradient() == in_order.gradient());
+      EXPECT_TRUE(other->diagonal() == in_order.diagonal());
+      VectorXd same;
+      ASSERT_TRUE(other->solve({}, same).ok);
+      EXPECT_TRUE(same == step);
+    }
+  }
+}
+
+TEST(Threads, HaveNoPartsWhereTheseWouldSumTooMuchOnTheirOwn) {
+  slom::BlockSolver solver;
+  solver.analyze(crowd(60, 1).structure);
+  EXPECT_TRUE(solver.parts().empty());  // too few measurements
+  RandomProblem shuffled(std::vector<int>(2000, 6), 2);
+  std::vector<std::vector<int>> pairs;
+  std::uniform_int_distribution<int> any(0, 1999);
+  for (int i = 0; i < 3000; ++i) pairs.push_back({any(shuffled.rng), any(shuffled.rng)});
+  shuffled.addGroup(pairs, 1);
+  solver.analyze(shuffled.structure);
+  EXPECT_TRUE(solver.parts().empty());
 }
 
 TEST(Threads, DoNotChangeWhatIsNamedAsSingular) {

@@ -17,16 +17,20 @@ struct JacobianBatch {
                                   ///< columns of fixed variables hold nothing meaningful
 };
 
-/// Receives the linearised measurements, in order, one batch at a time. Solvers implement it.
+/// A measurement in the order of all: by group, and in it by index.
+struct MeasurementPlace {
+  int group = 0, index = 0;
+};
+
+/// Receives the linearised measurements, one batch at a time. Solvers implement it.
 class JacobianSink {
  public:
   virtual ~JacobianSink() = default;
   virtual void beginLinearization() = 0;
   virtual void add(const JacobianBatch& batch) = 0;
-  /// Several batches at once, which may be added by several threads.
-  virtual void addAll(std::span<const JacobianBatch> batches) {
-    for (const JacobianBatch& batch : batches) add(batch);
-  }
+  /// Where parts begin that several threads may add at the same time, each part in order; the first begins at {0, 0}. What is
+  /// added in which order must not depend on the number of threads, so neither must this. Empty: all is added in order.
+  virtual std::span<const MeasurementPlace> parts() const { return {}; }
   virtual void endLinearization() = 0;
 };
 

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -52,14 +53,23 @@ class Linearizer {
     double rss = 0;
     double squared_norm = 0;  ///< of r, as the sink gets it
     std::vector<HeldColumn> held;
+
+    /// What went wrong.
+    void forget() { bad = -1, threw.reset(); }
+    bool isGood() const { return !threw && bad < 0; }
+    JacobianBatch batch() const { return {group, first, last - first, rows.data(), dof.data(), r.data(), J.data()}; }
   };
   struct Range {
     int group, first, last;
   };
 
-  std::vector<Range> ranges(const Problem& problem) const;
+  /// Of all measurements; no range is in two of the parts.
+  static std::vector<Range> ranges(const Problem& problem, std::span<const MeasurementPlace> parts = {});
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
+  void linearizeChunk(Problem& problem, const Range& range, Chunk& chunk) const;
+  /// Throws what went wrong in it.
+  static void requireGood(Problem& problem, const Chunk& chunk);
   /// Makes the columns of held components 0.
   static void clearHeld(const Problem& problem, Chunk& chunk);
   /// The group that says that they do not move.

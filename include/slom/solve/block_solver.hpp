@@ -46,7 +46,7 @@ class BlockSolver final : public LinearSolver {
   void analyze(const BlockStructure& structure) override;
   void beginLinearization() override;
   void add(const JacobianBatch& batch) override;
-  void addAll(std::span<const JacobianBatch> batches) override;
+  std::span<const MeasurementPlace> parts() const override;
   void endLinearization() override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   bool isExact() const override;

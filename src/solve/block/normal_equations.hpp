@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,8 +20,11 @@ class NormalEquations {
   /// measurement, and may have more: these blocks are 0. The structure must outlive this.
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
   void setZero();
-  /// Threads share the work by columns of H, so that each entry is summed in the order of the measurements.
-  void add(std::span<const JacobianBatch> batches);
+  void add(const JacobianBatch& batch);
+  /// After all batches: what parts of the measurements have summed on their own.
+  void addUp();
+  /// See JacobianSink. What several parts add to, the first of them adds to H and g, the others to numbers of their own.
+  std::span<const MeasurementPlace> parts() const { return parts_; }
 
   const BlockLower& H() const { return H_; }
   /// By unknown, in the order of the structure; so are the others.
@@ -45,20 +49,31 @@ class NormalEquations {
     int block : 31;
     unsigned is_first : 1;  ///< nothing was added to it before
   };
+  /// Numbers of a part's own that are added to a block of H, and, where that is on the diagonal, to its entries of g.
+  struct Own {
+    int block, column;
+    std::size_t start;
+  };
+  void chooseParts();
   void findDestinations();
-  bool addPair(const dense::Kernels& kernel, int rows, const int* blocks, const int* dof, Destination destination, const double* J,
-               const double* r, int first, int last);
-  void addColumns(const JacobianBatch& batch, int first, int last);
-
-  void prefetch(const int* blocks, Destination destination, int first, int last) const;
+  bool addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof, Destination destination, const double* J,
+               const double* r);
+  void prefetch(const int* places, Destination destination) const;
+  const int* placesOf(int group) const;
+  const double* values(int block) const;
+  double* values(int block) { return const_cast<double*>(std::as_const(*this).values(block)); }
   double* begun(Destination destination, int size);
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<Place> place_;  // by block of the structure
+  std::vector<Place> place_;  // by block of the structure; behind them those of parts
   std::vector<int> offset_;
   std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
-  std::vector<double> work_;  // by position: products that go to its column and those before it
+  std::vector<MeasurementPlace> parts_;                // where they begin; empty: there is but one
+  std::vector<Own> own_;                               // in the order of the parts; in destinations behind the blocks of H
+  std::vector<std::vector<int>> place_of_;             // of each group: measurement x arity, where any part has places of its own
+  dense::BigArray own_values_;
+  std::size_t own_size_ = 0;
   Eigen::VectorXd gradient_;
 };
 

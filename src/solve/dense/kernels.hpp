@@ -47,8 +47,7 @@ struct Child {
   const double* update;
 };
 
-/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r. AA and Ar may be null, BB,
-/// AB and Br as well: then these are left alone.
+/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r.
 struct PairTarget {
   double *AA, *BB, *AB, *Ar, *Br;
   bool AB_is_new;  ///< AB has no value yet and is taken as 0

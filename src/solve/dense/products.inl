@@ -90,26 +90,18 @@ void addPairOfThrees(const double* A, const double* B, const double* r, const Pa
   Vector a[3], b[3];
   rowsOf(A, a);
   rowsOf(B, b);
-  if (to.AA != nullptr) {
-    ThreeByThree AA(to.AA);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-      const Three left(a[i], a[i]);
-      AA.add(left, left);
-    }
-    AA.storeTo(to.AA);
-    addToThree(a, r, to.Ar);
-  }
-  if (to.BB == nullptr) return;
-  ThreeByThree BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
+  ThreeByThree AA(to.AA), BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const Three left(a[i], a[i]), right(b[i], b[i]);
+    AA.add(left, left);
     AB.add(left, right);
     BB.add(right, right);
   }
+  AA.storeTo(to.AA);
   BB.storeTo(to.BB);
   AB.storeTo(to.AB);
+  addToThree(a, r, to.Ar);
   addToThree(b, r, to.Br);
 }
 
@@ -118,11 +110,8 @@ void addPairOf(const double* A, const double* B, const double* r, const PairTarg
   {
     ColumnOf<K> rows[R];
     transpose<R, K>(A, rows);
-    if (to.AA != nullptr) {
-      addColumnsOfProduct<R, K>(rows, K, A, to.AA);
-      addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
-    }
-    if (to.BB == nullptr) return;
+    addColumnsOfProduct<R, K>(rows, K, A, to.AA);
+    addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
     addColumnsOfProduct<R, K>(rows, L, B, to.AB, to.AB_is_new);
   }
   ColumnOf<L> rows[R];
