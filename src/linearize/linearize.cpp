@@ -14,13 +14,10 @@ namespace slom {
 
 namespace {
 
-/// Chunks in flight: few, so that they stay in the second-level cache until they are added up. One thread alone needs but one,
-/// which stays in the first.
+/// Chunks in flight where threads wait for each other: few, so that they stay in the second-level cache until they are added up.
+/// One thread alone needs but one, which stays in the first.
 constexpr int kChunksPerThread = 8;
-int chunksInFlight() {
-  const int threads = tbb::this_task_arena::max_concurrency();
-  return threads == 1 ? 1 : kChunksPerThread * threads;
-}
+int chunksInFlight(int threads) { return threads == 1 ? 1 : kChunksPerThread * threads; }
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -167,6 +164,8 @@ void Linearizer::requireGood(Problem& problem, const Chunk& chunk) {
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::span<const MeasurementPlace> parts = sink.parts();
   const std::vector<Range> all = ranges(problem, parts);
+  const int threads = tbb::this_task_arena::max_concurrency();
+  const std::size_t per_wave = at(chunksInFlight(threads));
   std::vector<double> rss(all.size()), squared_norm(all.size());
   held_.clear();
   sink.beginLinearization();
@@ -182,19 +181,20 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       whole.squared_norm += part.squared_norm;
     }
   };
-  if (parts.size() > 1) {
+  // Few chunks may take long all the same: then all threads work on them, if there are not parts for all.
+  if (parts.size() > 1 && (parts.size() >= at(threads) || all.size() > per_wave)) {
     std::vector<std::size_t> first;
     for (const MeasurementPlace& part : parts) {
       const auto is_before = [&](const Range& range) { return std::pair(range.group, range.first) < std::pair(part.group, part.index); };
       first.push_back(at(static_cast<int>(std::partition_point(all.begin(), all.end(), is_before) - all.begin())));
     }
     first.push_back(all.size());
-    chunks_.resize(parts.size());
+    chunks_.resize(threads == 1 ? 1 : parts.size());
     for (Chunk& chunk : chunks_) chunk.forget();
     std::vector<std::vector<HeldColumn>> held(parts.size());
     detail::forEachIndex(static_cast<int>(parts.size()), [&](int p) {
-      Chunk& chunk = chunks_[at(p)];
-      for (std::size_t c = first[at(p)]; c < first[at(p) + 1]; ++c) {
+      Chunk& chunk = threads == 1 ? chunks_.front() : chunks_[at(p)];
+      for (std::size_t c = first[at(p)]; c < first[at(p) + 1] && chunk.isGood(); ++c) {
         linearizeChunk(problem, all[c], chunk);
         if (!chunk.isGood()) return;
         send(c, chunk);
@@ -204,7 +204,6 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
     for (const Chunk& chunk : chunks_) requireGood(problem, chunk);
     for (const auto& part : held) book(part);
   } else {
-    const std::size_t per_wave = at(chunksInFlight());
     chunks_.resize(std::min(all.size(), per_wave));
     for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
       const int count = static_cast<int>(std::min(per_wave, all.size() - wave));

@@ -130,7 +130,7 @@ TEST(Threads, MayAddTheirPartsInAnyOrder) {
 
 TEST(Threads, HaveNoPartsWhereTheseWouldSumTooMuchOnTheirOwn) {
   slom::BlockSolver solver;
-  solver.analyze(crowd(60, 1).structure);
+  solver.analyze(crowd(300, 1).structure);
   EXPECT_TRUE(solver.parts().empty());  // too few measurements
   RandomProblem shuffled(std::vector<int>(2000, 6), 2);
   std::vector<std::vector<int>> pairs;

@@ -16,7 +16,7 @@ constexpr int kAhead = 4;
 
 /// Parts of the measurements: at most 2^kMostHalvings, each of so many measurements or more, which begin at multiples of
 /// what the linearisation takes at a time, and with so few numbers of their own for each product that is added.
-constexpr int kMostHalvings = 4, kFewestInPart = 64, kPartAlignment = 64;
+constexpr int kMostHalvings = 4, kFewestInPart = 256, kPartAlignment = 64;
 constexpr double kMostOwnPerProduct = 1.0 / 8;
 
 /// For a few numbers faster than std::fill_n, which calls memset.
