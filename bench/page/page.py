@@ -88,7 +88,8 @@ def write_page(results, picture):
         "## How cost grows",
         "Generated problems ([bench/fit/generate_graph.hpp](../bench/fit/generate_graph.hpp), "
         "[generate_scene.hpp](../bench/fit/generate_scene.hpp)), one round. A lattice in the plane has separators of the square root of its size, so a factorisation grows as size to the power 3/2; "
-        f"a cubic one as its square. A run is ended after {digits(results['time_limit'])} s.",
+        f"a cubic one as its square. A run is ended after {digits(results['time_limit'])} s; the largest problems, which SLoM fits alone "
+        "unless `bench/run` is given `--large`, have ten times as long.",
         f"![time of an iteration against size]({picture})", growth.growth_table(grown),
     ]
     if results.get("linearize"):

@@ -182,6 +182,29 @@ TEST(Solvers, EliminateManySmallBlocksFirst) {
   }
 }
 
+/// A ring of small blocks that many smaller ones see, three neighbours each: enough to be eliminated in parts.
+TEST(Solvers, EliminateManySmallBlocksInParts) {
+  constexpr int kRing = 15, kPoints = 400;
+  for (unsigned seed = 0; seed < 2; ++seed) {
+    std::vector<int> sizes;
+    for (int p = 0; p < kPoints; ++p) sizes.push_back(1 + p % 2);
+    for (int c = 0; c < kRing; ++c) sizes.push_back(2 + c % 3);
+    RandomProblem problem(sizes, seed);
+    std::vector<std::vector<int>> sights, priors;
+    for (int p = 0; p < kPoints; ++p) {
+      for (int k = 0; k < 3; ++k) sights.push_back({p, kPoints + (7 * p + k) % kRing});
+    }
+    for (int c = 0; c < kRing; ++c) priors.push_back({kPoints + c});
+    std::shuffle(sights.begin(), sights.end(), problem.rng);
+    problem.addGroup(sights, 2);
+    problem.addGroup(priors, 4);
+    slom::BlockSolver solver;
+    expectSameAsOracle(problem, solver);
+    EXPECT_EQ(solver.description(),
+              "reduced system 5 x 2 + 5 x 3 + 5 x 4 after elimination of 200 x 1 + 200 x 2, sparse Cholesky, minimum degree order");
+  }
+}
+
 /// A tree of these blocks with `closures` further edges at random; without priors, measurements see differences alone.
 RandomProblem loopyTree(const std::vector<int>& sizes, int closures, unsigned seed) {
   RandomProblem problem(sizes, seed);

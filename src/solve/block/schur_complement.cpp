@@ -112,18 +112,18 @@ void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGr
   for (int wave = 0; wave < eliminated; wave += kPerWave) {
     largest_ = std::max(largest_, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);
   }
-  unknowns_ = 0;
-  for (int j = 0; j < n; ++j) unknowns_ += at(S_.dof(j));
+  offset_.assign(1, 0);
+  for (int j = 0; j < n; ++j) offset_.push_back(offset_.back() + S_.dof(j));
   listPairs(H);
   parts_ = chooseParts();
   Y_.resize(at(parts_) * largest_);
-  taken_.resize(at(parts_ - 1) * (S_.size() + unknowns_));
+  taken_.resize(at(parts_ - 1) * (S_.size() + at(offset_.back())));
 }
 
 int SchurComplement::waves() const { return (eliminated_.count() + kPerWave - 1) / kPerWave; }
 
 int SchurComplement::chooseParts() const {
-  const double numbers = static_cast<double>(S_.size() + unknowns_);
+  const double numbers = static_cast<double>(S_.size()) + offset_.back();
   const double affordable = numbers > 0 ? kNumbersPerPair * static_cast<double>(pair_.size()) / numbers : 0;
   return std::max(1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostParts)), kMostParts, waves()}));
 }
@@ -261,7 +261,7 @@ EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const
   }
   // Each block adds up in registers what it takes.
   const auto subtract_outers = dense::kernels().subtractOuters;
-  const int count = eliminated_.count(), blocks = S_.begin(S_.columns());
+  const int blocks = S_.begin(S_.columns());
   const int first_meeting = first_meeting_[at(wave)], last_meeting = first_meeting_[at(wave + 1)];
   const auto take = [&](int m) {
     const Meeting& meeting = meeting_[at(m)];
@@ -271,7 +271,7 @@ EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const
       subtract_outers(depth_, S_.dof(S_.row(meeting.block)), S_.dof(column_[at(meeting.block)]), pairs, pair, Y,
                       target.S + (S_.values(meeting.block) - S_.values(0)));
     } else if (b != nullptr) {
-      subtract_outers(depth_, S_.dof(row), 1, pairs, pair, Y, target.b + (offset[at(count + row)] - offset[at(count)]));
+      subtract_outers(depth_, S_.dof(row), 1, pairs, pair, Y, target.b + target.offset[row]);
     }
   };
   const bool is_shared = parts_ == 1 && meeting_[at(last_meeting)].first - meeting_[at(first_meeting)].first >= kFewestSharedPairs;
@@ -287,11 +287,12 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
                                     const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* b) {
   start(H);
   if (eliminated_.count() == 0) return {};
-  const std::size_t own = S_.size() + unknowns_;
-  const Target whole{S_.values(0), b == nullptr ? nullptr : b->data() + offset[at(eliminated_.count())]};
+  const std::size_t own = S_.size() + at(offset_.back());
+  const Target whole{S_.values(0), b == nullptr ? nullptr : b->data(), offset.data() + eliminated_.count()};
   const auto target = [&](int part) {
+    if (part == 0) return whole;
     double* const numbers = taken_.data() + at(part - 1) * own;
-    return part == 0 ? whole : Target{numbers, numbers + S_.size()};
+    return Target{numbers, numbers + S_.size(), offset_.data()};
   };
   std::vector<EliminatedBlocks::Failure> failures(at(parts_));
   detail::forEachIndex(parts_, [&](int part) {
@@ -305,12 +306,13 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
   for (const EliminatedBlocks::Failure& failure : failures) {
     if (failure.happened()) return EliminatedBlocks::status(failure, offset);
   }
+  const auto add = [](const double* x, Eigen::Index n, double* sum) {
+    Eigen::Map<Eigen::ArrayXd>(sum, n) += Eigen::Map<const Eigen::ArrayXd>(x, n);
+  };
   for (int part = 1; part < parts_; ++part) {
-    const auto add = [](const double* x, std::size_t n, double* sum) {
-      Eigen::Map<Eigen::ArrayXd>(sum, static_cast<Eigen::Index>(n)) += Eigen::Map<const Eigen::ArrayXd>(x, static_cast<Eigen::Index>(n));
-    };
-    add(target(part).S, S_.size(), whole.S);
-    if (b != nullptr) add(target(part).b, unknowns_, whole.b);
+    const Target from = target(part);
+    add(from.S, static_cast<Eigen::Index>(S_.size()), whole.S);
+    for (int j = 0; b != nullptr && j < S_.columns(); ++j) add(from.b + from.offset[j], S_.dof(j), whole.b + whole.offset[j]);
   }
   return {};
 }

@@ -48,6 +48,7 @@ class SchurComplement {
   /// Where eliminated blocks take what they take from S and b: there, or from numbers of their own that begin as 0.
   struct Target {
     double *S, *b;
+    const int* offset;  ///< first entry in b of each position of S
   };
   void listPairs(const BlockLower& H);
   int chooseParts() const;
@@ -73,7 +74,7 @@ class SchurComplement {
   /// Parts of the waves that threads take, with numbers of their own, which are added up in the end: as many whatever the
   /// number of threads.
   int parts_ = 1;
-  std::size_t unknowns_ = 0;        // of S
+  std::vector<int> offset_;         // first unknown of each position of S; one more for the end
   std::size_t largest_ = 0;         // numbers of Y in a wave
   dense::BigArray Y_;               // of each part
   dense::BigArray taken_;           // of each part but the first: from S, from b
