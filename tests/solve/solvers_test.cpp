@@ -182,27 +182,26 @@ TEST(Solvers, EliminateManySmallBlocksFirst) {
   }
 }
 
-/// A ring of small blocks that many smaller ones see, three neighbours each: enough to be eliminated in parts.
+/// A ring of small blocks that many smaller ones between them see, three neighbours each: enough to be eliminated in parts.
 TEST(Solvers, EliminateManySmallBlocksInParts) {
-  constexpr int kRing = 15, kPoints = 400;
-  for (unsigned seed = 0; seed < 2; ++seed) {
-    std::vector<int> sizes;
-    for (int p = 0; p < kPoints; ++p) sizes.push_back(1 + p % 2);
-    for (int c = 0; c < kRing; ++c) sizes.push_back(2 + c % 3);
-    RandomProblem problem(sizes, seed);
-    std::vector<std::vector<int>> sights, priors;
-    for (int p = 0; p < kPoints; ++p) {
-      for (int k = 0; k < 3; ++k) sights.push_back({p, kPoints + (7 * p + k) % kRing});
-    }
-    for (int c = 0; c < kRing; ++c) priors.push_back({kPoints + c});
-    std::shuffle(sights.begin(), sights.end(), problem.rng);
-    problem.addGroup(sights, 2);
-    problem.addGroup(priors, 4);
-    slom::BlockSolver solver;
-    expectSameAsOracle(problem, solver);
-    EXPECT_EQ(solver.description(),
-              "reduced system 5 x 2 + 5 x 3 + 5 x 4 after elimination of 200 x 1 + 200 x 2, sparse Cholesky, minimum degree order");
+  constexpr int kRing = 12, kBetween = 23, kPoints = kRing * kBetween;
+  const auto ring = [](int c) { return c % kRing * (kBetween + 1); };
+  const auto point = [](int p) { return p + p / kBetween + 1; };
+  std::vector<int> sizes(kRing + kPoints);
+  for (int p = 0; p < kPoints; ++p) sizes[static_cast<std::size_t>(point(p))] = p % 4 == 3 ? 2 : 1;
+  for (int c = 0; c < kRing; ++c) sizes[static_cast<std::size_t>(ring(c))] = 2 + c % 2;
+  RandomProblem problem(sizes, 1);
+  std::vector<std::vector<int>> sights, priors;
+  for (int p = 0; p < kPoints; ++p) {
+    for (int k = 0; k < 3; ++k) sights.push_back({point(p), ring(7 * p + k)});
   }
+  for (int c = 0; c < kRing; ++c) priors.push_back({ring(c)});
+  std::shuffle(sights.begin(), sights.end(), problem.rng);
+  problem.addGroup(sights, 2);
+  problem.addGroup(priors, 4);
+  slom::BlockSolver solver;
+  expectSameAsOracle(problem, solver);
+  EXPECT_EQ(solver.description(), "reduced system 6 x 2 + 6 x 3 after elimination of 207 x 1 + 69 x 2, dense Cholesky");
 }
 
 /// A tree of these blocks with `closures` further edges at random; without priors, measurements see differences alone.
@@ -264,12 +263,12 @@ TEST(Solvers, NameWhatIsSingularAmongBlocksWithFewNeighbours) {
 }
 
 TEST(Solvers, AddUpWhatPartsOfManyMeasurementsSum) {
-  for (unsigned seed = 0; seed < 3; ++seed) {
-    const RandomProblem problem = crowd(1500, seed);
+  for (unsigned seed = 0; seed < 2; ++seed) {
+    const RandomProblem problem = crowd(1000, seed);
     slom::BlockSolver solver;
     solver.analyze(problem.structure);
     EXPECT_GT(solver.parts().size(), 1u);
-    expectSameAsOracle(problem);
+    expectSameAsOracle(problem, solver);
   }
 }
 
