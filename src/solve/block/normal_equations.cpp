@@ -38,6 +38,15 @@ double productsOf(const BlockStructure& structure, const MeasurementGroup& group
   return sum;
 }
 
+/// The part that the measurement is in, which is not before `part`.
+int partOf(const std::vector<MeasurementPlace>& parts, int part, const MeasurementPlace& measurement) {
+  const auto begins = [&](const MeasurementPlace& next) {
+    return std::pair(next.group, next.index) <= std::pair(measurement.group, measurement.index);
+  };
+  while (at(part + 1) < parts.size() && begins(parts[at(part + 1)])) ++part;
+  return part;
+}
+
 /// Cuts the measurements into at most `count` parts of about the same work; returns where they begin.
 std::vector<MeasurementPlace> cut(const BlockStructure& structure, int count) {
   const auto workOf = [&](const MeasurementGroup& group) {
@@ -94,7 +103,7 @@ void NormalEquations::chooseParts() {
     const MeasurementGroup& group = structure_->groups[at(g)];
     const int* block = group.blocks.data();
     for (int m = 0; m < group.size(); ++m) {
-      while (at(part + 1) < finest.size() && std::pair(finest[at(part + 1)].group, finest[at(part + 1)].index) <= std::pair(g, m)) ++part;
+      part = partOf(finest, part, {g, m});
       products += productsOf(*structure_, group, m);
       for (int k = 0; k < group.arity; ++k, ++block) {
         if (*block < 0) continue;
@@ -131,7 +140,7 @@ void NormalEquations::findDestinations() {
     destination_[at(g)].reserve(at(group.size()) * at(group.arity * (group.arity - 1) / 2));
     if (!parts_.empty()) place_of_[at(g)].reserve(group.blocks.size());
     for (int m = 0; m < group.size(); ++m) {
-      while (at(part + 1) < parts_.size() && std::pair(parts_[at(part + 1)].group, parts_[at(part + 1)].index) <= std::pair(g, m)) ++part;
+      part = partOf(parts_, part, {g, m});
       const int* block = group.blocks.data() + at(m) * at(group.arity);
       for (int k = 0; k < group.arity; ++k) {
         const int b = block[k];
