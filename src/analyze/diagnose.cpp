@@ -5,12 +5,11 @@
 #include <map>
 #include <ostream>
 
-#include <Eigen/SVD>
-
 #include "analyze/gauge.hpp"
 #include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/singular.hpp"
+#include "model/decompositions.hpp"
 #include "model/words.hpp"
 
 namespace slom {
@@ -127,13 +126,13 @@ class Examination {
   void explain(const Part& part, const MatrixXd& none, const VectorXd& scale) {
     MatrixXd own = none(part.unknowns, Eigen::all);
     if (own.norm() < 0.5) return;  // a direction of this part would be of unit length
-    const Eigen::JacobiSVD<MatrixXd> svd(own, Eigen::ComputeThinU);
+    const SVD svd = svdOf(own, Eigen::ComputeThinU);
     own = svd.matrixU().leftCols((svd.singularValues().array() > 0.5).count());
     const Gauge gauge = part.blocks.size() > 1 ? findGauge(problem_, structure_, part, own, scale) : Gauge();
     if (gauge.count() > 0) {
       describe(gauge, part);
       const MatrixXd rest = own - gauge.directions * (gauge.directions.transpose() * own);
-      const Eigen::JacobiSVD<MatrixXd> rest_svd(rest, Eigen::ComputeThinU);
+      const SVD rest_svd = svdOf(rest, Eigen::ComputeThinU);
       own = rest_svd.matrixU().leftCols(own.cols() - gauge.count());
     }
     if (own.cols() > 0) describeUndetermined(part, own, scale);

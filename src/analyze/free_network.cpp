@@ -1,9 +1,8 @@
 #include "analyze/free_network.hpp"
 
-#include <Eigen/QR>
-
 #include "analyze/diagnose.hpp"
 #include "analyze/null_space.hpp"
+#include "model/decompositions.hpp"
 
 namespace slom {
 
@@ -20,13 +19,12 @@ FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
   damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
   N_ = MatrixXd(structure_.unknowns(), 0);
   if (null_space.cols() > 0) {
-    const Eigen::ColPivHouseholderQR<MatrixXd> pivots(MatrixXd(null_space.transpose()));
+    const PivotedQR pivots = pivotedQrOf(null_space.transpose());
     for (Eigen::Index k = 0; k < null_space.cols(); ++k) {
       const int unknown = pivots.colsPermutation().indices()[k];
       damping_[unknown] = least.scale[unknown] * least.scale[unknown];
     }
-    const Eigen::HouseholderQR<MatrixXd> qr(MatrixXd(least.scale.cwiseInverse().asDiagonal() * null_space));
-    N_ = qr.householderQ() * MatrixXd::Identity(null_space.rows(), null_space.cols());
+    N_ = orthonormalBasis(least.scale.cwiseInverse().asDiagonal() * null_space);
   }
   solver_.analyze(structure_);
   linearizer.linearize(system.problem(), solver_);

@@ -3,9 +3,7 @@
 #include <map>
 #include <numeric>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
+#include "model/decompositions.hpp"
 #include "model/words.hpp"
 
 namespace slom {
@@ -28,7 +26,7 @@ MatrixXd normalized(MatrixXd A, VectorXd& length) {
 }
 
 MatrixXd orthonormalColumns(const MatrixXd& A) {
-  const Eigen::JacobiSVD<MatrixXd> svd(A, Eigen::ComputeThinU);
+  const SVD svd = svdOf(A, Eigen::ComputeThinU);
   return svd.matrixU().leftCols((svd.singularValues().array() > kSame).count());
 }
 
@@ -85,7 +83,7 @@ MatrixXd rowsOf(const MatrixXd& A, const Problem& problem, const Class& own) {
 /// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
 MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
   if (rows.rows() == 0) return A;
-  const Eigen::JacobiSVD<MatrixXd> svd(rows, Eigen::ComputeFullV);
+  const SVD svd = svdOf(rows, Eigen::ComputeFullV);
   const double limit = kSame * std::max(1e-300, A.norm());
   const Index rank = (svd.singularValues().array() > limit).count();
   return A * svd.matrixV().rightCols(A.cols() - rank);
@@ -113,14 +111,14 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   Gauge result;
   VectorXd length;
   const MatrixXd G = normalized(motions, length);
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(G);
+  PivotedQR qr = pivotedQrOf(G);
   qr.setThreshold(1e-9);
-  const Eigen::JacobiSVD<MatrixXd> null_svd(null_rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const SVD null_svd = svdOf(null_rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Index rank = qr.rank(), null_rank = (null_svd.singularValues().array() > kSame).count();
   if (rank == 0 || null_rank == 0 || null_rank == null_rows.rows()) return result;
-  const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(G.rows(), rank);
+  const MatrixXd Q = columnsOfQ(qr, rank);
   const MatrixXd U = null_svd.matrixU().leftCols(null_rank);
-  const Eigen::JacobiSVD<MatrixXd> angles(Q.transpose() * U, Eigen::ComputeThinU);
+  const SVD angles = svdOf(Q.transpose() * U, Eigen::ComputeThinU);
   const Index count = (angles.singularValues().array() > 1 - kSame).count();
   // Two spaces that fill more than all there is have that much in common by necessity.
   if (count <= std::max<Index>(0, rank + null_rank - null_rows.rows())) return result;
@@ -129,7 +127,7 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   MatrixXd common = Q * angles.matrixU().leftCols(count);
   common = vanishingIn(common, elsewhere * (coefficients * common));
   if (common.cols() == 0) return result;
-  result.motions = qr.solve(common);
+  result.motions = solve(qr, common);
   result.length = length.unaryExpr([](double l) { return l > 0 ? l : 1.0; });
   result.directions = orthonormalColumns(null_space * (coefficients * common));
   return result;
@@ -137,9 +135,9 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
 
 /// `x, y, z` of all three axes, or the vectors that span the columns of A: `x`, `(0.6 0.8 0)`.
 std::string axes(const MatrixXd& A) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
+  PivotedQR qr = pivotedQrOf(A);
   qr.setThreshold(kSame);
-  const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(3, qr.rank());
+  const MatrixXd basis = columnsOfQ(qr, qr.rank());
   std::vector<std::string> names;
   for (int axis = 0; axis < 3; ++axis) {
     if (basis.row(axis).norm() > 1 - kSame) names.push_back(std::string(1, "xyz"[axis]));

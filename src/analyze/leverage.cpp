@@ -4,8 +4,7 @@
 #include <cmath>
 #include <ostream>
 
-#include <Eigen/Eigenvalues>
-
+#include "model/decompositions.hpp"
 #include "model/words.hpp"
 #include "linearize/parallel.hpp"
 #include "slom/analyze/chi_square.hpp"
@@ -92,7 +91,7 @@ class GroupExamination {
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
     const MatrixXd H = leverage(i, J);
     const MatrixXd Q = MatrixXd::Identity(w.size(), w.size()) + (1 - 2 * check.weight) * H;
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(Q);
+    const SymmetricEigen eigen = eigenOf(Q);
     VectorXd solved = VectorXd::Zero(w.size());  // Q^-1 w
     for (Eigen::Index k = 0; k < w.size(); ++k) {
       if (!(eigen.eigenvalues()[k] > kUnchecked)) continue;

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
-
+#include "model/decompositions.hpp"
 #include "slom/solve/block_solver.hpp"
 
 namespace slom {
@@ -38,12 +36,6 @@ VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   return diagonal;
 }
 
-/// Orthonormal columns that span those of A.
-MatrixXd orthonormal(const MatrixXd& A) {
-  const Eigen::HouseholderQR<MatrixXd> qr(A);
-  return qr.householderQ() * MatrixXd::Identity(A.rows(), A.cols());
-}
-
 /// Numbers that look random and are the same in every run, 0 for idle unknowns.
 MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   MatrixXd start(diagonal.size(), count);
@@ -63,10 +55,10 @@ MatrixXd startVectors(const VectorXd& diagonal, Index count) {
 void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
   MatrixXd image = jacobian.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
   if (image.rows() > image.cols()) {
-    const Eigen::HouseholderQR<MatrixXd> qr(image);
-    image = qr.matrixQR().topRows(image.cols()).triangularView<Eigen::Upper>();
+    triangularize(image);
+    image = MatrixXd(image.topRows(image.cols()).triangularView<Eigen::Upper>());
   }
-  const Eigen::JacobiSVD<MatrixXd> svd(image, Eigen::ComputeFullV);
+  const SVD svd = svdOf(image, Eigen::ComputeFullV);
   const Index count = result.direction.cols();
   result.influence.setZero(count);
   for (Index k = 0; k < svd.singularValues().size(); ++k) result.influence[count - 1 - k] = svd.singularValues()[k];
@@ -94,13 +86,13 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
   VectorXd damping = kDamping * result.scale.cwiseAbs2();
   for (const int i : result.idle) damping[i] = 1;
   for (Index count = std::min(kFirstCount, dimension);;) {
-    result.direction = orthonormal(startVectors(diagonal, count));
+    result.direction = orthonormalBasis(startVectors(diagonal, count));
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
       const SolveStatus status = solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
       for (const int i : result.idle) moved.row(i).setZero();
-      result.direction = orthonormal(result.scale.asDiagonal() * moved);
+      result.direction = orthonormalBasis(result.scale.asDiagonal() * moved);
     }
     sortByInfluence(jacobian, result);
     if (count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated))) return result;

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "model/decompositions.hpp"
 #include "model/words.hpp"
 #include "mtk/error.hpp"
 
@@ -133,8 +133,8 @@ bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
       return true;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(m, Eigen::EigenvaluesOnly);
-  complaint = {"slom.not-positive-definite", "", "has eigenvalue " + number(eigen.eigenvalues().minCoeff(), 6),
+  const double least = eigenOf(m, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+  complaint = {"slom.not-positive-definite", "", "has eigenvalue " + number(least, 6),
                "pass a symmetric positive definite matrix, or a standard deviation"};
   return false;
 }

@@ -14,16 +14,20 @@ constexpr double kLargestDamping = 1e32;
 constexpr double kLikelyDamping = 0.125;
 }  // namespace
 
-const Eigen::VectorXd& UnknownScales::update(System& system, double memory) {
+Eigen::Map<const Eigen::VectorXd> UnknownScales::update(System& system, double memory) {
   const Eigen::VectorXd& diagonal = system.solver().diagonal();
-  if (largest_.size() != diagonal.size() || structure_revision_ != system.problem().structureRevision()) {
+  const auto size = static_cast<std::size_t>(diagonal.size());
+  if (largest_.size() != size || structure_revision_ != system.problem().structureRevision()) {
     structure_revision_ = system.problem().structureRevision();
-    largest_ = diagonal;
+    largest_.assign(diagonal.begin(), diagonal.end());
+    scale_.resize(size);
   }
-  largest_ = diagonal.cwiseMax(memory * largest_);
-  // An unknown that no measurement sees gets 1, so that damping holds it where it is.
-  scale_ = (largest_.array() > 0).select(largest_.array(), 1.0);
-  return scale_;
+  for (std::size_t i = 0; i < size; ++i) {
+    largest_[i] = std::max(memory * largest_[i], diagonal[static_cast<Eigen::Index>(i)]);
+    // An unknown that no measurement sees gets 1, so that damping holds it where it is.
+    scale_[i] = largest_[i] > 0 ? largest_[i] : 1.0;
+  }
+  return {scale_.data(), diagonal.size()};
 }
 
 LevenbergMarquardt::LevenbergMarquardt(double initial_damping, double memory)
@@ -51,7 +55,7 @@ std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const { return std::make_
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
   outcome.rss_before = outcome.rss_after = system.linearize();
-  const Eigen::VectorXd& D = scales_.update(system, memory_);
+  const auto D = scales_.update(system, memory_);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
     outcome.damping = mu_;

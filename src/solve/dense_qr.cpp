@@ -1,8 +1,7 @@
 #include "slom/solve/dense_qr.hpp"
 
-#include <Eigen/QR>
-
 #include "linearize/stopwatch.hpp"
+#include "model/decompositions.hpp"
 
 namespace slom {
 
@@ -16,7 +15,7 @@ constexpr double kRankTolerance = 1e-9;
 
 struct Scaled {
   VectorXd scale;  // 1 / column norm, 1 for empty columns
-  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+  PivotedQR qr;
 };
 
 /// QR of A with columns scaled to unit length, so that units do not decide about the rank.
@@ -26,7 +25,7 @@ SolveStatus factorize(MatrixXd A, Scaled& result) {
   A = A * result.scale.asDiagonal();
   const Eigen::Index n = A.cols();
   if (A.rows() < n) A.conservativeResizeLike(MatrixXd::Zero(n, n));
-  result.qr.compute(A);
+  result.qr = pivotedQrOf(A);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double pivot = std::abs(result.qr.matrixQR()(i, i));
     if (!(pivot > kRankTolerance)) {
@@ -95,7 +94,7 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   const SolveStatus status = factorize(A, scaled);
   if (!status.ok) return status;
   if (b.size() < n) b.conservativeResizeLike(VectorXd::Zero(n));
-  step = scaled.scale.asDiagonal() * VectorXd(scaled.qr.solve(b));
+  step = scaled.scale.asDiagonal() * slom::solve(scaled.qr, b);
   return {};
 }
 

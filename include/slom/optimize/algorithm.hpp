@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -57,13 +58,13 @@ class GaussNewton final : public Algorithm {
 ///   source   More, "The Levenberg-Marquardt algorithm: implementation and theory", 1978, section 6
 class UnknownScales {
  public:
-  /// Takes the linearisation of `system` into account.
-  const Eigen::VectorXd& update(System& system, double memory = 1);
-  void reset() { largest_.resize(0); }
+  /// Takes the linearisation of `system` into account. Valid until the next call.
+  Eigen::Map<const Eigen::VectorXd> update(System& system, double memory = 1);
+  void reset() { largest_.clear(); }
 
  private:
   std::uint64_t structure_revision_ = 0;
-  Eigen::VectorXd largest_, scale_;
+  std::vector<double> largest_, scale_;
 };
 
 /// d = -(J^T J + mu D)^-1 J^T r with D the UnknownScales, mu raised until the RSS falls. Close to the solution, where the change

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/QR>
-
 #include "linearize/parallel.hpp"
+#include "model/decompositions.hpp"
 
 namespace slom {
 
@@ -112,9 +111,7 @@ SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, cons
   for (int j = 0; is_damped && j < front.p; ++j) {
     A(next++, j) = std::sqrt(damping[unknown[at(j)]]) * scale[unknown[at(j)]];
   }
-  if (A.rows() > 0) {
-    const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> in_place(A);
-  }
+  if (A.rows() > 0) triangularize(A);
   const Eigen::Index pivots = std::min<Eigen::Index>(A.rows(), front.p);
   R_[at(f)] = MatrixXd::Zero(front.p, n + 1);
   R_[at(f)].topRows(pivots) = A.topRows(pivots).triangularView<Eigen::Upper>();

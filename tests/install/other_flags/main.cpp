@@ -1,5 +1,7 @@
 // Uses whatever passes between a program and the compiled library, built for this machine's processor while the library
-// was built for any: values of dynamic and of vectorisable size, noise, residuals, covariances, solvers.
+// was built for any: values of dynamic and of vectorisable size, noise, residuals, covariances, solvers. It uses of Eigen what the library
+// uses too, so that a linker could mix the two.
+#include <slom/measurements/relative_pose.hpp>
 #include <slom/slom.hpp>
 
 #include <cmath>
@@ -18,8 +20,46 @@ void require(bool holds, const char* what) {
   std::exit(1);
 }
 
+/// Every decomposition that the library computes.
+void useEigen() {
+  Eigen::MatrixXd A = Eigen::MatrixXd::Random(9, 7);
+  A.resize(12, 7);
+  A.setRandom();
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(12);
+  const Eigen::MatrixXd H = A.transpose() * A;
+  const Eigen::VectorXd x = A.colPivHouseholderQr().solve(b);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(A);
+  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(12, 7);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> full(A, Eigen::ComputeFullV);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
+  require((svd.solve(b) - x).norm() < 1e-9 && (H.llt().solve(A.transpose() * b) - x).norm() < 1e-9, "solutions");
+  require((Q * (Q.transpose() * A) - A).norm() < 1e-9 && H.fullPivLu().isInvertible(), "factors");
+  require(std::abs(full.singularValues()[6] - std::sqrt(eigen.eigenvalues()[0])) < 1e-9, "singular values");
+}
+
+/// What is not determined is found by these decompositions, in the library.
+void askForMotions() {
+  slom::Estimator est;
+  const auto a = est.insertRV(Pose(), "a"), b = est.insertRV(Pose(), "b"), c = est.insertRV(Pose(), "c");
+  est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(Pose()), slom::StandardDeviation(0.1));
+  est.insertMeasurement(slom::RelativePose(), b, c, slom::measured(Pose()), slom::StandardDeviation(0.1));
+  require(est.diagnose().findings.at(0).kind == slom::Finding::Kind::gauge, "gauge");
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  est.optimize();
+  require(est.covariance(b).allFinite() && est.outliers().suspects() == 0, "free network");
+  try {
+    const Eigen::MatrixXd covariance = -Eigen::MatrixXd::Identity(6, 6);
+    est.insertMeasurement(slom::RelativePose(), a, c, slom::measured(Pose()), slom::Covariance(covariance));
+    require(false, "refusal");
+  } catch (const mtk::Error&) {
+  }
+}
+
 void fitVectors(bool dense) {
   slom::Estimator est;
+  const slom::DogLeg dog_leg;
+  const slom::LevenbergMarquardt levenberg_marquardt;
   if (dense) est.changeSolver(std::make_unique<slom::DenseQR>());
   const Eigen::VectorXd long_value = Eigen::VectorXd::LinSpaced(11, 0, 1);
   const auto dynamic = est.insertRV(Eigen::VectorXd(Eigen::VectorXd::Zero(11)), "dynamic");
@@ -39,6 +79,9 @@ void fitVectors(bool dense) {
   for (const int threads : {1, 2}) {
     est.setThreads(threads);
     require(est.optimize().converged, "convergence");
+    est.changeAlgorithm(dog_leg);
+    require(est.optimize().converged, "dog leg");
+    est.changeAlgorithm(levenberg_marquardt);
   }
   require((*dynamic - long_value).norm() < 1e-9, "dynamic");
   require((*dual - Eigen::Vector3d(0, 1, 2)).norm() < 1e-9, "dual");
@@ -54,6 +97,8 @@ void fitVectors(bool dense) {
 }  // namespace
 
 int main() {
+  useEigen();
+  askForMotions();
   fitVectors(false);
   fitVectors(true);
   std::puts("all values passed");
