@@ -35,6 +35,9 @@ TEST(BundleOutput, JsonHasAllKeys) {
   EXPECT_EQ(json["variables"], 34);
   EXPECT_EQ(json["measurements"], 240);
   EXPECT_EQ(json["unknowns"], 4 * 9 + 30 * 3);
+  EXPECT_EQ(json["free_directions"], 7);
+  EXPECT_EQ(json["redundancy"], 121);
+  EXPECT_DOUBLE_EQ(json["chi2_per_dof"], json["final_rss"].get<double>() / 121);
 }
 
 TEST(BundleOutput, ReportSaysWhatMatters) {

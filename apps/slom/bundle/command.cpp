@@ -62,6 +62,7 @@ void run(const RawOptions& raw) {
   requireWritable(results);
   RunReport report;
   report.threads = threadsOf(settings.fit);
+  report.free_directions = gauge_directions;
   const double rms_before = scene.rms();
   report.load_seconds = total.seconds();
   console.print(sceneText(scene, warnings));

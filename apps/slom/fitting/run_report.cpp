@@ -60,6 +60,7 @@ Json correlationsJson(const Summary& summary) {
 std::string toJson(const RunReport& report) {
   const Summary& s = report.summary;
   const PhaseSeconds& phases = s.phases;
+  const int redundancy = s.redundancy + report.free_directions;
   const Json json = {{"converged", s.converged},
                      {"stop_reason", toString(s.stop_reason)},
                      {"message", s.message},
@@ -68,10 +69,11 @@ std::string toJson(const RunReport& report) {
                      {"variables", s.variables},
                      {"measurements", s.measurements},
                      {"unknowns", s.unknowns},
-                     {"redundancy", s.redundancy},
+                     {"free_directions", report.free_directions},
+                     {"redundancy", redundancy},
                      {"initial_rss", s.initial_rss},
                      {"final_rss", s.final_rss},
-                     {"chi2_per_dof", s.chi2PerDof()},
+                     {"chi2_per_dof", redundancy > 0 ? Json(s.final_rss / redundancy) : Json()},
                      {"sigma", s.sigma_is_estimated ? "estimated" : "known"},
                      {"threads", report.threads},
                      {"solver", s.solver},
