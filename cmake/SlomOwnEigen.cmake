@@ -10,7 +10,7 @@ function(slom_own_eigen target)
   endif()
   get_target_property(type ${target} TYPE)
   if(type STREQUAL SHARED_LIBRARY)
-    target_link_options(${target} PRIVATE -Wl,-Bsymbolic)
+    target_link_options(${target} PRIVATE -Wl,-Bsymbolic-functions)
   elseif(CMAKE_NM AND CMAKE_OBJCOPY)
     add_custom_command(
       TARGET ${target} POST_BUILD VERBATIM
