@@ -68,9 +68,7 @@ void run(const RawOptions& raw) {
   console.print(sceneText(scene, warnings));
   report.summary = fit(scene, settings, console, report.setup_seconds);
   report.total_seconds = total.seconds();
-  Outcome outcome = outcomeOf(report.summary);
-  outcome.free_directions = gauge_directions;
-  console.print(outcomeText(outcome) + rmsText(rms_before, scene.rms()));
+  console.print(outcomeText(outcomeOf(report)) + rmsText(rms_before, scene.rms()));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(scene, report, settings, console);
   requireConverged(report.summary, "");

@@ -1,5 +1,7 @@
 #include "fitting/progress.hpp"
 
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "text.hpp"
@@ -16,9 +18,14 @@ std::string iterationText(const IterationRecord& r) {
                      r.relative_decrease, r.step, r.gradient, r.algorithm);
 }
 
-Outcome outcomeOf(const Summary& s) {
+double Outcome::rssPerDof() const {
+  return redundancy() > 0 ? rss / redundancy() : std::numeric_limits<double>::quiet_NaN();
+}
+
+Outcome outcomeOf(const RunReport& report) {
+  const Summary& s = report.summary;
   return {s.converged, s.iterations, toString(s.stop_reason), s.message, s.measurements, s.unknowns,
-          s.final_rss, s.hasLosses()};
+          s.final_rss, s.hasLosses(), report.free_directions};
 }
 
 std::string outcomeText(const Outcome& o) {
@@ -30,7 +37,7 @@ std::string outcomeText(const Outcome& o) {
   const char* const kind = o.is_robust ? "robust RSS" : "RSS";
   text += fmt::format("  {} {:.6g}", kind, o.rss);
   if (o.redundancy() > 0)
-    text += fmt::format(", {}/dof {:.4g}", o.is_robust ? kind : "chi2", o.rss / o.redundancy());
+    text += fmt::format(", {}/dof {:.4g}", o.is_robust ? kind : "chi2", o.rssPerDof());
   text += '\n';
   if (!o.converged) text += fmt::format("  {}\n", o.message);
   return text;

@@ -5,13 +5,15 @@
 
 #include <slom/optimize/summary.hpp>
 
+#include "fitting/run_report.hpp"
+
 namespace slom::app {
 
 /// The heads of the columns of iterationText.
 std::string iterationHeader();
 std::string iterationText(const IterationRecord& record);
 
-/// What matters of a Summary.
+/// What matters of a fit.
 struct Outcome {
   bool converged = false;
   int iterations = 0;
@@ -24,8 +26,10 @@ struct Outcome {
   int free_directions = 0;  ///< of the unknowns, that no measurement of this kind can determine
 
   int redundancy() const { return measurements - unknowns + free_directions; }
+  /// NaN without redundancy.
+  double rssPerDof() const;
 };
-Outcome outcomeOf(const Summary& summary);
+Outcome outcomeOf(const RunReport& report);
 
 /// `Converged after ...`, the numbers of measurements and unknowns, the RSS, what went wrong.
 std::string outcomeText(const Outcome& outcome);

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include "fitting/progress.hpp"
+
 namespace slom::app {
 
 namespace {
@@ -60,7 +62,7 @@ Json correlationsJson(const Summary& summary) {
 std::string toJson(const RunReport& report) {
   const Summary& s = report.summary;
   const PhaseSeconds& phases = s.phases;
-  const int redundancy = s.redundancy + report.free_directions;
+  const Outcome outcome = outcomeOf(report);
   const Json json = {{"converged", s.converged},
                      {"stop_reason", toString(s.stop_reason)},
                      {"message", s.message},
@@ -70,10 +72,10 @@ std::string toJson(const RunReport& report) {
                      {"measurements", s.measurements},
                      {"unknowns", s.unknowns},
                      {"free_directions", report.free_directions},
-                     {"redundancy", redundancy},
+                     {"redundancy", outcome.redundancy()},
                      {"initial_rss", s.initial_rss},
                      {"final_rss", s.final_rss},
-                     {"chi2_per_dof", redundancy > 0 ? Json(s.final_rss / redundancy) : Json()},
+                     {"chi2_per_dof", outcome.rssPerDof()},
                      {"sigma", s.sigma_is_estimated ? "estimated" : "known"},
                      {"threads", report.threads},
                      {"solver", s.solver},

@@ -90,7 +90,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   console.print(graphText(graph, preparation));
   report.summary = fit(graph, settings, console, report.setup_seconds);
   report.total_seconds = total.seconds();
-  console.print(outcomeText(outcomeOf(report.summary)));
+  console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(graph, report, settings, console);
   const bool start_may_be_at_fault =
