@@ -304,7 +304,6 @@ class Examination {
     if (n < 2 || n > kMostDenseUnknowns) return;
     MatrixXd units = MatrixXd::Zero(structure_.system.unknowns(), n), columns;
     for (Index j = 0; j < n; ++j) units(unknowns[static_cast<std::size_t>(j)], j) = 1;
-    system_.linearize();
     if (!system_.solver().solveFor(units, columns).ok) return;
     const MatrixXd C = columns(unknowns, Eigen::all);
     struct Pair {

@@ -9,9 +9,12 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "solve/random_problem.hpp"
 
@@ -449,6 +452,29 @@ std::string refusal(const Options& options) {
     return error.what();
   }
   return "accepted";
+}
+
+TEST(Solvers, BlockSolverAsksForAStructureFirst) {
+  slom::BlockSolver solver;
+  EXPECT_EQ(solver.description(), "block solver that has solved nothing yet");
+  EXPECT_TRUE(solver.isExact());
+  EXPECT_EQ(solver.flops(), 0);
+  VectorXd step = VectorXd::Ones(1);
+  MatrixXd X = MatrixXd::Ones(1, 1);
+  std::unique_ptr<slom::InverseBlocks> blocks;
+  const std::vector<std::function<void()>> calls{
+      [&] { solver.beginLinearization(); }, [&] { std::ignore = solver.solve({}, step); },
+      [&] { std::ignore = solver.solveFor(X, X); }, [&] { std::ignore = solver.invertBlocks({}, blocks); }};
+  for (const auto& call : calls) {
+    try {
+      call();
+      ADD_FAILURE() << "accepted";
+    } catch (const mtk::Error& error) {
+      EXPECT_STREQ(error.what(), "[slom.not-analyzed] the block solver knows no structure yet; call analyze() first");
+    }
+  }
+  EXPECT_EQ(step, VectorXd::Ones(1));
+  EXPECT_EQ(X, MatrixXd::Ones(1, 1));
 }
 
 TEST(Solvers, RefuseImpossibleOptions) {

@@ -19,16 +19,10 @@ static_assert(kMostColumns <= dense::kMostEliminated);
 
 }  // namespace
 
-void LowDegreeElimination::analyze(const BlockLower& H, const LowDegree& blocks,
-                                   const std::vector<int>& position) {
-  const int count = static_cast<int>(blocks.order.size());
+LowDegreeElimination::LowDegreeElimination(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position)
+    : columns_(blocks.order.size()), dof_(blocks.order.size()) {
+  const int count = this->count();
   S_.layOut(blocks.left.graph, position);
-  columns_.assign(at(count), {});
-  dof_.resize(at(count));
-  height_.clear();
-  row_.clear();
-  target_.clear();
-  flops_ = 0;
   layOutFactor(H, count);
   // Where a block of H in column e is in the factor.
   const auto in_factor = [&](int e, int block) {
@@ -139,7 +133,7 @@ void LowDegreeElimination::findBelow(const Column& column, const std::vector<int
   for (int i = 0; i < column.below; ++i) below[at(i)] = x.data() + offset[at(row_[at(column.first_below + i)])];
 }
 
-void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& offset, Eigen::VectorXd& x) const {
   const auto forward_column = dense::kernels().forwardColumn;
   Below below;
   for (int e = 0; e < count(); ++e) {
@@ -150,7 +144,7 @@ void LowDegreeElimination::forward(const std::vector<int>& offset, Eigen::Vector
   }
 }
 
-void LowDegreeElimination::substitute(const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void LowDegreeElimination::substitute(const BlockLower&, const std::vector<int>& offset, Eigen::VectorXd& x) const {
   const auto backward_column = dense::kernels().backwardColumn;
   Below below;
   for (int e = count() - 1; e >= 0; --e) {

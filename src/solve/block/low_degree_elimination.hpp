@@ -7,37 +7,27 @@
 
 #include <Eigen/Core>
 
-#include "block_lower.hpp"
-#include "slom/solve/linear_solver.hpp"
+#include "elimination.hpp"
 #include "solve/dense/big_array.hpp"
 #include "solve/dense/kernels.hpp"
 #include "solve/symbolic/low_degree.hpp"
 
 namespace slom {
 
-class LowDegreeElimination {
+class LowDegreeElimination final : public Elimination {
  public:
-  /// H is laid out for `blocks.filled`, with the eliminated blocks first, in their order. `position`: of each
-  /// kept block in S; in H their positions are behind the eliminated ones, in the same order.
-  void analyze(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position);
+  /// H is laid out for `blocks.filled`. `position`: of each kept block in S.
+  LowDegreeElimination(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position);
 
-  int count() const { return static_cast<int>(columns_.size()); }
-  /// Operations, additions and multiplications.
-  double flops() const { return flops_; }
-  const BlockLower& S() const { return S_; }
-
-  /// Factorises the eliminated columns of H + damping and makes S, without damping. Vectors by unknown;
-  /// offset: first unknown of each position of H. A pivot below the share `tolerance` of the diagonal entry
-  /// of H + damping ends it. x, where given, goes through `forward` on the way.
-  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                     double tolerance, Eigen::VectorXd* x = nullptr);
-  /// x := L^-1 x, in place: what is left for S, and for the eliminated blocks what `substitute` takes.
-  void forward(const std::vector<int>& offset, Eigen::VectorXd& x) const;
-  /// x_e for the eliminated blocks, when x has the solution for the others.
-  void substitute(const std::vector<int>& offset, Eigen::VectorXd& x) const;
-  /// The blocks of the whole inverse in the eliminated columns, into `inverse`, laid out as H; Z: those of
-  /// the inverse of S, laid out as that.
-  void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const;
+  int count() const override { return static_cast<int>(columns_.size()); }
+  std::string description() const override { return std::to_string(count()) + " blocks with few neighbours first"; }
+  double flops() const override { return flops_; }
+  const BlockLower& S() const override { return S_; }
+  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance,
+                     Eigen::VectorXd* x) override;
+  void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
+  void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
+  void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const override;
 
  private:
   struct Column {

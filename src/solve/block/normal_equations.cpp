@@ -202,6 +202,11 @@ void NormalEquations::addUp() {
     addTo(H_.values(own.block), values, dof * H_.dof(row));
     if (row == own.column) addTo(gradient_.data() + offset_[at(row)], values + dof * dof, dof);
   }
+  diagonal_.resize(gradient_.size());
+  for (int j = 0; j < H_.columns(); ++j) {
+    const double* const block = H_.values(H_.begin(j));
+    for (int i = 0; i < H_.dof(j); ++i) diagonal_[offset_[at(j)] + i] = block[i * H_.dof(j) + i];
+  }
 }
 
 /// The numbers of a block of H, or of one of a part's own.
@@ -285,14 +290,6 @@ void NormalEquations::add(const JacobianBatch& batch) {
       }
     }
     r += rows;
-  }
-}
-
-void NormalEquations::diagonal(Eigen::VectorXd& result) const {
-  result.resize(gradient_.size());
-  for (int j = 0; j < H_.columns(); ++j) {
-    const double* const block = H_.values(H_.begin(j));
-    for (int i = 0; i < H_.dof(j); ++i) result[offset_[at(j)] + i] = block[i * H_.dof(j) + i];
   }
 }
 

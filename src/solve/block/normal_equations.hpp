@@ -21,7 +21,7 @@ class NormalEquations {
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
   void setZero();
   void add(const JacobianBatch& batch);
-  /// After all batches: what parts of the measurements have summed on their own.
+  /// After all batches: adds what parts of the measurements have summed on their own.
   void addUp();
   /// See JacobianSink. What several parts add to, the first of them adds to H and g, the others to numbers of their own.
   std::span<const MeasurementPlace> parts() const { return parts_; }
@@ -29,7 +29,8 @@ class NormalEquations {
   const BlockLower& H() const { return H_; }
   /// By unknown, in the order of the structure; so are the others.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  void diagonal(Eigen::VectorXd& result) const;
+  /// Of H.
+  const Eigen::VectorXd& diagonal() const { return diagonal_; }
   /// d^T H d
   double squaredImage(const Eigen::VectorXd& d) const;
   /// Of a block of the structure, in the order of elimination.
@@ -74,7 +75,7 @@ class NormalEquations {
   std::vector<std::vector<int>> place_of_;             // of each group: measurement x arity, where any part has places of its own
   dense::BigArray own_values_;
   std::size_t own_size_ = 0;
-  Eigen::VectorXd gradient_;
+  Eigen::VectorXd gradient_, diagonal_;
 };
 
 }  // namespace slom

@@ -1,12 +1,12 @@
 #include "schur_complement.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <utility>
 
 #include "linearize/parallel.hpp"
 #include "solve/dense/kernels.hpp"
+#include "solve/symbolic/independent_blocks.hpp"
 
 namespace slom {
 
@@ -14,11 +14,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Fewer are left to the ordering.
-constexpr int kFewestEliminated = 64;
-constexpr int kLargestEliminated = 3;  // degrees of freedom
-/// In graphs without such a structure, paths for one, fewer of all blocks are independent.
-constexpr double kLeastShare = 2.0 / 3;
 /// With more blocks left, the block of S at a place is searched for instead of looked up.
 constexpr int kMostInTable = 1024;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
@@ -31,84 +26,29 @@ constexpr int kFewestSharedPairs = 1 << 14;
 
 }  // namespace
 
-std::vector<char> independentBlocks(const BlockGraph& graph) {
-  const auto degree = [&](int b) { return graph.start[at(b) + 1] - graph.start[at(b)]; };
-  std::vector<int> candidates;
-  for (int b = 0; b < graph.size(); ++b) {
-    if (graph.dof[at(b)] <= kLargestEliminated) candidates.push_back(b);
-  }
-  if (static_cast<int>(candidates.size()) < kFewestEliminated) return {};
-  std::stable_sort(candidates.begin(), candidates.end(), [&](int a, int b) { return degree(a) < degree(b); });
-  std::vector<char> eliminated(at(graph.size()), 0);
-  int count = 0;
-  for (const int b : candidates) {
-    const auto first = graph.neighbour.begin() + graph.start[at(b)];
-    if (std::any_of(first, first + degree(b), [&](int c) { return eliminated[at(c)] != 0; })) continue;
-    eliminated[at(b)] = 1;
-    ++count;
-  }
-  if (count < kFewestEliminated || count < kLeastShare * graph.size()) return {};
-  return eliminated;
-}
-
-ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& eliminated) {
-  ReducedGraph result;
-  std::vector<int> node(at(graph.size()), -1), mark;
-  for (int b = 0; b < graph.size(); ++b) {
-    if (eliminated[at(b)]) continue;
-    node[at(b)] = static_cast<int>(result.block.size());
-    result.block.push_back(b);
-    result.graph.dof.push_back(graph.dof[at(b)]);
-  }
-  mark.assign(result.block.size(), -1);
-  result.graph.start.push_back(0);
-  std::vector<int>& neighbour = result.graph.neighbour;
-  for (int i = 0; i < static_cast<int>(result.block.size()); ++i) {
-    const int b = result.block[at(i)];
-    const std::size_t first = neighbour.size();
-    mark[at(i)] = i;
-    const auto add = [&](int j) {
-      if (mark[at(j)] == i) return;
-      mark[at(j)] = i;
-      neighbour.push_back(j);
-    };
-    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) {
-      const int c = graph.neighbour[at(e)];
-      if (!eliminated[at(c)]) {
-        add(node[at(c)]);
-      } else {
-        for (int f = graph.start[at(c)]; f < graph.start[at(c) + 1]; ++f)
-          add(node[at(graph.neighbour[at(f)])]);
-      }
-    }
-    std::sort(neighbour.begin() + static_cast<std::ptrdiff_t>(first), neighbour.end());
-    result.graph.start.push_back(static_cast<int>(neighbour.size()));
-  }
-  return result;
-}
-
-void SchurComplement::analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced,
-                              const std::vector<int>& position) {
+SchurComplement::SchurComplement(const BlockLower& H, int eliminated, const BlockGraph& reduced,
+                                 const std::vector<int>& position) {
   eliminated_.analyze(H, eliminated);
   S_.layOut(reduced, position);
   const int n = S_.columns();
-  column_.clear();
   for (int j = 0; j < n; ++j) column_.resize(at(S_.begin(j + 1)), j);
   copied_.assign(at(S_.begin(n)), -1);
   for (int j = 0; j < n; ++j) {
     for (int k = H.begin(eliminated + j); k < H.begin(eliminated + j + 1); ++k)
       copied_[at(S_.find(H.row(k) - eliminated, j))] = k;
   }
-  depth_ = 0;
   for (int e = 0; e < eliminated; ++e) depth_ = std::max(depth_, H.dof(e));
   reduced_.assign(1, 0);
   for (int e = 0; e < eliminated; ++e) {
     std::size_t entries = at(vectorSize());
-    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k)
+    double height = 0;
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
+      height += H.dof(H.row(k));
       entries += at(depth_ * dense::paddedRows(H.dof(H.row(k))));
+    }
     reduced_.push_back(reduced_.back() + entries);
+    flops_ += H.dof(e) * height * height;
   }
-  largest_ = 0;
   for (int wave = 0; wave < eliminated; wave += kPerWave) {
     largest_ = std::max(largest_, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);
   }
@@ -228,7 +168,7 @@ void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
 
 /// y := (L^-1 b)^T, filled up in the same way.
 void SchurComplement::halfReduce(const double* b, int e, int d, double* y) const {
-  double solved[kLargestEliminated] = {};
+  double solved[kLargestIndependent] = {};
   std::copy_n(b, d, solved);
   eliminated_.forward(e, d, solved);
   for (int c = 0; c < depth_; ++c) y[c * dense::paddedRows(1)] = c < d ? solved[c] : 0;
@@ -315,6 +255,18 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     for (int j = 0; b != nullptr && j < S_.columns(); ++j) add(from.b + from.offset[j], S_.dof(j), whole.b + whole.offset[j]);
   }
   return {};
+}
+
+void SchurComplement::forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  eliminated_.reduceVector(H, offset, x);
+}
+
+void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+  eliminated_.substitute(H, offset, x);
+}
+
+void SchurComplement::invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const {
+  detail::forEachIndex(count(), [&](int e) { eliminated_.invert(H, e, Z, inverse); });
 }
 
 }  // namespace slom

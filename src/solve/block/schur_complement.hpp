@@ -10,33 +10,26 @@
 #include <Eigen/Core>
 
 #include "eliminated_blocks.hpp"
-#include "slom/solve/linear_solver.hpp"
+#include "elimination.hpp"
 #include "solve/dense/kernels.hpp"
 
 namespace slom {
 
-/// Whether each block is to be eliminated first: small blocks that never meet, those with few neighbours
-/// before others. Empty unless they are most of all blocks.
-std::vector<char> independentBlocks(const BlockGraph& graph);
-
-/// What is left without the eliminated blocks.
-ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& eliminated);
-
-class SchurComplement {
+class SchurComplement final : public Elimination {
  public:
-  /// The first `eliminated` columns of H are eliminated. `reduced`: graph of the rest, whose nodes have these
-  /// positions in S; in H their positions are behind the eliminated ones, in the same order.
-  void analyze(const BlockLower& H, int eliminated, const BlockGraph& reduced,
-               const std::vector<int>& position);
+  /// The first `eliminated` columns of H are eliminated. `reduced`: graph of the rest, whose nodes have these positions in S.
+  SchurComplement(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position);
 
-  const BlockLower& S() const { return S_; }
-  const EliminatedBlocks& eliminated() const { return eliminated_; }
-
-  /// S := H_cc - W (V + damping)^-1 W^T. Vectors by unknown; offset: first unknown of each position of H. A
-  /// pivot below the share `tolerance` of its diagonal entry of V + damping ends it. b, where given, is reduced on the way
-  /// as by EliminatedBlocks::reduceVector.
-  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                     double tolerance, Eigen::VectorXd* b = nullptr);
+  int count() const override { return eliminated_.count(); }
+  std::string description() const override { return ""; }
+  double flops() const override { return flops_; }
+  const BlockLower& S() const override { return S_; }
+  /// S := H_cc - W (V + damping)^-1 W^T.
+  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance,
+                     Eigen::VectorXd* b) override;
+  void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
+  void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
+  void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const override;
 
  private:
   /// A block of S, or behind all these one of the right-hand side, in a wave of eliminated blocks: what it takes from them.
@@ -64,6 +57,7 @@ class SchurComplement {
 
   EliminatedBlocks eliminated_;
   BlockLower S_;
+  double flops_ = 0;
   int depth_ = 0;                     // columns of each block of Y
   std::vector<Meeting> meeting_;      // wave after wave, in each by block; one more for the end
   std::vector<int> first_meeting_;    // of each wave; one more for the end

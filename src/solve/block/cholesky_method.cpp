@@ -1,0 +1,111 @@
+#include "cholesky_method.hpp"
+
+#include <algorithm>
+
+namespace slom {
+
+using Eigen::VectorXd;
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Blocks of the inverse at the places of H's: eliminated columns, and the others as those of the reduced system.
+class SelectedInverse final : public InverseBlocks {
+ public:
+  SelectedInverse(std::vector<int> position, int count) : position_(std::move(position)), count_(count) {}
+  BlockLower eliminated, kept;
+
+  void block(int a, int b, double* out) const override {
+    const int i = position_[at(a)], j = position_[at(b)], low = std::min(i, j), high = std::max(i, j);
+    const BlockLower& from = low < count_ ? eliminated : kept;
+    const int shift = low < count_ ? 0 : count_, rows = from.dof(high - shift), columns = from.dof(low - shift);
+    const Eigen::Map<const Eigen::MatrixXd> values(from.values(from.find(high - shift, low - shift)), rows, columns);
+    if (i == j) {
+      Eigen::Map<Eigen::MatrixXd>(out, rows, columns) = (values + values.transpose()) / 2;
+    } else if (i > j) {
+      Eigen::Map<Eigen::MatrixXd>(out, rows, columns) = values;
+    } else {
+      Eigen::Map<Eigen::MatrixXd>(out, columns, rows) = values.transpose();
+    }
+  }
+
+ private:
+  std::vector<int> position_;
+  int count_;
+};
+
+}  // namespace
+
+CholeskyMethod::CholeskyMethod(std::string system, const BlockStructure& structure, const NormalEquations& equations,
+                               std::unique_ptr<Elimination> elimination, const std::vector<int>& rest, Fronts fronts)
+    : system_(std::move(system)), equations_(equations), elimination_(std::move(elimination)) {
+  for (int b = 0; b < structure.blockCount(); ++b) position_.push_back(equations.position(b));
+  std::vector<int> offset{0};
+  for (const int b : rest) {
+    for (int c = 0; elimination_ && c < structure.dof(b); ++c) kept_.push_back(structure.offset[at(b)] + c);
+    offset.push_back(offset.back() + structure.dof(b));
+  }
+  factor_.analyze(offset, std::move(fronts), matrix());
+}
+
+VectorXd CholeskyMethod::kept(const VectorXd& x) const { return x.size() == 0 ? VectorXd() : VectorXd(x(kept_)); }
+
+SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
+  const BlockLower& H = equations_.H();
+  if (!elimination_) return factor_.factorize(H, equations_.diagonal(), damping, kPivotTolerance, x);
+  SolveStatus status = elimination_->reduce(H, equations_.offset(), damping, kPivotTolerance, x);
+  if (!status.ok) return status;
+  VectorXd rest;
+  if (x != nullptr) rest = kept(*x);
+  status = factor_.factorize(matrix(), kept(equations_.diagonal()), kept(damping), kPivotTolerance, x != nullptr ? &rest : nullptr);
+  if (!status.ok) status.unknown = kept_[at(status.unknown)];
+  return status;
+}
+
+/// For the right-hand side that is in the fronts, and in x where blocks are eliminated.
+void CholeskyMethod::solveRest(VectorXd& x) {
+  if (!elimination_) {
+    x = factor_.solveRest();
+    return;
+  }
+  x(kept_) = factor_.solveRest();
+  elimination_->substitute(equations_.H(), equations_.offset(), x);
+}
+
+SolveStatus CholeskyMethod::solve(VectorXd& x) {
+  if (elimination_) elimination_->forward(equations_.H(), equations_.offset(), x);
+  factor_.solveFirst(elimination_ ? kept(x) : x);
+  solveRest(x);
+  return {};
+}
+
+SolveStatus CholeskyMethod::finishStep(VectorXd& x, bool took_along) {
+  if (!took_along) return solve(x);
+  solveRest(x);
+  return {};
+}
+
+std::unique_ptr<InverseBlocks> CholeskyMethod::invertBlocks() {
+  auto result = std::make_unique<SelectedInverse>(position_, elimination_ ? elimination_->count() : 0);
+  result->kept.layOutAs(matrix());
+  factor_.invertSelected(result->kept);
+  if (elimination_) {
+    result->eliminated.layOutAs(equations_.H());
+    elimination_->invert(equations_.H(), result->kept, result->eliminated);
+  }
+  return result;
+}
+
+double CholeskyMethod::flops() const { return factor_.fronts().flops + (elimination_ ? elimination_->flops() : 0); }
+
+std::string CholeskyMethod::description() const {
+  const Fronts& fronts = factor_.fronts();
+  const std::string first = elimination_ ? elimination_->description() : "";
+  if (first.empty() && fronts.front.size() == 1) return system_ + ", dense Cholesky";
+  std::string text = system_ + ", sparse Cholesky, " + first;
+  if (!first.empty() && !fronts.front.empty()) text += ", then ";
+  return fronts.front.empty() ? text : text + fronts.ordering + " order";
+}
+
+}  // namespace slom
