@@ -25,7 +25,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 struct Cholmod::Implementation {
   BlockStructure structure;
   NormalEquations equations;  // in the structure's order
-  VectorXd diagonal, scale;
+  VectorXd scale;
   std::vector<int> start, row;  // of H's lower triangle, scaled to a unit diagonal, by columns
   std::vector<double> values;
   cholmod_sparse A{};
@@ -83,7 +83,7 @@ void Cholmod::Implementation::layOut() {
 }
 
 void Cholmod::Implementation::fill(const VectorXd& damping) {
-  scale = diagonal;
+  scale = equations.diagonal();
   if (damping.size() > 0) scale += damping;
   for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
   const BlockLower& H = equations.H();
@@ -167,10 +167,7 @@ void Cholmod::beginLinearization() {
   self_->has_undamped_factor = false;
 }
 void Cholmod::add(const JacobianBatch& batch) { self_->equations.add(batch); }
-void Cholmod::endLinearization() {
-  self_->equations.addUp();
-  self_->equations.diagonal(self_->diagonal);
-}
+void Cholmod::endLinearization() { self_->equations.addUp(); }
 
 SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
   {
@@ -192,7 +189,7 @@ SolveStatus Cholmod::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
 }
 
 const VectorXd& Cholmod::gradient() const { return self_->equations.gradient(); }
-const VectorXd& Cholmod::diagonal() const { return self_->diagonal; }
+const VectorXd& Cholmod::diagonal() const { return self_->equations.diagonal(); }
 double Cholmod::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
 
 std::string Cholmod::description() const {
