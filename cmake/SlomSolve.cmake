@@ -46,6 +46,8 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
                       "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
                       "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp"
                APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
+  # Its vectors are passed among its own functions alone, so nobody else need know how.
+  set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp" APPEND PROPERTY COMPILE_OPTIONS -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"

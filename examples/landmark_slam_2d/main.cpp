@@ -64,7 +64,7 @@ int main() {
     const Pose motion(MTK::SO2< >(k % 10 == 0 ? M_PI / 2 : 0), vec2(step, 0));
     truth = truth * motion;
     true_poses.push_back(truth);
-    const Pose measured = MTK::moved(motion, vec3(noise(sigma_step), noise(sigma_step), noise(sigma_turn)));
+    const Pose measured = MTK::moved(motion, vec3{noise(sigma_step), noise(sigma_step), noise(sigma_turn)});
     guess = guess * measured;  // dead reckoning gives the start values
     poses.push_back(est.insertRV(guess, "pose" + std::to_string(k)));
     est.insertMeasurement(Odometry(poses[k - 1], poses[k], measured), SLOM::StandardDeviation(sigma));
@@ -72,7 +72,7 @@ int main() {
     for (std::size_t id = 0; id < true_landmarks.size(); ++id) {
       vec2 observation = truth.inverse() * true_landmarks[id];
       if (observation.norm() > range) continue;
-      observation += vec2(noise(sigma_landmark), noise(sigma_landmark));
+      observation += vec2{noise(sigma_landmark), noise(sigma_landmark)};
       if (!landmark[id].isValid()) {  // first sight
         landmark[id] = est.insertRV(vec2(guess * observation), "landmark" + std::to_string(id));
       }

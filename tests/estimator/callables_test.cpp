@@ -362,6 +362,7 @@ TEST(ThePapersOutlook, CompilesAsWritten) {
   slom::Estimator est;
   struct Dat1 {
     double value;
+    explicit Dat1(double d) : value(d) {}  // which C++20 makes by itself, but not every compiler
   };
   const auto measurement = [](const auto& a, const auto& b, const Dat1& d) { return a * b - d.value; };
   const auto v1 = est.registerRV(1.0), v2 = est.registerRV(2.0, false);

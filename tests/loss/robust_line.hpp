@@ -44,7 +44,7 @@ struct LineFit {
 
   template <class... LossType>
   explicit LineFit(const Eigen::Vector2d& start, const std::vector<Point>& points, const LossType&... loss)
-      : line(est.insertRV(start, "line")) {
+      : est(), line(est.insertRV(start, "line")) {
     for (const Point& p : points) {
       est.insertMeasurement(LineResidual{}, line, p.x, p.y, slom::StandardDeviation(kLineSigma), loss...);
     }

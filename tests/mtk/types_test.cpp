@@ -23,7 +23,7 @@ struct Camera : mtk::vect<9> {};
 MTK_BUILD_MANIFOLD(StereoCamera, ((Camera, left))((Camera, right))((SE3, left2right)))
 
 struct Intrinsics : mtk::vect<4> {
-  static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
+  [[maybe_unused]] static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
 };
 
 struct Head {

@@ -8,10 +8,12 @@
 
 namespace mtk::detail {
 
-/// f(0), ..., f(N - 1), written out: arrays whose indices are constants can live in registers.
-template <int N, class F>
+/// f(First), ..., f(First + N - 1), written out: arrays whose indices are constants can live in registers.
+template <int N, int First = 0, class F>
 void unrolled(const F& f) {
-  [&]<int... I>(std::integer_sequence<int, I...>) { (f(I), ...); }(std::make_integer_sequence<int, N>{});
+  constexpr int most = N < 128 ? N : 128;  // clang refuses longer fold expressions
+  [&]<int... I>(std::integer_sequence<int, I...>) { (f(First + I), ...); }(std::make_integer_sequence<int, most>{});
+  if constexpr (N > most) unrolled<N - most, First + most>(f);
 }
 
 /// f(i) for the entries of a vector of `size`, known to the type as Size; written out unless they are many.

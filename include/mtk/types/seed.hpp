@@ -37,6 +37,7 @@ class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>, Plain
   static constexpr int DOF = N;
   static constexpr std::uint64_t columns = scalar::columns;
 
+  SeedVector() : SeedVector(vect<N, S>()) {}
   explicit SeedVector(const vect<N, S>& values) : Base(N, 1, Entries{values}) {}
 
   const vect<N, S>& values() const { return this->functor().values; }
@@ -109,6 +110,7 @@ template <class S, std::uint64_t C>
 class SeedRotation : public SO3<SparseDual<S, C>> {
  public:
   using Base = SO3<SparseDual<S, C>>;
+  SeedRotation() : SeedRotation(SO3<S>()) {}
   explicit SeedRotation(const SO3<S>& R) : Base(R, rowsOf<C>(Matrix3<S>(Matrix3<S>::Identity()))) {}
   InverseSeedRotation<S, C> inverse() const { return InverseSeedRotation<S, C>(this->value().inverse()); }
   /// d (R p) / d e, where M = R and v = R p.
