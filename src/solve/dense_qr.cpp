@@ -104,6 +104,10 @@ SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
   Scaled scaled;
   const SolveStatus status = factorize(J_, scaled);
   if (!status.ok) return status;
+  if (B.cols() == 0) {  // where Eigen's permutations go beyond a null pointer
+    X = B;
+    return {};
+  }
   // H = S^-1 P R^T R P^T S^-1 with J S P = Q R.
   const Eigen::Index n = J_.cols();
   const auto R = scaled.qr.matrixQR().topLeftCorner(n, n).triangularView<Eigen::Upper>();
