@@ -94,8 +94,7 @@ class Choice {
  public:
   Choice(const BlockStructure& structure, const BlockSolverOptions& options, NormalEquations& equations)
       : structure_(structure), options_(options), equations_(equations), graph_(makeGraph(structure)) {
-    if (!mayEliminate()) return;
-    points_ = independentBlocks(graph_);
+    if (mayEliminate()) points_ = independentBlocks(graph_);
   }
 
   std::unique_ptr<BlockMethod> run() {
