@@ -135,11 +135,12 @@ class Choice {
   std::unique_ptr<BlockMethod> afterPoints() {
     const ReducedGraph left = reduceGraph(graph_, points_);
     Fronts fronts = chooseFronts(left.graph);
-    if (isTooExpensive(schurFlops() + fronts.flops, entries(left.graph) + entries(fronts))) return iterative();
+    const double flops = schurFlops();
+    if (isTooExpensive(flops + fronts.flops, entries(left.graph) + entries(fronts))) return iterative();
     const std::vector<int> first = blocksWhere(true);
     equations_.layOut(structure_, graph_, positionsBehind(first, left.block, fronts.position));
     auto elimination =
-        std::make_unique<SchurComplement>(equations_.H(), static_cast<int>(first.size()), left.graph, fronts.position);
+        std::make_unique<SchurComplement>(equations_.H(), static_cast<int>(first.size()), flops, left.graph, fronts.position);
     return cholesky(std::move(elimination), left.block, std::move(fronts));
   }
 

@@ -26,8 +26,9 @@ constexpr int kFewestSharedPairs = 1 << 14;
 
 }  // namespace
 
-SchurComplement::SchurComplement(const BlockLower& H, int eliminated, const BlockGraph& reduced,
-                                 const std::vector<int>& position) {
+SchurComplement::SchurComplement(const BlockLower& H, int eliminated, double flops, const BlockGraph& reduced,
+                                 const std::vector<int>& position)
+    : flops_(flops) {
   eliminated_.analyze(H, eliminated);
   S_.layOut(reduced, position);
   const int n = S_.columns();
@@ -41,13 +42,9 @@ SchurComplement::SchurComplement(const BlockLower& H, int eliminated, const Bloc
   reduced_.assign(1, 0);
   for (int e = 0; e < eliminated; ++e) {
     std::size_t entries = at(vectorSize());
-    double height = 0;
-    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k) {
-      height += H.dof(H.row(k));
+    for (int k = H.begin(e) + 1; k < H.begin(e + 1); ++k)
       entries += at(depth_ * dense::paddedRows(H.dof(H.row(k))));
-    }
     reduced_.push_back(reduced_.back() + entries);
-    flops_ += H.dof(e) * height * height;
   }
   for (int wave = 0; wave < eliminated; wave += kPerWave) {
     largest_ = std::max(largest_, reduced_[at(std::min(wave + kPerWave, eliminated))] - reduced_[at(wave)]);

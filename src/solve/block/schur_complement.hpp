@@ -17,8 +17,9 @@ namespace slom {
 
 class SchurComplement final : public Elimination {
  public:
-  /// The first `eliminated` columns of H are eliminated. `reduced`: graph of the rest, whose nodes have these positions in S.
-  SchurComplement(const BlockLower& H, int eliminated, const BlockGraph& reduced, const std::vector<int>& position);
+  /// The first `eliminated` columns of H are eliminated, in `flops` operations. `reduced`: graph of the rest, whose nodes have
+  /// these positions in S.
+  SchurComplement(const BlockLower& H, int eliminated, double flops, const BlockGraph& reduced, const std::vector<int>& position);
 
   int count() const override { return eliminated_.count(); }
   std::string description() const override { return ""; }
@@ -57,7 +58,7 @@ class SchurComplement final : public Elimination {
 
   EliminatedBlocks eliminated_;
   BlockLower S_;
-  double flops_ = 0;
+  double flops_;
   int depth_ = 0;                     // columns of each block of Y
   std::vector<Meeting> meeting_;      // wave after wave, in each by block; one more for the end
   std::vector<int> first_meeting_;    // of each wave; one more for the end
