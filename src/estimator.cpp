@@ -83,7 +83,7 @@ std::vector<std::string> activeBounds(const Problem& problem) {
 }
 }  // namespace
 
-Estimator::Estimator() : state_(std::make_unique<State>()) {}
+Estimator::Estimator() : state_(new State) {}
 Estimator::~Estimator() = default;
 Estimator::Estimator(Estimator&&) noexcept = default;
 Estimator& Estimator::operator=(Estimator&&) noexcept = default;

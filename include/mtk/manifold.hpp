@@ -109,8 +109,9 @@ template <class T, std::size_t N>
 inline constexpr bool is_std_array<std::array<T, N>> = true;
 
 inline std::string joinPath(const std::string& path, std::string_view name) {
-  if (path.empty() || name.empty()) return path + std::string(name);
-  return path + "." + std::string(name);
+  std::string joined(path);
+  if (!path.empty() && !name.empty()) joined.push_back('.');
+  return joined.append(name.data(), name.size());
 }
 
 template <class M>

@@ -201,14 +201,12 @@ void liftPart(Y& y, const X& x) {
 /// y := x, moved by the unknowns `offset` ... of a window of `width` columns; those outside the window stay fixed.
 template <class Y, class X>
 void seedPart(Y& y, const X& x, int offset, int width) {
-  using D = scalar_t<Y>;
-  using S = typename D::Value;
   const auto column = [&](int i) { return offset + i < width ? offset + i : -1; };
   if constexpr (requires { y.partials(); y.value().coeffs(); }) {  // SO3
     y.value() = x;
     for (int i = 0; i < 3; ++i) {
-      D row;
-      row.seed(S(0), column(i));
+      typename Y::scalar row;
+      row.seed(0.0, column(i));
       y.partials()[static_cast<std::size_t>(i)] = row.partials();
     }
   } else if constexpr (HasState<X> && !requires { y.vector(); }) {
@@ -218,18 +216,18 @@ void seedPart(Y& y, const X& x, int offset, int width) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
       if constexpr (DOF_v<X> != Dynamic && DOF_v<X> <= 32) {
         [&]<int... I>(std::integer_sequence<int, I...>) {
-          (state[I].seed(S(value[I]), column(I)), ...);
+          (state[I].seed(value[I], column(I)), ...);
         }(std::make_integer_sequence<int, DOF_v<X>>{});
       } else {
-        for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(S(value[i]), column(i));
+        for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(value[i], column(i));
       }
     } else {
-      state.seed(S(value), column(0));
+      state.seed(value, column(0));
     }
   } else {  // any other: the user's own, by its [+]
     liftPart(y, x);
-    PlainVector<D, DOF_v<X>> d(dof(x));
-    for (int i = 0; i < dof(x); ++i) d[i].seed(S(0), column(i));
+    PlainVector<scalar_t<Y>, DOF_v<X>> d(dof(x));
+    for (int i = 0; i < dof(x); ++i) d[i].seed(0.0, column(i));
     boxplus<Y>(y, d);
   }
 }

@@ -201,7 +201,7 @@ struct Archive::Kind {
     const auto one = [&]<class Stored>(const Stored& stored) {
       if constexpr (!std::is_base_of_v<VariableArgument, Stored>) detail::writeDatum(os, detail::held(stored));
     };
-    std::apply([&](const auto&... stored) { (one(stored), ...); }, static_cast<const TypedPool<M>&>(pool)[i].arguments());
+    detail::applyTo(static_cast<const TypedPool<M>&>(pool)[i].arguments(), [&](const auto&... stored) { (one(stored), ...); });
   }
   static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
     std::tuple<Argument<Args>...> arguments;
@@ -226,7 +226,7 @@ struct Archive::DeclaredKind {
 
   static std::string name() { return typeName<M>(); }
   static void know(Archive& archive, std::vector<std::type_index>& variables) {
-    [&]<class... T>(std::type_identity<std::tuple<VarArg<T>&...>>) {
+    [&]<class... T>(std::type_identity<detail::VariableList<T...>>) {
       (archive.knowVariable<T>(), ...);
       (variables.push_back(typeid(VariableStore<T>)), ...);
     }(std::type_identity<Variables>{});
@@ -236,7 +236,7 @@ struct Archive::DeclaredKind {
                static_cast<const TypedPool<M>&>(pool)[i].dataArgs());
   }
   static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
-    return [&]<class... T, class... D>(std::type_identity<std::tuple<VarArg<T>&...>>,
+    return [&]<class... T, class... D>(std::type_identity<detail::VariableList<T...>>,
                                        std::type_identity<std::tuple<const D&...>>) {
       std::tuple<D...> data;
       if (!std::apply([&](auto&... datum) { return (detail::readDatum(is, datum) && ...); }, data)) return false;

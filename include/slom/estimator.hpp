@@ -16,6 +16,7 @@
 #include <concepts>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
 #include "slom/model/callable.hpp"
+#include "slom/model/hidden.hpp"
 #include "slom/model/insertion.hpp"
 #include "slom/model/prior.hpp"
 #include "slom/optimize/algorithm.hpp"
@@ -75,14 +77,14 @@ class Estimator {
   /// Adds a variable with its start value. `optimize` false: it keeps that value. `name` is for messages.
   template <class T>
   auto insertRV(const T& value) {
-    return insertVariable(value, true, "");
+    return insertVariable(value, true, {});
   }
   template <class T, std::same_as<bool> Flag>
-  auto insertRV(const T& value, Flag optimize, const std::string& name = "") {
+  auto insertRV(const T& value, Flag optimize, std::string_view name = {}) {
     return insertVariable(value, optimize, name);
   }
   template <class T>
-  auto insertRV(const T& value, const std::string& name) {
+  auto insertRV(const T& value, std::string_view name) {
     return insertVariable(value, true, name);
   }
   /// The name that the paper's outlook gives to insertRV.
@@ -184,9 +186,9 @@ class Estimator {
                   "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
                   "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
                   "(slom::named)");
-    const auto all = std::tie(options...);
-    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong(all), detail::labelAmong(all),
-                                       detail::lossAmong(all));
+    const detail::Values<const Options&...> all{{options}...};
+    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
+                                       detail::labelAmong<Options...>(all), detail::lossAmong<Options...>(all));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
   /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
@@ -195,9 +197,9 @@ class Estimator {
   template <class F, class... Args>
     requires(!Measurement<F> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
-    const auto all = std::tie(args...);
-    return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong(all),
-                          detail::labelAmong(all), detail::lossAmong(all));
+    const detail::Values<const Args&...> all{{args}...};
+    return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
+                          detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -396,16 +398,16 @@ class Estimator {
   friend class Archive;
 
   template <class T>
-  auto insertVariable(const T& value, bool optimize, const std::string& name) {
+  auto insertVariable(const T& value, bool optimize, std::string_view name) {
     using V = detail::VariableType<T>;
     mtk::requireManifold<V>();
     return problem().template insertVariable<V>(V(value), optimize, name);
   }
-  template <class F, class Tuple, std::size_t... I>
-  auto insertCallable(F f, const Tuple& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
+  template <class F, class Arguments, std::size_t... I>
+  auto insertCallable(F f, const Arguments& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
                       const Loss& loss) {
-    using M = CallableMeasurement<F, detail::PlainValue<std::tuple_element_t<I, Tuple>>...>;
-    return problem().insertMeasurement(M(std::move(f), std::get<I>(args)...), noise, label, loss);
+    using M = CallableMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
+    return problem().insertMeasurement(M(std::move(f), detail::valueAt<I>(args)...), noise, label, loss);
   }
 
   template <class T>
@@ -447,7 +449,7 @@ class Estimator {
   void writeDeviations(int variable, double* deviations) const;
 
   struct State;
-  std::unique_ptr<State> state_;
+  detail::Hidden<State> state_;
 };
 
 }  // namespace slom

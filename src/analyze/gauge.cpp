@@ -127,7 +127,7 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   MatrixXd common = Q * angles.matrixU().leftCols(count);
   common = vanishingIn(common, elsewhere * (coefficients * common));
   if (common.cols() == 0) return result;
-  result.motions = solve(qr, common);
+  result.motions = leastSquares(qr, common);
   result.length = length.unaryExpr([](double l) { return l > 0 ? l : 1.0; });
   result.directions = orthonormalColumns(null_space * (coefficients * common));
   return result;

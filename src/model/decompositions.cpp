@@ -23,6 +23,6 @@ MatrixXd columnsOfQ(const PivotedQR& qr, Eigen::Index count) {
   return qr.householderQ() * MatrixXd::Identity(qr.rows(), count);
 }
 
-MatrixXd solve(const PivotedQR& qr, const MatrixXd& B) { return qr.solve(B); }
+MatrixXd leastSquares(const PivotedQR& qr, const MatrixXd& B) { return qr.solve(B); }
 
 }  // namespace slom

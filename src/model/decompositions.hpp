@@ -28,6 +28,6 @@ PivotedQR pivotedQrOf(const Eigen::MatrixXd& A);
 /// The first columns of Q.
 Eigen::MatrixXd columnsOfQ(const PivotedQR& qr, Eigen::Index count);
 /// X of least ||A X - B||.
-Eigen::MatrixXd solve(const PivotedQR& qr, const Eigen::MatrixXd& B);
+Eigen::MatrixXd leastSquares(const PivotedQR& qr, const Eigen::MatrixXd& B);
 
 }  // namespace slom

@@ -53,13 +53,13 @@ struct MeasurementPool::Losses {
   std::set<Loss> all;
 };
 
-MeasurementPool::MeasurementPool(std::string name, const MeasurementType& type, const std::vector<VariableRecord>& table)
-    : name_(std::move(name)),
+MeasurementPool::MeasurementPool(const std::string& name, const MeasurementType& type, const std::vector<VariableRecord>& table)
+    : name_(name),
       type_(type),
       arity_(type.arity),
       columns_(columnsOf(type)),
       table_(table),
-      losses_(std::make_unique<Losses>()) {}
+      losses_(new Losses) {}
 
 MeasurementPool::~MeasurementPool() = default;
 

@@ -33,52 +33,51 @@ void Problem::bookVariable(int index, VariableRecord record) {
 }
 
 VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                       const std::string& name) {
-  auto& store = store_of_type_[type];
-  if (!store) store.reset(make());
+                                       std::string_view name) {
+  auto found = std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) { return own.type == type; });
+  if (found == stores_.end()) {
+    stores_.push_back({type, std::shared_ptr<VariableStoreBase>(make())});
+    found = stores_.end() - 1;
+  }
+  const std::shared_ptr<VariableStoreBase>& store = found->store;
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, name, {}, {}});
+  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::string(name), {}, {}});
   return VariableHandle(store, ref);
 }
 
 MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
-  const auto found = pools_of_type_.find(type);
-  if (found == pools_of_type_.end()) return nullptr;
-  for (const LabelledPool& entry : found->second) {
-    if (entry.label == label) return entry.pool;
+  for (std::size_t i = 0; i < pools_.size(); ++i) {
+    if (type == *pools_[i]->type().id && labels_[i] == label) return pools_[i].get();
   }
   return nullptr;
 }
 
 std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
   std::vector<const MeasurementPool*> result;
-  const auto found = pools_of_type_.find(type);
-  if (found != pools_of_type_.end()) {
-    for (const LabelledPool& entry : found->second) result.push_back(entry.pool);
+  for (const auto& pool : pools_) {
+    if (type == *pool->type().id) result.push_back(pool.get());
   }
   return result;
 }
 
 const std::string& Problem::labelOf(const MeasurementPool& pool) const {
-  const auto& entries = pools_of_type_.at(*pool.type().id);
-  return std::find_if(entries.begin(), entries.end(), [&](const LabelledPool& entry) { return entry.pool == &pool; })->label;
+  const auto found = std::find_if(pools_.begin(), pools_.end(), [&](const auto& own) { return own.get() == &pool; });
+  return labels_[static_cast<std::size_t>(found - pools_.begin())];
 }
 
-MeasurementPool& Problem::adoptPool(std::type_index type, std::string_view label,
-                                    std::unique_ptr<MeasurementPool> pool) {
-  std::vector<LabelledPool>& entries = pools_of_type_[type];
-  entries.reserve(entries.size() + 1);  // so that nothing fails once the pool is in the list
-  LabelledPool entry{std::string(label), pool.get()};
+MeasurementPool& Problem::adoptPool(std::string_view label, std::unique_ptr<MeasurementPool> pool) {
+  std::string own_label(label);
+  if (labels_.size() == labels_.capacity()) labels_.reserve(2 * labels_.size() + 1);  // nothing fails once the pool is in the list
   pools_.push_back(std::move(pool));
-  entries.push_back(std::move(entry));
+  labels_.push_back(std::move(own_label));
   return *pools_.back();
 }
 
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
-  for (const auto& [key, own] : store_of_type_) {
-    if (own.get() != store) continue;
-    if (own->isCurrent(ref)) return own->variable(ref.slot);
+  for (const TypedStore& own : stores_) {
+    if (own.store.get() != store) continue;
+    if (store->isCurrent(ref)) return store->variable(ref.slot);
     throw Error("slom.stale-handle", "the VarID<" + type() + "> refers to a variable that has been removed; keep the "
                                      "VarID that insertRV returned last");
   }
@@ -239,7 +238,7 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   MeasurementPool* pool = findPool(*type.id, label);
   if (pool == nullptr) {
     const std::string name = nameForPool(label.empty() ? type.name() : std::string(label));
-    pool = &adoptPool(*type.id, label, type.make_pool(name, table_));
+    pool = &adoptPool(label, std::unique_ptr<MeasurementPool>(type.make_pool(name, table_)));
   }
   std::vector<int>& variables = variables_of_new_;
   variables.clear();
@@ -310,16 +309,16 @@ std::string Problem::nameForPool(const std::string& name) const {
 }
 
 void Problem::save() {
-  for (auto& [type, store] : store_of_type_) store->save();
+  for (const TypedStore& own : stores_) own.store->save();
 }
 
 void Problem::restore() {
-  for (auto& [type, store] : store_of_type_) store->restore();
+  for (const TypedStore& own : stores_) own.store->restore();
   ++value_revision_;
 }
 
 void Problem::applyStep(const std::vector<int>& offset_of_variable, const double* step) {
-  for (auto& [type, store] : store_of_type_) store->applyStep(offset_of_variable, step);
+  for (const TypedStore& own : stores_) own.store->applyStep(offset_of_variable, step);
   ++value_revision_;
 }
 

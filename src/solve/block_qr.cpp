@@ -35,7 +35,7 @@ struct BlockQR::Implementation {
   }
 };
 
-BlockQR::BlockQR() : self_(std::make_unique<Implementation>()) {}
+BlockQR::BlockQR() : self_(new Implementation) {}
 BlockQR::~BlockQR() = default;
 
 void BlockQR::analyze(const BlockStructure& structure) {

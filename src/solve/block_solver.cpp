@@ -36,7 +36,7 @@ struct BlockSolver::Implementation {
   }
 };
 
-BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(std::make_unique<Implementation>()) {
+BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(new Implementation) {
   check(options);
   self_->options = options;
 }

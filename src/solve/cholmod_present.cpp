@@ -150,7 +150,7 @@ VectorXd Cholmod::Implementation::solve(const VectorXd& b) {
 
 bool Cholmod::isAvailable() { return true; }
 
-Cholmod::Cholmod() : self_(std::make_unique<Implementation>()) {}
+Cholmod::Cholmod() : self_(new Implementation) {}
 Cholmod::~Cholmod() = default;
 
 void Cholmod::analyze(const BlockStructure& structure) {

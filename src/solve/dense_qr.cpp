@@ -5,10 +5,10 @@
 
 namespace slom {
 
-namespace {
-
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
 
 /// Columns whose remaining norm is below this share of their own are combinations of the others.
 constexpr double kRankTolerance = 1e-9;
@@ -37,19 +37,32 @@ SolveStatus factorize(MatrixXd A, Scaled& result) {
 
 }  // namespace
 
-DenseQR::DenseQR() = default;
+struct DenseQR::Implementation {
+  BlockStructure structure;
+  MatrixXd J;
+  VectorXd r, gradient, diagonal;
+  std::vector<double> rows;      // row after row while they come in
+  std::vector<double> residual;  // likewise
+};
+
+DenseQR::DenseQR() : self_(new Implementation) {}
 DenseQR::~DenseQR() = default;
 
-void DenseQR::analyze(const BlockStructure& structure) { structure_ = structure; }
+const VectorXd& DenseQR::gradient() const { return self_->gradient; }
+const VectorXd& DenseQR::diagonal() const { return self_->diagonal; }
+const MatrixXd& DenseQR::jacobian() const { return self_->J; }
+const VectorXd& DenseQR::residual() const { return self_->r; }
+
+void DenseQR::analyze(const BlockStructure& structure) { self_->structure = structure; }
 
 void DenseQR::beginLinearization() {
-  rows_.clear();
-  residual_.clear();
+  self_->rows.clear();
+  self_->residual.clear();
 }
 
 void DenseQR::add(const JacobianBatch& batch) {
-  const int n = structure_.unknowns();
-  const MeasurementGroup& group = structure_.groups[static_cast<std::size_t>(batch.group)];
+  const int n = self_->structure.unknowns();
+  const MeasurementGroup& group = self_->structure.groups[static_cast<std::size_t>(batch.group)];
   const double* J = batch.J;
   const double* r = batch.r;
   const int* dof = batch.dof;
@@ -59,31 +72,31 @@ void DenseQR::add(const JacobianBatch& batch) {
     for (int k = 0; k < group.arity; ++k, ++dof) {
       const int block = group.blocks[static_cast<std::size_t>((batch.first + m) * group.arity + k)];
       if (block >= 0) {
-        full.middleRows(structure_.offset[static_cast<std::size_t>(block)], *dof) +=
+        full.middleRows(self_->structure.offset[static_cast<std::size_t>(block)], *dof) +=
             Eigen::Map<const MatrixXd>(J, rows, *dof).transpose();
       }
       J += static_cast<std::ptrdiff_t>(rows) * *dof;
     }
-    rows_.insert(rows_.end(), full.data(), full.data() + full.size());
-    residual_.insert(residual_.end(), r, r + rows);
+    self_->rows.insert(self_->rows.end(), full.data(), full.data() + full.size());
+    self_->residual.insert(self_->residual.end(), r, r + rows);
     r += rows;
   }
 }
 
 void DenseQR::endLinearization() {
-  const Eigen::Index m = static_cast<Eigen::Index>(residual_.size()), n = structure_.unknowns();
-  r_ = Eigen::Map<const VectorXd>(residual_.data(), m);
-  J_ = Eigen::Map<const MatrixXd>(rows_.data(), n, m).transpose();
-  gradient_ = J_.transpose() * r_;
-  diagonal_ = J_.colwise().squaredNorm();
+  const Eigen::Index m = static_cast<Eigen::Index>(self_->residual.size()), n = self_->structure.unknowns();
+  self_->r = Eigen::Map<const VectorXd>(self_->residual.data(), m);
+  self_->J = Eigen::Map<const MatrixXd>(self_->rows.data(), n, m).transpose();
+  self_->gradient = self_->J.transpose() * self_->r;
+  self_->diagonal = self_->J.colwise().squaredNorm();
 }
 
 SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   const detail::Stopwatch watch(seconds_.factorize);
-  const Eigen::Index m = J_.rows(), n = J_.cols();
+  const Eigen::Index m = self_->J.rows(), n = self_->J.cols();
   const bool damped = damping.size() > 0;
-  MatrixXd A = J_;
-  VectorXd b = -r_;
+  MatrixXd A = self_->J;
+  VectorXd b = -self_->r;
   if (damped) {
     A.conservativeResize(m + n, n);
     A.bottomRows(n) = MatrixXd(damping.cwiseSqrt().asDiagonal());
@@ -94,22 +107,22 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   const SolveStatus status = factorize(A, scaled);
   if (!status.ok) return status;
   if (b.size() < n) b.conservativeResizeLike(VectorXd::Zero(n));
-  step = scaled.scale.asDiagonal() * slom::solve(scaled.qr, b);
+  step = scaled.scale.asDiagonal() * leastSquares(scaled.qr, b);
   return {};
 }
 
-double DenseQR::squaredImage(const VectorXd& d) const { return (J_ * d).squaredNorm(); }
+double DenseQR::squaredImage(const VectorXd& d) const { return (self_->J * d).squaredNorm(); }
 
 SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
   Scaled scaled;
-  const SolveStatus status = factorize(J_, scaled);
+  const SolveStatus status = factorize(self_->J, scaled);
   if (!status.ok) return status;
   if (B.cols() == 0) {  // where Eigen's permutations go beyond a null pointer
     X = B;
     return {};
   }
   // H = S^-1 P R^T R P^T S^-1 with J S P = Q R.
-  const Eigen::Index n = J_.cols();
+  const Eigen::Index n = self_->J.cols();
   const auto R = scaled.qr.matrixQR().topLeftCorner(n, n).triangularView<Eigen::Upper>();
   MatrixXd Y = scaled.qr.colsPermutation().transpose() * (scaled.scale.asDiagonal() * B);
   Y = R.transpose().solve(Y);
@@ -119,7 +132,7 @@ SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
 }
 
 std::string DenseQR::description() const {
-  return "dense QR, " + std::to_string(J_.rows()) + " x " + std::to_string(J_.cols());
+  return "dense QR, " + std::to_string(self_->J.rows()) + " x " + std::to_string(self_->J.cols());
 }
 
 }  // namespace slom

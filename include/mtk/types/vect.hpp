@@ -96,6 +96,25 @@ class vect : public PlainVector<S, N> {
     return this->coeffRef(Eigen::Index(I));
   }
 
+  /// As Eigen's, whose expressions of expressions take every program long to compile for numbers that it does not know.
+  S squaredNorm() const {
+    if constexpr (std::is_arithmetic_v<S>) {
+      return Base::squaredNorm();
+    } else {
+      if (this->size() == 0) return S(0.0);
+      S sum = this->coeff(0) * this->coeff(0);
+      detail::forEachEntry<(N > 0 ? N - 1 : Dynamic)>(this->size() - 1, [&](int i) {
+        const S& x = this->coeff(i + 1);
+        sum += x * x;
+      });
+      return sum;
+    }
+  }
+  S norm() const {
+    using std::sqrt;
+    return sqrt(squaredNorm());
+  }
+
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
     detail::requireSameSize(*this, d, "x [+] d");

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -16,6 +15,7 @@
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/prediction.hpp"
+#include "slom/model/values.hpp"
 #include "slom/model/vectorized.hpp"
 
 namespace slom {
@@ -61,10 +61,25 @@ struct Join<std::tuple<A...>> {
 template <class... A, class... B, class... More>
 struct Join<std::tuple<A...>, std::tuple<B...>, More...> : Join<std::tuple<A..., B...>, More...> {};
 
+/// Whether F can be called with these arguments, and what it returns. Does not compile F's body where its return type is
+/// written out.
 template <class F, class Passed>
-inline constexpr bool accepts = false;
+struct Call {
+  static constexpr bool is_possible = false;
+  using Result = double;
+};
 template <class F, class... P>
-inline constexpr bool accepts<F, std::tuple<P...>> = std::is_invocable_v<const F&, P...>;
+  requires requires(const F& f) { f(std::declval<P>()...); }
+struct Call<F, std::tuple<P...>> {
+  static constexpr bool is_possible = true;
+  using Result = std::remove_cvref_t<decltype(std::declval<const F&>()(std::declval<P>()...))>;
+};
+template <class F, class... P>
+  requires(std::is_member_pointer_v<F> && std::is_invocable_v<const F&, P...>)
+struct Call<F, std::tuple<P...>> {
+  static constexpr bool is_possible = true;
+  using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
+};
 
 /// The parameters of a function that is no template.
 template <class F>
@@ -103,7 +118,7 @@ constexpr void requireArgument() {
 /// Fails to compile, naming the argument where the function is no template.
 template <class F, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
-  if constexpr (!std::is_invocable_v<const F&, Given...>) {
+  if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
     if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;
       constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
@@ -115,7 +130,7 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
         }(std::index_sequence_for<Given...>{});
       }
     } else {
-      static_assert(std::is_invocable_v<const F&, Given...>,
+      static_assert(Call<F, std::tuple<Given...>>::is_possible,
                     "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
                     "and `const D&` for each datum of type D, in the order of the call");
     }
@@ -181,17 +196,17 @@ inline constexpr int kRuntimeOffset = -1;
 template <class Stored, class D, int Offset>
 struct DualArgument {
   const Stored& value;
-  explicit DualArgument(const std::pair<const Stored*, int>& source) : value(*source.first) {}
+  DualArgument(const Stored& datum, int) : value(datum) {}
 };
 template <class T, class D, int Offset>
 struct DualArgument<VarArg<T>, D, Offset> {
   mtk::rebind_t<T, D> value;
-  /// The variable and the number of its first unknown.
-  explicit DualArgument(const std::pair<const VarArg<T>*, int>& source)
-      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(**source.first, Offset == kRuntimeOffset ? source.second : Offset,
-                                                         D::size)) {}
+  /// first: the number of its first unknown.
+  DualArgument(const VarArg<T>& variable, int first)
+      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(*variable, Offset == kRuntimeOffset ? first : Offset, D::size)) {}
   DualArgument(const DualArgument&) = delete;
 };
+
 template <class A>
 inline constexpr int argument_dof = 0;
 template <class T>
@@ -234,17 +249,6 @@ constexpr bool carriesDerivatives() {
     return requires(const R& x) { x.partials(); };
   }
 }
-/// What F returns for these arguments; does not compile F's body where its return type is written out.
-template <class F, class Passed>
-struct ResultOf {
-  using type = double;  // F does not accept them, which is said elsewhere
-};
-template <class F, class... P>
-  requires std::is_invocable_v<const F&, P...>
-struct ResultOf<F, std::tuple<P...>> {
-  using type = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
-};
-
 /// What the function gets of a DualArgument, without the class around it.
 template <class Stored, class D>
 struct DualPassed {
@@ -263,8 +267,8 @@ template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {
     using Passed = typename Join<typename DualPassed<Stored, D>::type...>::type;
-    if constexpr (accepts<F, Passed>) {
-      return carriesDerivatives<typename ResultOf<F, Passed>::type>();
+    if constexpr (Call<F, Passed>::is_possible) {
+      return carriesDerivatives<typename Call<F, Passed>::Result>();
     } else {
       return false;
     }
@@ -291,7 +295,7 @@ template <class F, class Passed, class Blocks>
 inline constexpr bool has_jacobian = false;
 template <class F, class... P, class... B>
 inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> =
-    requires(const F& f, std::tuple<P...> p, B&... block) { f.jacobian(std::get<P>(p)..., block...); };
+    requires(const F& f, B&... block) { f.jacobian(std::declval<P>()..., block...); };
 
 }  // namespace detail
 
@@ -311,7 +315,7 @@ class CallableMeasurement {
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
   static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
-  using Value = typename detail::ResultOf<Function, Passed>::type;
+  using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
 
@@ -332,6 +336,8 @@ class CallableMeasurement {
   static constexpr int kMostColumnsPerPass = 32;
   static constexpr int window = !is_fixed ? 8 : columns <= kMostColumnsPerPass ? columns : 16;
   using Number = mtk::Dual<double, window>;
+  template <class A, int Offset>
+  using Dual = detail::DualArgument<Stored<A>, Number, Offset>;
   static constexpr std::array<int, sizeof...(Args)> fixedOffsets() {
     std::array<int, sizeof...(Args)> result{};
     const int dofs[] = {detail::argument_dof<Stored<Args>>...};
@@ -361,13 +367,19 @@ class CallableMeasurement {
   static constexpr bool richardson = detail::is_richardson<F>;
 
   /// What messages call measurements of this callable: its type, `lambda` or `function`.
-  static std::string groupName() { return std::is_class_v<Function> ? typeName<Function>() : "function"; }
+  static std::string groupName() {
+    if constexpr (std::is_class_v<Function>) {
+      return typeName<Function>();
+    } else {
+      return "function";
+    }
+  }
 
-  explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_(Stored<Args>(args)...) {}
+  explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_{{Stored<Args>(args)}...} {}
 
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return std::tie(std::get<I>(args_)...);
+      return detail::listVariables(detail::valueAt<I>(args_)...);
     }(VariableIndices{});
   }
   /// As stored: VarArg<T> for variables, Measured<Z>, data.
@@ -392,7 +404,7 @@ class CallableMeasurement {
     if constexpr (is_fixed && columns == window) {
       return linearizeSeeded(arguments, fixedOffsets(), rows, r, J, columns);
     } else {
-      const int all = std::apply([](const auto&... stored) { return (detail::runtimeDof(stored) + ...); }, args_);
+      const int all = detail::applyTo(args_, [](const auto&... stored) { return (detail::runtimeDof(stored) + ...); });
       int got = rows;
       for (int first = 0; first < all && got == rows; first += window) {
         got = linearizeSeeded(arguments, offsets(first), rows, r, J + static_cast<std::ptrdiff_t>(first) * rows,
@@ -464,24 +476,24 @@ class CallableMeasurement {
     }
   }
   Datum datum() const {
-    return std::apply([](const auto&... stored) { return detail::findDatum(stored...); }, args_);
+    return detail::applyTo(args_, [](const auto&... stored) { return detail::findDatum(stored...); });
   }
 
   template <std::size_t... I>
   Value predict(std::index_sequence<I...>) const {
-    return std::invoke(function(), detail::held(std::get<I>(args_))...);
+    return detail::call(function(), detail::held(detail::valueAt<I>(args_))...);
   }
   template <class Seeds, std::size_t... I>
   auto predictFrom(const Seeds& seeds, std::index_sequence<I...>) const {
-    return std::invoke(function(), std::get<I>(seeds).value...);
+    return detail::call(function(), detail::valueAt<I>(seeds).value...);
   }
   /// The blocks of f.jacobian, one after the other.
   template <std::size_t... P, std::size_t... V>
   void writeJacobian(int rows, double* J, std::index_sequence<P...>, std::index_sequence<V...>) const {
     detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
     std::apply([&](auto&... block) {
-      (block.setConstant(rows, detail::runtimeDof(std::get<V>(args_)), std::numeric_limits<double>::quiet_NaN()), ...);
-      function().jacobian(detail::held(std::get<P>(args_))..., block...);
+      (block.setConstant(rows, detail::runtimeDof(detail::valueAt<V>(args_)), std::numeric_limits<double>::quiet_NaN()), ...);
+      function().jacobian(detail::held(detail::valueAt<P>(args_))..., block...);
       ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
     }, blocks);
   }
@@ -506,18 +518,18 @@ class CallableMeasurement {
 
   /// Number of the first unknown of each argument.
   std::array<int, sizeof...(Args)> offsets(int first) const {
-    return std::apply([&](const auto&... stored) {
+    return detail::applyTo(args_, [&](const auto&... stored) {
       int next = -first;
       return std::array<int, sizeof...(Args)>{std::exchange(next, next + detail::runtimeDof(stored))...};
-    }, args_);
+    });
   }
   /// Residual and the `width` columns of the derivatives in a window; offset: of each argument's first unknown in it.
   template <std::size_t... I>
   SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
                       double* J, int width) const {
     constexpr bool one_pass = is_fixed && columns == window;
-    const std::tuple<detail::DualArgument<Stored<Args>, Number, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...>
-        seeds(std::pair(&std::get<I>(args_), offset[I])...);
+    const detail::Values<Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...> seeds{
+        {Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>(detail::valueAt<I>(args_), offset[I])}...};
     if constexpr (one_pass) width = columns;
     if constexpr (residual_dim != mtk::Dynamic) rows = residual_dim;
     return write(predictFrom(seeds, PassedIndices{}), rows, r, J, width);
@@ -548,8 +560,8 @@ class CallableMeasurement {
     return rows;
   }
 
-  F f_;
-  std::tuple<Stored<Args>...> args_;
+  [[no_unique_address]] F f_;
+  detail::Values<Stored<Args>...> args_;
 };
 
 }  // namespace slom

@@ -4,12 +4,12 @@
 
 #include <array>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "slom/model/indices.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
+#include "slom/model/values.hpp"
 
 namespace slom {
 
@@ -39,37 +39,39 @@ constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
   return found;
 }
 
+// all: Values<const T&...>.
+
 /// The noise among the arguments; without one, that of unit covariance.
-template <class... T>
-NoiseView noiseAmong(const std::tuple<const T&...>& all) {
+template <class... T, class All>
+NoiseView noiseAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsNoise<T>...});
   static_assert(found != -2, "slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, "
                              "InvCovariance and InvStandardDeviation");
   if constexpr (found >= 0) {
-    return viewNoise(std::get<static_cast<std::size_t>(found)>(all));
+    return viewNoise(valueAt<static_cast<std::size_t>(found)>(all));
   } else {
     return {};
   }
 }
 /// The loss among the arguments; without one, none.
-template <class... T>
-Loss lossAmong(const std::tuple<const T&...>& all) {
+template <class... T, class All>
+Loss lossAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsLoss<T>...});
   static_assert(found != -2, "slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, "
                              "GemanMcClure and Barron");
   if constexpr (found >= 0) {
-    return std::get<static_cast<std::size_t>(found)>(all);
+    return valueAt<static_cast<std::size_t>(found)>(all);
   } else {
     return {};
   }
 }
 /// The label among the arguments, empty without one.
-template <class... T>
-std::string_view labelAmong(const std::tuple<const T&...>& all) {
+template <class... T, class All>
+std::string_view labelAmong(const All& all) {
   constexpr int found = findOnly<T...>({is_named<T>...});
   static_assert(found != -2, "slom: a measurement belongs to one group: pass slom::named once");
   if constexpr (found >= 0) {
-    return std::get<static_cast<std::size_t>(found)>(all).label;
+    return valueAt<static_cast<std::size_t>(found)>(all).label;
   } else {
     return {};
   }

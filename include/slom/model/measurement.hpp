@@ -9,6 +9,7 @@
 /// `ret` starts as NaN, so that an entry that was forgotten is found.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <limits>
 #include <tuple>
@@ -28,10 +29,19 @@ template <int Rows>
 using Residual = Eigen::Matrix<double, Rows, 1, Eigen::ColMajor | Eigen::DontAlign>;
 
 namespace detail {
-template <class T>
-struct IsVarArgTuple : std::false_type {};
+/// The variables of a measurement, of types T.
 template <class... T>
-struct IsVarArgTuple<std::tuple<VarArg<T>&...>> : std::true_type {};
+struct VariableList {
+  std::array<VariableArgument*, sizeof...(T)> all;
+};
+template <class... T>
+VariableList<T...> listVariables(VarArg<T>&... variables) {
+  return {{&variables...}};
+}
+template <class T>
+inline constexpr bool is_variable_list = false;
+template <class... T>
+inline constexpr bool is_variable_list<VariableList<T...>> = true;
 }  // namespace detail
 
 /// A type whose objects are measurements: they know their variables and write their residual.
@@ -39,7 +49,7 @@ template <class M>
 concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret) {
   { m.variableArgs() };
   { c.evaluate(ret) };
-} && detail::IsVarArgTuple<decltype(std::declval<M&>().variableArgs())>::value;
+} && detail::is_variable_list<decltype(std::declval<M&>().variableArgs())>;
 
 namespace detail {
 /// References to all arguments but the first, which lets a list be empty.
@@ -132,7 +142,7 @@ namespace SLOM = slom;
                   MTK_SEQUENCE(SLOM_DATUM_PARAMETER, data))                                          \
         : MTK_SEQUENCE(SLOM_ID_INIT, variables) MTK_SEQUENCE(SLOM_DATUM_INIT, data) {}               \
                                                                                                      \
-    auto variableArgs() { return ::std::tie(MTK_SEQUENCE(SLOM_TIED, variables)); }                   \
+    auto variableArgs() { return ::slom::detail::listVariables(MTK_SEQUENCE(SLOM_TIED, variables)); } \
     auto dataArgs() const { return ::slom::detail::tieBehind(0 MTK_SEQUENCE(SLOM_DATUM_TIED, data)); } \
     void evaluate(ResidualVector& slom_ret) const;                                                   \
   };

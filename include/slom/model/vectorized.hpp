@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "slom/model/function.hpp"
 #include "slom/model/indices.hpp"
 #include "slom/model/prediction.hpp"
+#include "slom/model/values.hpp"
 #include "slom/model/var_id.hpp"
 
 namespace slom {
@@ -118,7 +118,7 @@ class PackEvaluation;
 
 template <class F, int Rows, int Columns, int... Offset, class... Stored>
 class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, Stored...> {
-  using Tuple = std::tuple<Stored...>;
+  using Tuple = Values<Stored...>;
 
  public:
   static constexpr int width = packWidth(Rows * Columns);
@@ -147,7 +147,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
       }
     };
-    const auto seeds = std::make_from_tuple<std::tuple<SeededArgument<Stored, width, Offset>...>>(arguments);
+    const auto seeds = seed(arguments, std::index_sequence_for<Stored...>{});
     write(predict(f, seeds, PassedIndices{}), sink, arguments);
     mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
     mtk::detail::deinterleave<Rows * Columns>(&partials->lanes, J, Rows * Columns);
@@ -155,19 +155,23 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
 
  private:
   using Lanes = mtk::Pack<width>;
-  using Arguments = std::tuple<PackedArgument<Stored, width>...>;
+  using Arguments = Values<PackedArgument<Stored, width>...>;
   using PassedIndices = decltype(indicesWhere<!is_measured<Stored>...>());
   using DatumIndices = decltype(indicesWhere<is_measured<Stored>...>());
 
   template <std::size_t... I>
   static Arguments gather(const Source& source, std::index_sequence<I...>) {
-    return Arguments(pointers<I>(source)...);
+    return {{PackedArgument<Stored, width>(pointers<I, Stored>(source))}...};
   }
-  template <std::size_t I>
+  template <std::size_t I, class A>
   static auto pointers(const Source& source) {
-    std::array<const std::tuple_element_t<I, Tuple>*, width> result;
-    forEachLane<width>([&](std::size_t lane) { result[lane] = &std::get<I>(*source[lane]); });
+    std::array<const A*, width> result;
+    forEachLane<width>([&](std::size_t lane) { result[lane] = &valueAt<I, A>(*source[lane]); });
     return result;
+  }
+  template <std::size_t... I>
+  static Values<SeededArgument<Stored, width, Offset>...> seed(const Arguments& arguments, std::index_sequence<I...>) {
+    return {{SeededArgument<Stored, width, Offset>(valueAt<I>(arguments))}...};
   }
   template <class X, int C>
   static Lanes entry(const X& x) {
@@ -179,14 +183,14 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
   }
   template <class Values, std::size_t... I>
   static auto predict(const F& f, const Values& values, std::index_sequence<I...>) {
-    return std::invoke(f, std::get<I>(values).value...);
+    return call(f, valueAt<I>(values).value...);
   }
   template <class Result, class Sink>
   static void write(const Result& result, const Sink& sink, const Arguments& arguments) {
     constexpr bool has_datum = DatumIndices::size() > 0;
     if constexpr (has_datum) {
       [&]<std::size_t... I>(std::index_sequence<I...>) {
-        (eachDifference(result, std::get<I>(arguments).value, 0, sink), ...);
+        (eachDifference(result, valueAt<I>(arguments).value, 0, sink), ...);
       }(DatumIndices{});
     } else {
       eachRow(result, sink);

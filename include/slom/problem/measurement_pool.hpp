@@ -2,17 +2,16 @@
 /// the library evaluates and differentiates them a batch at a time.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <typeinfo>
 #include <utility>
 #include <vector>
 
 #include "slom/model/function.hpp"
+#include "slom/model/hidden.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
@@ -67,12 +66,12 @@ struct MeasurementType {
   DerivativeSource derivatives;
   std::string (*const* variable_type)();  ///< name of the type of each variable
   std::string (*name)();                  ///< of the measurements
-  std::unique_ptr<MeasurementPool> (*make_pool)(std::string name, const std::vector<VariableRecord>& table);
+  MeasurementPool* (*make_pool)(const std::string& name, const std::vector<VariableRecord>& table);  ///< which the caller owns
 };
 
 class MeasurementPool {
  public:
-  MeasurementPool(std::string name, const MeasurementType& type, const std::vector<VariableRecord>& table);
+  MeasurementPool(const std::string& name, const MeasurementType& type, const std::vector<VariableRecord>& table);
   virtual ~MeasurementPool();
   MeasurementPool(const MeasurementPool&) = delete;
   MeasurementPool& operator=(const MeasurementPool&) = delete;
@@ -181,7 +180,7 @@ class MeasurementPool {
   std::vector<double> noise_;
   std::vector<const Loss*> loss_;  // into losses_
   struct Losses;
-  std::unique_ptr<Losses> losses_;  // the different ones
+  detail::Hidden<Losses> losses_;  // the different ones
   int loss_count_ = 0;
   std::vector<long> serial_;
   std::vector<std::uint32_t> slot_;        // of each measurement
@@ -192,18 +191,6 @@ class MeasurementPool {
   int removed_since_compaction_ = 0;
 };
 
-namespace detail {
-/// The variables of a measurement.
-template <class M>
-auto argumentsOf(M& measurement) {
-  return []<class... T>(const std::tuple<VarArg<T>&...>& all) {
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return std::array<VariableArgument*, sizeof...(T)>{&std::get<I>(all)...};
-    }(std::index_sequence_for<T...>{});
-  }(measurement.variableArgs());
-}
-}  // namespace detail
-
 template <Measurement M>
 class TypedPool final : public MeasurementPool {
   static constexpr int kRows = M::residual_dim;
@@ -211,7 +198,8 @@ class TypedPool final : public MeasurementPool {
   template <class>
   struct Of;
   template <class... T>
-  struct Of<std::tuple<VarArg<T>&...>> {
+  struct Of<detail::VariableList<T...>> {
+    static constexpr int arity = static_cast<int>(sizeof...(T));
     static constexpr int dof[] = {mtk::DOF_v<T>...};
     static constexpr std::string (*name[])() = {&slom::typeName<T>...};
     static constexpr int columns = ((mtk::DOF_v<T> == Dynamic) || ...) ? Dynamic : (mtk::DOF_v<T> + ...);
@@ -237,15 +225,15 @@ class TypedPool final : public MeasurementPool {
       return slom::typeName<M>();
     }
   }
-  static std::unique_ptr<MeasurementPool> make(std::string name, const std::vector<VariableRecord>& table) {
-    return std::unique_ptr<MeasurementPool>(new TypedPool(std::move(name), table));
+  static MeasurementPool* make(const std::string& name, const std::vector<VariableRecord>& table) {
+    return new TypedPool(name, table);
   }
 
  public:
-  static constexpr MeasurementType type{&typeid(M), static_cast<int>(std::tuple_size_v<Args>), kRows, Of<Args>::dof, source(), Of<Args>::name,
-                                        &typeName, &make};
+  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
+                                        source(),   Of<Args>::name,  &typeName, &make};
 
-  TypedPool(std::string name, const std::vector<VariableRecord>& table) : MeasurementPool(std::move(name), type, table) {}
+  TypedPool(const std::string& name, const std::vector<VariableRecord>& table) : MeasurementPool(name, type, table) {}
 
   const M& operator[](int i) const { return measurements_[at(i)]; }
 
@@ -294,7 +282,7 @@ class TypedPool final : public MeasurementPool {
     measurements_.pop_back();
   }
 
-  VariableArgument& argument(int i, int k) override { return *detail::argumentsOf(measurements_[at(i)])[at(k)]; }
+  VariableArgument& argument(int i, int k) override { return *measurements_[at(i)].variableArgs().all[at(k)]; }
 
  private:
   int linearizeOne(int i, int rows, double* r, double* J) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 #include <typeindex>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -24,7 +23,7 @@ class Problem {
   // Variables.
 
   template <class T>
-  VarID<T> insertVariable(const T& value, bool optimize, const std::string& name) {
+  VarID<T> insertVariable(const T& value, bool optimize, std::string_view name) {
     mtk::requireManifold<T>();
     return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, name));
   }
@@ -68,9 +67,9 @@ class Problem {
   template <Measurement M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {
-    const auto arguments = detail::argumentsOf(measurement);
+    const auto variables = measurement.variableArgs();
     const auto [pool, ref] =
-        insertMeasurement(TypedPool<M>::type, &measurement, arguments.data(), noise, label, loss);
+        insertMeasurement(TypedPool<M>::type, &measurement, variables.all.data(), noise, label, loss);
     return MeasID<M>(pool, ref);
   }
   template <class M>
@@ -118,13 +117,13 @@ class Problem {
   std::uint64_t valueRevision() const { return value_revision_; }
 
  private:
-  struct LabelledPool {
-    std::string label;
-    MeasurementPool* pool;
+  struct TypedStore {
+    std::type_index type;
+    std::shared_ptr<VariableStoreBase> store;
   };
   // What concerns containers is compiled once, not in every file that inserts something.
   VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                const std::string& name);
+                                std::string_view name);
   void setValue(int variable, const void* value);
   /// `measurement` is of this type and is moved from; `arguments` are its variables.
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
@@ -132,7 +131,7 @@ class Problem {
                                                          std::string_view label, const Loss& loss);
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
-  MeasurementPool& adoptPool(std::type_index type, std::string_view label, std::unique_ptr<MeasurementPool> pool);
+  MeasurementPool& adoptPool(std::string_view label, std::unique_ptr<MeasurementPool> pool);
   void bookConstraint(int variable);
   void checkBounds(int variable, const void* value) const;
   int reserveVariable();
@@ -146,9 +145,10 @@ class Problem {
   std::vector<int> free_;
   std::vector<int> constrained_;
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
-  std::unordered_map<std::type_index, std::shared_ptr<VariableStoreBase>> store_of_type_;
-  std::unordered_map<std::type_index, std::vector<LabelledPool>> pools_of_type_;
+  // Programs have few types and few groups: looking through them takes less time than to hash the names of types.
+  std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
+  std::vector<std::string> labels_;  // of the pools
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;
   std::uint64_t value_revision_ = 0;

@@ -1,8 +1,7 @@
 /// The square-root path: a sparse QR decomposition of the Jacobian, for ill-conditioned problems.
 #pragma once
 
-#include <memory>
-
+#include "slom/model/hidden.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -26,7 +25,7 @@ class BlockQR final : public LinearSolver {
 
  private:
   struct Implementation;
-  std::unique_ptr<Implementation> self_;
+  detail::Hidden<Implementation> self_;
 };
 
 }  // namespace slom

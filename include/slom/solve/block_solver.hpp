@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "slom/model/hidden.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -69,7 +70,7 @@ class BlockSolver final : public LinearSolver {
 
  private:
   struct Implementation;
-  std::unique_ptr<Implementation> self_;
+  detail::Hidden<Implementation> self_;
 };
 
 }  // namespace slom

@@ -2,8 +2,7 @@
 /// the GPL: configure with -DSLOM_WITH_CHOLMOD=ON.
 #pragma once
 
-#include <memory>
-
+#include "slom/model/hidden.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -30,7 +29,7 @@ class Cholmod final : public LinearSolver {
 
  private:
   struct Implementation;
-  std::unique_ptr<Implementation> self_;
+  detail::Hidden<Implementation> self_;
 };
 
 }  // namespace slom

@@ -2,6 +2,7 @@
 /// number is not squared. For small or ill-conditioned problems, and as the oracle of the other solvers.
 #pragma once
 
+#include "slom/model/hidden.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -15,22 +16,19 @@ class DenseQR final : public LinearSolver {
   void add(const JacobianBatch& batch) override;
   void endLinearization() override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
-  const Eigen::VectorXd& gradient() const override { return gradient_; }
-  const Eigen::VectorXd& diagonal() const override { return diagonal_; }
+  const Eigen::VectorXd& gradient() const override;
+  const Eigen::VectorXd& diagonal() const override;
   double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   std::string description() const override;
 
   /// The whitened Jacobian (residuals x unknowns) and residual of the last linearisation.
-  const Eigen::MatrixXd& jacobian() const { return J_; }
-  const Eigen::VectorXd& residual() const { return r_; }
+  const Eigen::MatrixXd& jacobian() const;
+  const Eigen::VectorXd& residual() const;
 
  private:
-  BlockStructure structure_;
-  Eigen::MatrixXd J_;
-  Eigen::VectorXd r_, gradient_, diagonal_;
-  std::vector<double> rows_;      // row after row while they come in
-  std::vector<double> residual_;  // likewise
+  struct Implementation;
+  detail::Hidden<Implementation> self_;
 };
 
 }  // namespace slom

@@ -1,0 +1,31 @@
+/// Members of a class that only its source file knows.
+#pragma once
+
+#include <utility>
+
+namespace slom::detail {
+
+/// Owns a T that is no complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred
+/// or so templates, which every program that includes the header would compile again for each T.
+template <class T>
+class Hidden {
+ public:
+  explicit Hidden(T* owned) : owned_(owned) {}
+  Hidden(Hidden&& other) noexcept : owned_(std::exchange(other.owned_, nullptr)) {}
+  Hidden& operator=(Hidden&& other) noexcept {
+    std::swap(owned_, other.owned_);
+    return *this;
+  }
+  ~Hidden() {
+    static_assert(sizeof(T) > 0, "the source file that knows T defines the destructor of the owning class");
+    delete owned_;
+  }
+
+  T* operator->() const { return owned_; }
+  T& operator*() const { return *owned_; }
+
+ private:
+  T* owned_;
+};
+
+}  // namespace slom::detail

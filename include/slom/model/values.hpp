@@ -1,0 +1,40 @@
+/// A few values of different types: what std::tuple is for, at a fraction of the time that its constructors take to compile.
+/// Every measurement function makes several such types of its own.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+namespace slom::detail {
+
+template <std::size_t I, class T>
+struct ValueAt {
+  T value;
+};
+
+template <class Indices, class... T>
+struct IndexedValues;
+template <std::size_t... I, class... T>
+struct IndexedValues<std::index_sequence<I...>, T...> : ValueAt<I, T>... {};
+
+/// An aggregate, made as `Values<A, B>{{a}, {b}}`; values of types that cannot be moved are made in place. T may be a reference.
+template <class... T>
+using Values = IndexedValues<std::index_sequence_for<T...>, T...>;
+
+/// Value I.
+template <std::size_t I, class T>
+constexpr const T& valueAt(const ValueAt<I, T>& values) {
+  return values.value;
+}
+template <std::size_t I, class T>
+constexpr T& valueAt(ValueAt<I, T>& values) {
+  return values.value;
+}
+
+/// f(all values)
+template <class F, std::size_t... I, class... T>
+constexpr decltype(auto) applyTo(const IndexedValues<std::index_sequence<I...>, T...>& values, const F& f) {
+  return f(static_cast<const ValueAt<I, T>&>(values).value...);
+}
+
+}  // namespace slom::detail
