@@ -10,12 +10,13 @@ namespace slom {
 
 namespace {
 
-/// Sums of x * 0, which are NaN for NaN and infinities; many at once, so that none waits for another.
+/// Sums of x * 0, which are NaN for NaN and infinities; eight registers of them, so that none waits for another.
 bool isFinite(const double* x, std::ptrdiff_t n) {
-  using Sums = Eigen::Array<double, 16, 1>;
+  constexpr int at_once = 8 * Eigen::internal::packet_traits<double>::size;
+  using Sums = Eigen::Array<double, at_once, 1>;
   Sums sums = Sums::Zero();
   std::ptrdiff_t i = 0;
-  for (; i + 16 <= n; i += 16) sums += Eigen::Map<const Sums>(x + i) * 0.0;
+  for (; i + at_once <= n; i += at_once) sums += Eigen::Map<const Sums>(x + i) * 0.0;
   return sums.sum() + (Eigen::Map<const Eigen::ArrayXd>(x + i, n - i) * 0.0).sum() == 0.0;
 }
 

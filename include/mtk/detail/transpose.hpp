@@ -116,29 +116,65 @@ void interleave(const std::array<const double*, W>& x, Lanes<double, static_cast
   });
 }
 
-/// out[lane * stride + i] := x[i][lane] for i < N.
-template <int N, int W>
-void deinterleave(const Lanes<double, W>* x, double* out, std::ptrdiff_t stride) {
-  constexpr int lanes = Lanes<double, W>::lanes;
-  constexpr int in_quads = kCanShuffle ? N / 4 * 4 : 0, in_pairs = kCanShuffle ? N / 2 * 2 : 0;
 #if defined(MTK_HAS_SHUFFLES)
-  unrolled<Lanes<double, W>::count>([&](int v) {
-    double* const own = out + v * lanes * stride;
+/// One half of a vector of 4 or 8.
+template <bool High, class V>
+auto halfOf(const V& v) {
+  constexpr int first = High ? static_cast<int>(sizeof(V) / 16) : 0;
+  if constexpr (sizeof(V) == 32) {
+    return __builtin_shufflevector(v, v, first, first + 1);
+  } else {
+    return __builtin_shufflevector(v, v, first, first + 1, first + 2, first + 3);
+  }
+}
+/// out[lane * stride + i] := x(i)[lane] for i < N and the first Count lanes.
+template <int N, int Count, class X>
+void storeLanes(const X& x, double* out, std::ptrdiff_t stride) {
+  constexpr int lanes = static_cast<int>(sizeof(x(0)) / sizeof(double)), half = lanes / 2;
+  constexpr int in_quads = N / 4 * 4, in_pairs = N / 2 * 2;
+  if constexpr (Count == lanes) {
     unrolled<in_quads / 4>([&](int quad) {
       const int i = 4 * quad;
-      const auto &a = x[i].v[v], &b = x[i + 1].v[v], &c = x[i + 2].v[v], &d = x[i + 3].v[v];
-      storeQuads(unpackLow(a, b), unpackLow(c, d), own + i, stride);
-      storeQuads(unpackHigh(a, b), unpackHigh(c, d), own + stride + i, stride);
+      const auto &a = x(i), &b = x(i + 1), &c = x(i + 2), &d = x(i + 3);
+      storeQuads(unpackLow(a, b), unpackLow(c, d), out + i, stride);
+      storeQuads(unpackHigh(a, b), unpackHigh(c, d), out + stride + i, stride);
     });
     unrolled<(in_pairs - in_quads) / 2>([&](int) {
-      const auto &a = x[in_quads].v[v], &b = x[in_quads + 1].v[v];
-      storePairs(unpackLow(a, b), own + in_quads, stride);
-      storePairs(unpackHigh(a, b), own + stride + in_quads, stride);
+      const auto &a = x(in_quads), &b = x(in_quads + 1);
+      storePairs(unpackLow(a, b), out + in_quads, stride);
+      storePairs(unpackHigh(a, b), out + stride + in_quads, stride);
     });
-  });
+    unrolled<N - in_pairs>([&](int) {
+      unrolled<lanes>([&](int lane) { out[lane * stride + in_pairs] = x(in_pairs)[lane]; });
+    });
+  } else if constexpr (lanes == 2) {
+    unrolled<N>([&](int i) { out[i] = x(i)[0]; });
+  } else {
+    storeLanes<N, (Count < half ? Count : half)>([&](int i) { return halfOf<false>(x(i)); }, out, stride);
+    if constexpr (Count > half) {
+      storeLanes<N, Count - half>([&](int i) { return halfOf<true>(x(i)); }, out + half * stride, stride);
+    }
+  }
+}
 #endif
-  unrolled<N - in_pairs>([&](int i) {
-    unrolled<W>([&](int lane) { out[lane * stride + in_pairs + i] = x[in_pairs + i].get(lane); });
+
+/// out[lane * stride + i] := x[i][lane] for i < N and all W lanes.
+template <int N, int W>
+void deinterleave(const Lanes<double, W>* x, double* out, std::ptrdiff_t stride) {
+  constexpr int lanes = Lanes<double, W>::lanes, whole = W / lanes;
+#if defined(MTK_HAS_SHUFFLES)
+  if constexpr (lanes > 1) {
+    unrolled<whole>([&](int v) {
+      storeLanes<N, lanes>([&](int i) -> const auto& { return x[i].v[v]; }, out + v * lanes * stride, stride);
+    });
+    if constexpr (W > whole * lanes) {
+      storeLanes<N, W - whole * lanes>([&](int i) -> const auto& { return x[i].v[whole]; }, out + whole * lanes * stride, stride);
+    }
+    return;
+  }
+#endif
+  unrolled<N>([&](int i) {
+    unrolled<W>([&](int lane) { out[lane * stride + i] = x[i].get(lane); });
   });
 }
 

@@ -335,6 +335,7 @@ class CallableMeasurement {
   static constexpr int columns = is_fixed ? (detail::argument_dof<Stored<Args>> + ...) : mtk::Dynamic;
   static constexpr int kMostColumnsPerPass = 32;
   static constexpr int window = !is_fixed ? 8 : columns <= kMostColumnsPerPass ? columns : 16;
+  static constexpr int kMostInRegisters = 256;
   using Number = mtk::Dual<double, window>;
   template <class A, int Offset>
   using Dual = detail::DualArgument<Stored<A>, Number, Offset>;
@@ -536,17 +537,26 @@ class CallableMeasurement {
   }
   template <class Result>
   int write(const Result& result, int rows, double* r, double* J, int width) const {
+    // The columns of a small Jacobian are put together in registers. With fewer rows, single stores are hidden by arithmetic.
+    constexpr bool in_registers = is_fixed && columns == window && residual_dim >= 4 && residual_dim * columns <= kMostInRegisters;
+    [[maybe_unused]] mtk::detail::Lanes<double, in_registers ? columns : 1> gathered[in_registers ? residual_dim : 1];
     const auto sink = [&](int row, const auto& x) {
       if constexpr (mtk::detail::is_dual<std::remove_cvref_t<decltype(x + 0.0)>>) {
         r[row] = x.value();
-        if constexpr (is_fixed && columns == window) {
+        if constexpr (in_registers) {
+          gathered[row] = x.partials();
+        } else if constexpr (is_fixed && columns == window) {
           detail::storeStrided<columns>(x.partials(), J + row, rows);
         } else {
           for (int c = 0; c < width; ++c) J[c * rows + row] = x.partials().get(c);
         }
       } else {  // does not depend on the variables
         r[row] = x;
-        for (int c = 0; c < width; ++c) J[c * rows + row] = 0;
+        if constexpr (in_registers) {
+          gathered[row] = gathered[row].zero();
+        } else {
+          for (int c = 0; c < width; ++c) J[c * rows + row] = 0;
+        }
       }
     };
     if constexpr (has_datum) {
@@ -557,6 +567,7 @@ class CallableMeasurement {
       }
       detail::eachRow(result, sink);
     }
+    if constexpr (in_registers) mtk::detail::deinterleave<residual_dim>(gathered, J, residual_dim);
     return rows;
   }
 
