@@ -250,6 +250,36 @@ TEST(Derivatives, OfManyAndOfAnUnknownNumberOfUnknownsAreExact) {
   for (const auto& group : check.groups) EXPECT_EQ(group.source, slom::DerivativeSource::exact);
 }
 
+/// Rows sin((i + 1) x . p) and, last, one that depends on nothing.
+template <int Rows>
+void expectExactRows() {
+  const auto f = [](const auto& x, const auto& y, const Vec3& p) {
+    return [&]<int... I>(std::integer_sequence<int, I...>) {
+      return mtk::vector(sin((I + 1.0) * (x[0] * p[0] + x[1] * y * p[1] + x[2] * p[2]))..., 0.25);
+    }(std::make_integer_sequence<int, Rows - 1>{});
+  };
+  const Vec3 p(0.3, -0.7, 1.1);
+  slom::Estimator est;
+  const auto x = est.insertRV(Vec3(0.4, 0.2, -0.1));
+  const auto y = est.insertRV(1.5);
+  est.insertMeasurement(f, x, y, p);
+  est.insertMeasurement(slom::numeric(f, slom::Richardson()), x, y, p);
+  const slom::DerivativeCheck check = est.checkDerivatives();
+  ASSERT_EQ(check.groups.size(), 2u);
+  EXPECT_EQ(check.groups[0].source, slom::DerivativeSource::exact);
+  EXPECT_LT(check.groups[0].error, 1e-8) << check.text();
+  EXPECT_NEAR(est.residuals()[0], std::sin(0.4 * 0.3 - 0.2 * 1.5 * 0.7 - 0.1 * 1.1), 1e-15);
+  EXPECT_EQ(est.residuals()[Rows - 1], 0.25);
+}
+template <int... Rows>
+void expectExact(std::integer_sequence<int, Rows...>) {
+  (expectExactRows<Rows + 2>(), ...);
+}
+
+TEST(Derivatives, OfAnyNumberOfRowsAreExact) {
+  expectExact(std::make_integer_sequence<int, 9>{});
+}
+
 TEST(Groups, HaveTheNamesTheyAreGiven) {
   slom::Estimator est;
   const auto x = est.insertRV(1.0, "x");

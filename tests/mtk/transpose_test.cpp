@@ -44,4 +44,30 @@ TEST(Transposition, MovesEveryEntryAndNoOther) {
   expectAllTransposed<8>(std::make_integer_sequence<int, 9>{});
 }
 
+/// Rows of derivatives, any number of them, become the columns of a Jacobian.
+template <int Rows, int Columns>
+void expectColumns() {
+  mtk::detail::Lanes<double, Columns> rows[Rows];
+  for (int i = 0; i < Rows; ++i) {
+    for (int c = 0; c < Columns; ++c) rows[i].set(c, 100 * c + i);
+  }
+  std::vector<double> J(std::size_t(Rows * Columns + 5), -1.0);
+  mtk::detail::deinterleave<Rows>(rows, J.data(), Rows);
+  for (int k = 0; k < Rows * Columns + 5; ++k) {
+    const int c = k / Rows, i = k % Rows;
+    EXPECT_EQ(J[std::size_t(k)], c < Columns ? 100 * c + i : -1) << Rows << " x " << Columns << " at " << k;
+  }
+}
+template <int Rows, int... C>
+void expectAllColumns(std::integer_sequence<int, C...>) {
+  (expectColumns<Rows, C + 1>(), ...);
+}
+
+TEST(Transposition, WritesNoMoreColumnsThanThereAre) {
+  expectAllColumns<1>(std::make_integer_sequence<int, 17>{});
+  expectAllColumns<4>(std::make_integer_sequence<int, 17>{});
+  expectAllColumns<7>(std::make_integer_sequence<int, 17>{});
+  expectColumns<6, 30>();
+}
+
 }  // namespace
