@@ -96,7 +96,9 @@ class vect : public PlainVector<S, N> {
     return this->coeffRef(Eigen::Index(I));
   }
 
-  /// As Eigen's, whose expressions of expressions take every program long to compile for numbers that it does not know.
+  // As Eigen's, whose expressions of expressions of dual numbers every program would compile anew.
+
+  /// |x|^2
   S squaredNorm() const {
     if constexpr (std::is_arithmetic_v<S>) {
       return Base::squaredNorm();
@@ -110,6 +112,7 @@ class vect : public PlainVector<S, N> {
       return sum;
     }
   }
+  /// |x|
   S norm() const {
     using std::sqrt;
     return sqrt(squaredNorm());

@@ -335,7 +335,7 @@ class CallableMeasurement {
   static constexpr int columns = is_fixed ? (detail::argument_dof<Stored<Args>> + ...) : mtk::Dynamic;
   static constexpr int kMostColumnsPerPass = 32;
   static constexpr int window = !is_fixed ? 8 : columns <= kMostColumnsPerPass ? columns : 16;
-  static constexpr int kMostInRegisters = 256;
+  static constexpr int kMostInRegisters = 256;  // entries of a Jacobian
   using Number = mtk::Dual<double, window>;
   template <class A, int Offset>
   using Dual = detail::DualArgument<Stored<A>, Number, Offset>;
@@ -526,8 +526,8 @@ class CallableMeasurement {
   }
   /// Residual and the `width` columns of the derivatives in a window; offset: of each argument's first unknown in it.
   template <std::size_t... I>
-  SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows, double* r,
-                      double* J, int width) const {
+  SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows,
+                                   double* r, double* J, int width) const {
     constexpr bool one_pass = is_fixed && columns == window;
     const detail::Values<Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...> seeds{
         {Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>(detail::valueAt<I>(args_), offset[I])}...};
@@ -553,7 +553,7 @@ class CallableMeasurement {
       } else {  // does not depend on the variables
         r[row] = x;
         if constexpr (in_registers) {
-          gathered[row] = gathered[row].zero();
+          gathered[row] = mtk::detail::Lanes<double, columns>::zero();
         } else {
           for (int c = 0; c < width; ++c) J[c * rows + row] = 0;
         }

@@ -230,8 +230,7 @@ class TypedPool final : public MeasurementPool {
   }
 
  public:
-  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
-                                        source(),   Of<Args>::name,  &typeName, &make};
+  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows, Of<Args>::dof, source(), Of<Args>::name, &typeName, &make};
 
   TypedPool(const std::string& name, const std::vector<VariableRecord>& table) : MeasurementPool(name, type, table) {}
 
