@@ -7,3 +7,9 @@ function(slom_own_target target)
     target_compile_options(${target} PRIVATE -Wall -Wextra $<$<BOOL:${SLOM_WARNINGS_AS_ERRORS}>:-Werror>)
   endif()
 endfunction()
+
+# For sources that take longer to compile than they run: with less optimisation, without flattening, and by clang, which compiles for
+# the sanitizers, with no optimisation at all.
+set(slom_unoptimised_by_sanitizers $<$<AND:$<CXX_COMPILER_ID:Clang>,$<CONFIG:Debug>>:-O0>)
+set(slom_quick_options $<$<CONFIG:Release,RelWithDebInfo>:-O1> ${slom_unoptimised_by_sanitizers})
+set(slom_quick_definitions SLOM_NO_FLATTEN)

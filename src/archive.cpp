@@ -183,7 +183,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
                                              "; name it by archive.measurement, with the function's type and those of its "
                                              "arguments");
     }
-    text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(problem.labelOf(*pool)) << '\n';
+    text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(pool->label()) << '\n';
     for (int i = 0; i < pool->size(); ++i) {
       for (int k = 0; k < pool->arity(); ++k) text << number[at(pool->variables(i)[k])] << ' ';
       text << "| ";

@@ -54,8 +54,10 @@ struct MeasurementPool::Losses {
   std::set<Loss> all;
 };
 
-MeasurementPool::MeasurementPool(const std::string& name, const MeasurementType& type, const std::vector<VariableRecord>& table)
+MeasurementPool::MeasurementPool(const std::string& name, const std::string& label, const MeasurementType& type,
+                                 const std::vector<VariableRecord>& table)
     : name_(name),
+      label_(label),
       type_(type),
       arity_(type.arity),
       columns_(columnsOf(type)),

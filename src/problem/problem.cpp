@@ -47,8 +47,8 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
 }
 
 MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
-  for (std::size_t i = 0; i < pools_.size(); ++i) {
-    if (type == *pools_[i]->type().id && labels_[i] == label) return pools_[i].get();
+  for (const auto& pool : pools_) {
+    if (type == *pool->type().id && pool->label() == label) return pool.get();
   }
   return nullptr;
 }
@@ -59,19 +59,6 @@ std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) con
     if (type == *pool->type().id) result.push_back(pool.get());
   }
   return result;
-}
-
-const std::string& Problem::labelOf(const MeasurementPool& pool) const {
-  const auto found = std::find_if(pools_.begin(), pools_.end(), [&](const auto& own) { return own.get() == &pool; });
-  return labels_[static_cast<std::size_t>(found - pools_.begin())];
-}
-
-MeasurementPool& Problem::adoptPool(std::string_view label, std::unique_ptr<MeasurementPool> pool) {
-  std::string own_label(label);
-  if (labels_.size() == labels_.capacity()) labels_.reserve(2 * labels_.size() + 1);  // nothing fails once the pool is in the list
-  pools_.push_back(std::move(pool));
-  labels_.push_back(std::move(own_label));
-  return *pools_.back();
 }
 
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
@@ -237,8 +224,10 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
                                                                 const Loss& loss) {
   MeasurementPool* pool = findPool(*type.id, label);
   if (pool == nullptr) {
-    const std::string name = nameForPool(label.empty() ? type.name() : std::string(label));
-    pool = &adoptPool(label, std::unique_ptr<MeasurementPool>(type.make_pool(name, table_)));
+    const std::string own_label(label);
+    const std::string name = nameForPool(label.empty() ? type.name() : own_label);
+    pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, table_)));
+    pool = pools_.back().get();
   }
   std::vector<int>& variables = variables_of_new_;
   variables.clear();

@@ -31,10 +31,8 @@ struct ProfileInterval {
 };
 
 namespace detail {
-/// The roots of the diagonal of C. Loops instead of expressions here and below, and a template, which is compiled where it is
-/// used alone: they cost less time of every compilation.
-template <class Matrix>
-Eigen::VectorXd deviations(const Matrix& C) {
+/// The roots of the diagonal of C. Loops instead of expressions here and below: they cost less time of every compilation.
+inline Eigen::VectorXd deviations(const Eigen::MatrixXd& C) {
   Eigen::VectorXd result(C.rows());
   for (Eigen::Index i = 0; i < C.rows(); ++i) result[i] = std::sqrt(C(i, i));
   return result;

@@ -39,7 +39,7 @@ constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
   return found;
 }
 
-// Of `all`, the Values<const T&...> that follow a measurement or its function:
+// `all` is Values<const T&...>, which g++ 12 cannot name in a signature.
 
 /// The noise among the arguments; without one, that of unit covariance.
 template <class... T, class All>

@@ -181,9 +181,9 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
       return Lanes(0.0);
     }
   }
-  template <class Values, std::size_t... I>
-  static auto predict(const F& f, const Values& values, std::index_sequence<I...>) {
-    return call(f, valueAt<I>(values).value...);
+  template <class Packs, std::size_t... I>
+  static auto predict(const F& f, const Packs& packs, std::index_sequence<I...>) {
+    return call(f, valueAt<I>(packs).value...);
   }
   template <class Result, class Sink>
   static void write(const Result& result, const Sink& sink, const Arguments& arguments) {

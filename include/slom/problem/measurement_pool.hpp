@@ -66,17 +66,21 @@ struct MeasurementType {
   DerivativeSource derivatives;
   std::string (*const* variable_type)();  ///< name of the type of each variable
   std::string (*name)();                  ///< of the measurements
-  MeasurementPool* (*make_pool)(const std::string& name, const std::vector<VariableRecord>& table);  ///< which the caller owns
+  /// The caller owns the pool.
+  MeasurementPool* (*make_pool)(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table);
 };
 
 class MeasurementPool {
  public:
-  MeasurementPool(const std::string& name, const MeasurementType& type, const std::vector<VariableRecord>& table);
+  MeasurementPool(const std::string& name, const std::string& label, const MeasurementType& type,
+                  const std::vector<VariableRecord>& table);
   virtual ~MeasurementPool();
   MeasurementPool(const MeasurementPool&) = delete;
   MeasurementPool& operator=(const MeasurementPool&) = delete;
 
   const std::string& name() const { return name_; }
+  /// The user's label of the measurements; empty: none, `name` is made of their type's.
+  const std::string& label() const { return label_; }
   const MeasurementType& type() const { return type_; }
   /// `Gravity #12`: the name and the running number of insertion into this pool, from 1.
   std::string measurementName(int i) const;
@@ -168,7 +172,7 @@ class MeasurementPool {
   void compact();
   void compactNoise();
 
-  std::string name_;
+  std::string name_, label_;
   const MeasurementType& type_;
   int arity_;
   int columns_;  // Dynamic when it depends on the measurement
@@ -225,14 +229,15 @@ class TypedPool final : public MeasurementPool {
       return slom::typeName<M>();
     }
   }
-  static MeasurementPool* make(const std::string& name, const std::vector<VariableRecord>& table) {
-    return new TypedPool(name, table);
+  static MeasurementPool* make(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table) {
+    return new TypedPool(name, label, table);
   }
 
  public:
   static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows, Of<Args>::dof, source(), Of<Args>::name, &typeName, &make};
 
-  TypedPool(const std::string& name, const std::vector<VariableRecord>& table) : MeasurementPool(name, type, table) {}
+  TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table)
+      : MeasurementPool(name, label, type, table) {}
 
   const M& operator[](int i) const { return measurements_[at(i)]; }
 

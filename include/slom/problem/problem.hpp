@@ -100,8 +100,6 @@ class Problem {
     return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
-  /// The label of the measurements in a pool of this problem; empty: none, the pool has its type's name.
-  const std::string& labelOf(const MeasurementPool& pool) const;
   /// Non-const access for evaluation, which moves variables locally.
   std::vector<std::unique_ptr<MeasurementPool>>& pools() { return pools_; }
 
@@ -131,7 +129,6 @@ class Problem {
                                                          std::string_view label, const Loss& loss);
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
-  MeasurementPool& adoptPool(std::string_view label, std::unique_ptr<MeasurementPool> pool);
   void bookConstraint(int variable);
   void checkBounds(int variable, const void* value) const;
   int reserveVariable();
@@ -145,10 +142,8 @@ class Problem {
   std::vector<int> free_;
   std::vector<int> constrained_;
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
-  // Programs have few types and few groups: looking through them takes less time than to hash the names of types.
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
-  std::vector<std::string> labels_;  // of the pools
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;
   std::uint64_t value_revision_ = 0;
