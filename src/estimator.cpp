@@ -15,6 +15,7 @@
 #include "analyze/profile.hpp"
 #include "analyze/singular.hpp"
 #include "model/words.hpp"
+#include "problem/value_snapshot.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"

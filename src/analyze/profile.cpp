@@ -2,37 +2,8 @@
 
 #include <cmath>
 #include <limits>
-#include <new>
 
 namespace slom {
-
-struct ValueSnapshot::Copy {
-  Copy(VariableStoreBase& of, std::uint32_t slot_, int variable_)
-      : store(of), slot(slot_), variable(variable_),
-        place(::operator new(of.valueSize(), std::align_val_t(of.alignment()))) {
-    store.construct(place, store.valueAt(slot));
-  }
-  ~Copy() {
-    store.destroy(place);
-    ::operator delete(place, std::align_val_t(store.alignment()));
-  }
-  VariableStoreBase& store;
-  std::uint32_t slot;
-  int variable;
-  void* place;
-};
-
-ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
-  for (std::size_t v = 0; v < problem.variables().size(); ++v) {
-    const VariableRecord& record = problem.variables()[v];
-    if (record.store != nullptr) copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
-  }
-}
-ValueSnapshot::~ValueSnapshot() = default;
-
-void ValueSnapshot::restore() {
-  for (const auto& copy : copies_) problem_.overwrite(copy->variable, copy->place);
-}
 
 double profileRoot(const std::function<double(double)>& f, double guess) {
   // In s = sqrt(f + 1), which is nearly proportional to t, by the Illinois variant of the false position.

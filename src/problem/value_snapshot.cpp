@@ -1,0 +1,35 @@
+#include "problem/value_snapshot.hpp"
+
+#include <new>
+
+namespace slom {
+
+struct ValueSnapshot::Copy {
+  Copy(VariableStoreBase& of, std::uint32_t slot_, int variable_)
+      : store(of), slot(slot_), variable(variable_),
+        place(::operator new(of.valueSize(), std::align_val_t(of.alignment()))) {
+    store.construct(place, store.valueAt(slot));
+  }
+  ~Copy() {
+    store.destroy(place);
+    ::operator delete(place, std::align_val_t(store.alignment()));
+  }
+  VariableStoreBase& store;
+  std::uint32_t slot;
+  int variable;
+  void* place;
+};
+
+ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
+  for (std::size_t v = 0; v < problem.variables().size(); ++v) {
+    const VariableRecord& record = problem.variables()[v];
+    if (record.store != nullptr) copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
+  }
+}
+ValueSnapshot::~ValueSnapshot() = default;
+
+void ValueSnapshot::restore() {
+  for (const auto& copy : copies_) problem_.overwrite(copy->variable, copy->place);
+}
+
+}  // namespace slom
