@@ -106,6 +106,18 @@ TEST(BundleFaults, NotANumber) {
                                                            endless.substr(0, 36) +
                                                            "...\"; write a finite number there");
 }
+TEST(BundleFaults, FocalLengthsThatCannotBe) {
+  for (const std::string bad : {"1e-16", "1e-5", "0", "-1e-5", "2e9"}) {
+    expectRefused(counts + observations + camera + replaced(camera, "500", bad) + points,
+                  "scene.txt:22: f of camera 1 is \"" + bad +
+                      "\"; write a focal length from 0.001 to 1e+09 [px] there");
+  }
+}
+TEST(BundleFaults, PixelsThatCannotBe) {
+  expectRefused(
+      scene("0 2 5 6", "0 2 1e155 6"),
+      "scene.txt:4: u of observation 2 is \"1e155\"; write a number from -1e+06 to 1e+06 [px] there");
+}
 TEST(BundleFaults, EveryNumberOfACameraHasAName) {
   const char* const names[] = {
       "rotation x", "rotation y", "rotation z", "translation x", "translation y", "translation z",
@@ -161,6 +173,12 @@ TEST(BundleFaults, PointsWithoutAnImage) {
       counts + observations + camera + camera + replaced(points, "0 1 0", "0 1 5"),
       "scene.txt:3: point 1 has no image in camera 0, as the prediction is not a finite number; correct the "
       "two, or remove this observation");
+}
+TEST(BundleFaults, PointsWhoseSquaredDistanceIsNotFinite) {
+  expectRefused(counts + observations + camera + camera + replaced(points, "0 1 0", "0 1e160 0"),
+                "scene.txt:3: point 1 has no image in camera 0, as the prediction is not a finite number; "
+                "correct the two, or remove "
+                "this observation");
 }
 TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
   const TemporaryFolder folder;

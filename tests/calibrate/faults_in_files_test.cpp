@@ -107,6 +107,20 @@ TEST(CalibrateFaults, Infinity) {
   files.right = withLine(files.right, 7, "1,6,0.08,0.08,0,100,-inf");
   expectDataRefused(files, "right.csv:7: v_px is \"-inf\"; write a finite number there, or remove the row");
 }
+TEST(CalibrateFaults, CoordinatesThatCannotBe) {
+  Files files;
+  files.right = withLine(files.right, 7, "1,6,0.08,0.08,0,100,1e155");
+  expectDataRefused(
+      files, "right.csv:7: v_px is \"1e155\"; write a number from -1e+06 to 1e+06 there, or remove the row");
+  files.right = withLine(files.right, 7, "1,6,0.08,0.08,0,-1000001,100");
+  expectDataRefused(
+      files,
+      "right.csv:7: u_px is \"-1000001\"; write a number from -1e+06 to 1e+06 there, or remove the row");
+  files.right = withLine(files.right, 7, "1,6,0.08,-1e200,0,100,100");
+  expectDataRefused(
+      files,
+      "right.csv:7: world_y_m is \"-1e200\"; write a number from -1e+06 to 1e+06 there, or remove the row");
+}
 TEST(CalibrateFaults, TextForAnImage) {
   Files files;
   files.left = withLine(files.left, 5, "left01.jpg,4,0.24,0,0,100,100");
@@ -265,6 +279,12 @@ TEST(CalibrateFaults, ImuTextForANumber) {
   Files files;
   files.imu = withLine(files.imu, 3, "2,0,zero,9.81,1");
   expectDataRefused(files, "imu.csv:3: ay_m_s2 is \"zero\"; write a number there, or remove the row");
+}
+TEST(CalibrateFaults, ImuReadingThatCannotBe) {
+  Files files;
+  files.imu = withLine(files.imu, 2, "1,0,1e200,9.8,1");
+  expectDataRefused(
+      files, "imu.csv:2: ay_m_s2 is \"1e200\"; write a number from -1e+06 to 1e+06 there, or remove the row");
 }
 TEST(CalibrateFaults, ImuWithoutValidRow) {
   Files files;

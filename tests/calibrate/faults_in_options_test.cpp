@@ -92,6 +92,22 @@ TEST(CalibrateFaults, Bound) {
   expectRefused(Files(), with("k3=1"), "--bound k3=1: the value must be 2 numbers separated by commas");
   expectRefused(Files(), with("k3=1,-1"), "--bound k3=1,-1: the lower limit must be below the upper one");
 }
+TEST(CalibrateFaults, ValuesThatNoCameraHas) {
+  const auto refused = [](const std::string& option, const std::string& value, const std::string& why) {
+    std::vector<std::string> options = usual();
+    options.back() = "opencv5";
+    options.insert(options.end(), {option, value});
+    expectRefused(Files(), options, option + " " + value + ": " + why);
+  };
+  const std::string focal = "a focal length lies between 0.001 and 1e+09 px";
+  for (const std::string value : {"0", "-500", "1e-300", "1e10"})
+    refused("--fix", "fx=" + value, focal + "; give such a value");
+  refused("--fix", "left.cy=1e7", "the principal point lies between -1e+06 and 1e+06 px; give such a value");
+  refused("--fix", "k1=-1e200",
+          "a coefficient of distortion lies between -1e+06 and 1e+06; give such a value");
+  for (const std::string value : {"0,1e-300", "-500,-400", "1e10,1e11"})
+    refused("--bound", "fx=" + value, focal + ", and nothing of that within these limits; give others");
+}
 TEST(CalibrateFaults, Formats) {
   const auto with = [](std::vector<std::string> more) {
     std::vector<std::string> options{"--camera", "left=DIR/left.csv", "--camera", "right=DIR/right.csv", "--intrinsics", "opencv4"};

@@ -26,6 +26,8 @@ TEST(Format, ShowsTwoDigitsOfTheUncertainty) {
   expectText(1.23456, 0.0994, "1.235", "0.099");
   expectText(9.81, 0, "9.81", "fixed");
   expectText(9.81, unknown, "9.81", "not determined");
+  expectText(unknown, 1, "-", "not determined");
+  expectText(HUGE_VAL, 0, "-", "not determined");
   expectText(1234.5678, 1e-12, "1234.5678", "1.0e-12");
 }
 
@@ -35,6 +37,11 @@ TEST(Format, TwoDigits) {
   EXPECT_EQ(twoDigits(0.996), "1.0");
   EXPECT_EQ(twoDigits(0), "0");
   EXPECT_EQ(twoDigits(2.13e-9), "2.1e-09");
+  for (const double x : {unknown, -unknown, HUGE_VAL, -HUGE_VAL}) {
+    EXPECT_EQ(twoDigits(x), "-");
+    EXPECT_EQ(fmt::format("{:.3f} px", Shown{x}), "- px");
+  }
+  EXPECT_EQ(fmt::format("{:.3f} px", Shown{0.12345}), "0.123 px");
 }
 
 /// A result with one camera whose residuals are what the sigmas say, and an IMU that is well determined.
@@ -101,6 +108,19 @@ TEST(Notes, ImagesThatContradictTheOthers) {
                 "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
                 "correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
                 "column further."}));
+}
+
+TEST(Notes, AnImageOfTheReferenceIsComparedWithTheOtherCamera) {
+  Result result = goodResult();
+  result.strays.push_back({"left", 3, unknown});
+  result.cameras.push_back(result.cameras[0]);
+  result.cameras[1].name = "right";
+  EXPECT_EQ(notes(result)[0],
+            "Image 3 of camera left contradicts the others: where they put it, its corners are - px off. Was "
+            "it taken at the same "
+            "time as image 3 of camera right? If not, remove it or correct its number. Otherwise look "
+            "whether its corners were taken "
+            "for their neighbours, a row or column further.");
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {

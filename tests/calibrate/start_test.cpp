@@ -211,6 +211,27 @@ TEST(Rig, TiesCamerasThroughOthersAndOutvotesABadPose) {
   }
 }
 
+TEST(Rig, PosesThatAreNotFiniteHaveNoVote) {
+  RigOptions options = ideal();
+  options.images = 4;
+  Simulated s = simulate(options, 6);
+  s.data.cameras[1].file = "b.csv";
+  std::vector<ViewPoses> poses{truePoses(s, 0), truePoses(s, 1)};
+  poses[1].begin()->second.pos[0] = NAN;
+  const RigStart rig = startRig(s.data, poses);
+  EXPECT_LT((rig.left2camera[1].pos - s.truth.left2camera[1].pos).norm(), 1e-9);
+  for (auto& [image, pose] : poses[1]) pose.pos[0] = NAN;
+  try {
+    startRig(s.data, poses);
+    FAIL() << "no error";
+  } catch (const UserError& error) {
+    EXPECT_STREQ(error.what(),
+                 "b.csv: 4 images that camera b shares with camera a give no finite pose between the two; "
+                 "look for corners and "
+                 "world points that are wrong");
+  }
+}
+
 class ImuStartTest : public ::testing::TestWithParam<std::tuple<bool, double>> {};
 
 TEST_P(ImuStartTest, FindsRotationAndSign) {

@@ -83,6 +83,16 @@ TEST(Verdict, ComparesHalvesWithNoise) {
   EXPECT_EQ(verdictOf(result).level, Verdict::Level::trustworthy);
 }
 
+TEST(Verdict, HalvesThatCannotBeComparedAreADoubt) {
+  for (const int number : {0, 1, 2}) {
+    Result result = goodResult();
+    SplitHalfCamera& camera = result.quality->split_half.cameras[0];
+    (number == 0 ? camera.rms_px : number == 1 ? camera.expected_rms_px : camera.probability) = unknown;
+    expectDoubts(
+        result, {"two halves of the images of left cannot be compared, as one of them gives no usable lens"});
+  }
+}
+
 TEST(Verdict, ComparesResidualsWithTheStatedNoise) {
   Result result = goodResult();
   result.rss = 9000;

@@ -13,6 +13,7 @@
 #include "calibrate/sources.hpp"
 #include "error.hpp"
 #include "output_files.hpp"
+#include "plausible.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -75,13 +76,34 @@ std::optional<LensConstraint> parseLensName(const std::string& option, const std
   return constraint;
 }
 
+/// Between which values a parameter lies in any camera.
+struct LensLimits {
+  const char* what;
+  double lower, upper;
+  const char* unit;
+
+  std::string text() const {
+    return fmt::format("{} lies between {:g} and {:g}{}", what, lower, upper, unit);
+  }
+};
+
+LensLimits limitsOf(const std::string& parameter) {
+  if (parameter[0] == 'f') return {"a focal length", least_focal_px, most_focal_px, " px"};
+  if (parameter[0] == 'c') return {"the principal point", -most_px, most_px, " px"};
+  return {"a coefficient of distortion", -most_distortion, most_distortion, ""};
+}
+
 /// Distortion is held at 0 unless the option says where.
 LensConstraint fixLens(LensConstraint constraint, const std::string* value) {
   const char first = constraint.parameter[0];
   if (value == nullptr && first != 'k' && first != 'p') {
     throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
   }
-  constraint.lower = constraint.upper = value ? parseNumbers(constraint.option, *value, 1)[0] : 0;
+  const double at = value ? parseNumbers(constraint.option, *value, 1)[0] : 0;
+  const LensLimits limits = limitsOf(constraint.parameter);
+  if (at < limits.lower || at > limits.upper)
+    throw UserError(fmt::format("{}: {}; give such a value", constraint.option, limits.text()));
+  constraint.lower = constraint.upper = at;
   return constraint;
 }
 
@@ -98,6 +120,10 @@ std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
     }
     const std::vector<double> limits = parseNumbers(option, text.substr(equals + 1), 2);
     if (!(limits[0] < limits[1])) throw UserError(fmt::format("{}: the lower limit must be below the upper one", option));
+    const LensLimits possible = limitsOf(constraint->parameter);
+    if (limits[1] < possible.lower || limits[0] > possible.upper)
+      throw UserError(fmt::format("{}: {}, and nothing of that within these limits; give others", option,
+                                  possible.text()));
     constraint->lower = limits[0];
     constraint->upper = limits[1];
     bounds.push_back(*constraint);

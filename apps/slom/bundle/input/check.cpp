@@ -1,5 +1,7 @@
 #include "bundle/input/check.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "error.hpp"
@@ -68,7 +70,7 @@ void refuseUnseen(const Scene& scene, const Faulty& unseen) {
 
 void refusePointsWithoutImage(const Scene& scene) {
   for (const Observation& observation : scene.observations) {
-    if (scene.residual(observation).allFinite()) continue;
+    if (std::isfinite(scene.residual(observation).squaredNorm())) continue;
     throw UserError(
         fmt::format("{}:{}: point {} has no image in camera {}, as the prediction is not a finite number; "
                     "correct the two, or remove this observation",

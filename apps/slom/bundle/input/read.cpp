@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include "bundle/input/words.hpp"
 #include "error.hpp"
 #include "input_file.hpp"
+#include "plausible.hpp"
 #include "text.hpp"
 
 namespace slom::app::bundle {
@@ -89,7 +91,7 @@ class Reader {
     result.point = index("point", points_);
     for (int k = 0; k < 2; ++k) {
       nextOnLine(2 + k);
-      result.pixel[k] = number("observation", i, pixel_parts[std::size_t(k)]);
+      result.pixel[k] = pixel(i, pixel_parts[std::size_t(k)]);
     }
     if (words_.moreOnLine()) failObservation("more than 4");
     return result;
@@ -132,6 +134,7 @@ class Reader {
     for (std::size_t k = 0; k < N; ++k) {
       next(thing, i);
       values[Eigen::Index(k)] = number(thing, i, parts[k]);
+      if (std::string_view(parts[k]) == "f") requireFocalLength(i, values[Eigen::Index(k)]);
     }
     return values;
   }
@@ -146,6 +149,18 @@ class Reader {
     if (words_.number(value)) return value;
     words_.fail(
         fmt::format("{} of {} {} is {}; write a finite number there", part, thing, i, words_.quoted()));
+  }
+  /// A point that moves a little away from the axis would leave the image, or not move in it at all.
+  void requireFocalLength(int i, double f) const {
+    if (std::abs(f) >= least_focal_px && std::abs(f) <= most_focal_px) return;
+    words_.fail(fmt::format("f of camera {} is {}; write a focal length from {:g} to {:g} [px] there", i,
+                            words_.quoted(), least_focal_px, most_focal_px));
+  }
+  double pixel(int i, const char* part) const {
+    const double value = number("observation", i, part);
+    if (std::abs(value) <= most_px) return value;
+    words_.fail(fmt::format("{} of observation {} is {}; write a number from {:g} to {:g} [px] there", part,
+                            i, words_.quoted(), -most_px, most_px));
   }
   std::string announced() const {
     return fmt::format("the first line announces {}, {} and {}", plural(std::size_t(cameras_), "camera"),

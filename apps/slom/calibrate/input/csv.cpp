@@ -76,6 +76,13 @@ double CsvRow::number(std::size_t column) const {
   return value;
 }
 
+double CsvRow::number(std::size_t column, double most) const {
+  const double value = number(column);
+  if (!(std::abs(value) <= most))
+    fail(column, fmt::format("write a number from {:g} to {:g} there, or remove the row", -most, most));
+  return value;
+}
+
 int CsvRow::index(std::size_t column) const {
   int value = 0;
   if (!parseNumber(fields_->at(first_field_ + column), value) || value < 0)

@@ -20,6 +20,8 @@ class CsvRow {
   std::string place() const;
   /// The field as a finite number; UserError otherwise.
   double number(std::size_t column) const;
+  /// The same, of magnitude `most` at most.
+  double number(std::size_t column, double most) const;
   /// The field as a whole number from 0 on; UserError otherwise.
   int index(std::size_t column) const;
 

@@ -9,6 +9,7 @@
 
 #include "calibrate/input/csv.hpp"
 #include "error.hpp"
+#include "plausible.hpp"
 
 namespace slom::app::calib {
 
@@ -48,8 +49,8 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
     }
     View& view = views[image];
     view.image = image;
-    view.corners.push_back({number, vec3(row.number(2), row.number(3), row.number(4)),
-                            vec2(row.number(5), row.number(6)), row.line()});
+    view.corners.push_back({number, vec3(row.number(2, most_m), row.number(3, most_m), row.number(4, most_m)),
+                            vec2(row.number(5, most_px), row.number(6, most_px)), row.line()});
   }
   CameraData camera{camera_name, file, {}, {}};
   for (const CsvComment& comment : table.comments()) {
@@ -75,7 +76,9 @@ ImuData readImu(const std::string& file) {
           fmt::format("{}: image {} has a valid reading in line {} already; keep one, or the mean of both",
                       row.place(), image, known->second));
     }
-    imu.readings.push_back({image, vec3(row.number(1), row.number(2), row.number(3)), row.line()});
+    imu.readings.push_back(
+        {image, vec3(row.number(1, most_m_s2), row.number(2, most_m_s2), row.number(3, most_m_s2)),
+         row.line()});
   }
   if (imu.readings.empty()) {
     throw UserError(

@@ -18,6 +18,7 @@ int decimalsOf(double number) {
 }  // namespace
 
 ValueText withStd(double value, double std) {
+  if (!std::isfinite(value)) return {"-", "not determined"};
   if (std == 0) return {fmt::format("{:.6g}", value), "fixed"};
   if (!std::isfinite(std) || !(std > 0)) return {fmt::format("{:.6g}", value), "not determined"};
   const int decimals = decimalsOf(std);
@@ -28,7 +29,7 @@ ValueText withStd(double value, double std) {
 std::string twoDigits(double number) {
   const double size = std::abs(number);
   if (number == 0) return "0";
-  if (!std::isfinite(number)) return fmt::format("{}", number);
+  if (!std::isfinite(number)) return "-";
   const int decimals = decimalsOf(size);
   return decimals > 6 ? fmt::format("{:.1e}", number) : fmt::format("{:.{}f}", number, decimals);
 }

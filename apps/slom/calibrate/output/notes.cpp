@@ -73,15 +73,24 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
             3 * readings, of_imu, notes);
 }
 
+/// Of two cameras.
+const std::string& otherThan(const std::string& name, const Result& result) {
+  return result.cameras.front().name == name ? result.cameras.back().name : result.cameras.front().name;
+}
+
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
         "Image {} of camera {}{} contradicts the others: where they put it, its corners are {:.0f} px off. "
-        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise look whether its corners "
+        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise "
+        "look whether its corners "
         "were taken for their neighbours, a row or column further{}.",
-        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", stray.error_px, stray.image,
-        result.cameras.size() == 2 ? "camera " + result.cameras.front().name : "the other cameras",
-        result.cameras.front().board_symmetry > 1 ? ", or counted from another end: this board looks the same when it is turned" : ""));
+        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", Shown{stray.error_px},
+        stray.image,
+        result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
+        result.cameras.front().board_symmetry > 1
+            ? ", or counted from another end: this board looks the same when it is turned"
+            : ""));
   }
 }
 

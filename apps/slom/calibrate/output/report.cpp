@@ -45,7 +45,7 @@ std::string unitOf(const std::string& parameter) {
 std::string cameraLines(const CameraResult& camera, const std::string& reference) {
   std::string text =
       fmt::format("\ncamera {}: {}, {}, {}, RMS {:.4f} px", camera.name, camera.model,
-                  plural(camera.images, "image"), plural(camera.corners, "corner"), camera.rms_px);
+                  plural(camera.images, "image"), plural(camera.corners, "corner"), Shown{camera.rms_px});
   text +=
       std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
   for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
@@ -72,7 +72,7 @@ std::string precisionTable(const ImuResult& imu) {
 
 std::string imuLines(const ImuResult& imu, const std::string& reference) {
   std::string text =
-      fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), imu.rms_acc);
+      fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), Shown{imu.rms_acc});
   text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
   text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
   text += fmt::format("  from {} to imu:\n", reference);

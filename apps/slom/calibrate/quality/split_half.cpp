@@ -130,6 +130,9 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
     const double variance = (rays[k] ? std::pow(*std++, 2) : 0) + (others[k] ? std::pow(*other_std++, 2) : 0);
     if (!rays[k] || !others[k]) continue;
     const Lens::PointProjection at = second.differentiateByPoint(*rays[k]);
+    // A lens that is hardly known projects some rays nowhere, or with no finite uncertainty.
+    if (!at.pixel.allFinite() || !at.by_point.allFinite() || !(variance > 0) || !std::isfinite(variance))
+      continue;
     nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, 1 / variance});
   }
   SplitHalfCamera result;

@@ -28,7 +28,7 @@ double medianChi2(const Result& result) {
 void doubtStrays(const Result& result, std::vector<std::string>& doubts) {
   for (const Stray& stray : result.strays) {
     doubts.push_back(fmt::format("image {} of camera {} contradicts the others by {:.0f} px", stray.image,
-                                 stray.camera, stray.error_px));
+                                 stray.camera, Shown{stray.error_px}));
   }
 }
 
@@ -38,7 +38,7 @@ void doubtImages(const Result& result, std::vector<std::string>& doubts) {
     if (image->chi2PerMeasurement() < limit) return;
     doubts.push_back(
         fmt::format("image {} should be looked at: its residuals are {:.1f} times the usual ones",
-                    image->image, std::sqrt(image->chi2PerMeasurement() / medianChi2(result))));
+                    image->image, Shown{std::sqrt(image->chi2PerMeasurement() / medianChi2(result))}));
   }
 }
 
@@ -59,7 +59,7 @@ void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
       fmt::format("the residuals are {:.1f} times what the stated sigmas allow, so all uncertainties here "
                   "are too small by "
                   "about that factor",
-                  observed));
+                  Shown{observed}));
 }
 
 void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
@@ -68,6 +68,13 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
   const double noise = std::max(1.0, std::sqrt(result.chi2PerDof()));
   for (std::size_t c = 0; c < split.cameras.size(); ++c) {
     const SplitHalfCamera& camera = split.cameras[c];
+    if (!std::isfinite(camera.rms_px) || !std::isfinite(camera.expected_rms_px) ||
+        !std::isfinite(camera.probability)) {
+      doubts.push_back(fmt::format(
+          "two halves of the images of {} cannot be compared, as one of them gives no usable lens",
+          result.cameras[c].name));
+      continue;
+    }
     if (camera.probability > halves_disagree ||
         camera.rms_px < halves_differ * noise * camera.expected_rms_px)
       continue;
@@ -152,7 +159,7 @@ Verdict verdictOf(const Result& result) {
   verdict.sentence = fmt::format(
       "Calibrated to {:.2f} px with {}; the projection is known to {} px in the middle of the image and to "
       "{} px at the worst place",
-      rmsOfAll(result), plural(result.images.size(), "image"),
+      Shown{rmsOfAll(result)}, plural(result.images.size(), "image"),
       twoDigits(largest(*result.quality, &ProjectionUncertainty::middle_px)),
       twoDigits(largest(*result.quality, &ProjectionUncertainty::worst_px)));
   verdict.sentence += verdict.doubts.empty() ? "." : "; but " + verdict.doubts.front() + ".";

@@ -1,7 +1,13 @@
 #include "calibrate/start/rig.hpp"
 
+#include <cmath>
 #include <limits>
 #include <optional>
+
+#include <fmt/format.h>
+
+#include "error.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -25,20 +31,32 @@ std::vector<Vote> votes(const CameraData& a, const ViewPoses& world2a, const Vie
   return result;
 }
 
+bool isFinite(const Vote& vote) {
+  return vote.a2b.pos.allFinite() && vote.a2b.orient.coeffs().allFinite() && vote.board.allFinite();
+}
+
 /// The vote that the others agree with best: least sum of the angles by which both move the others' boards,
-/// plus the differences in rotation. One bad pose among three does no harm.
-SE3 elected(const std::vector<Vote>& all) {
-  const SE3* best = nullptr;
+/// plus the differences in rotation. One bad pose among three does no harm. Nothing where no sum is finite.
+std::optional<SE3> elected(const std::vector<Vote>& all) {
+  std::optional<SE3> best;
   double least = std::numeric_limits<double>::infinity();
   for (const Vote& candidate : all) {
     double sum = 0;
     for (const Vote& other : all) {
+      if (!isFinite(other)) continue;
       sum += (candidate.a2b * other.board - other.a2b * other.board).norm() / other.board.norm() +
              SO3::log(candidate.a2b.orient.inverse() * other.a2b.orient).norm();
     }
-    if (sum < least) best = &candidate.a2b, least = sum;
+    if (isFinite(candidate) && sum < least) best = candidate.a2b, least = sum;
   }
-  return *best;
+  return best;
+}
+
+[[noreturn]] void refusePair(const CameraData& a, const CameraData& b, std::size_t images) {
+  throw UserError(
+      fmt::format("{}: {} that camera {} shares with camera {} {} no finite pose between the two; look for "
+                  "corners and world points that are wrong",
+                  b.file, plural(images, "image"), b.name, a.name, images == 1 ? "gives" : "give"));
 }
 
 std::vector<SE3> cameraPoses(const Dataset& data, const std::vector<ViewPoses>& world2camera) {
@@ -54,7 +72,9 @@ std::vector<SE3> cameraPoses(const Dataset& data, const std::vector<ViewPoses>& 
         if (common.size() > most.size()) from = a, to = b, most = std::move(common);
       }
     }
-    left2camera[to] = elected(most) * *left2camera[from];
+    const std::optional<SE3> pose = elected(most);
+    if (!pose) refusePair(data.cameras[from], data.cameras[to], most.size());
+    left2camera[to] = *pose * *left2camera[from];
   }
   std::vector<SE3> result;
   for (const auto& pose : left2camera) result.push_back(*pose);

@@ -1,0 +1,44 @@
+// Corner files that broke the command once, of the public data sets.
+#include <regex>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "calibrate/calibrate_command.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+using slom::testing::readFile;
+using slom::testing::sharedDataPath;
+
+std::string hostile(const std::string& name) { return sharedDataPath("hostile/" + name).string(); }
+
+TEST(CalibrateHostile, ACoordinateBeyondAllImages) {
+  SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/segv_left.csv");
+  const auto result = testing::runCalibrate(
+      {"--camera", "l=" + hostile("segv_left.csv"), "--camera", "r=" + hostile("segv_right.csv")});
+  EXPECT_EQ(result.errors,
+            "slom: " + hostile("segv_left.csv") +
+                ":81: v_px is \"1e155\"; write a number from -1e+06 to 1e+06 there, or remove the row\n");
+  EXPECT_EQ(result.exit_code, 2);
+}
+
+TEST(CalibrateHostile, NumbersThatAreNotFiniteAreNeverWritten) {
+  SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/nl.csv");
+  const slom::testing::TemporaryFolder folder;
+  const auto result = testing::runCalibrate(
+      {"--camera", "l=" + hostile("nl.csv"), "--camera", "r=" + hostile("nl_right.csv"), "--intrinsics",
+       "radial1", "--json", (folder / "r.json").string(), "--report", (folder / "r.html").string()});
+  const std::regex not_finite(R"((^|[^a-zA-Z_])-?(nan|inf)([^a-zA-Z_(]|$))", std::regex::icase);
+  const std::string json = readFile(folder / "r.json"), page = readFile(folder / "r.html");
+  EXPECT_FALSE(std::regex_search(json, not_finite));
+  EXPECT_FALSE(std::regex_search(result.output, not_finite));
+  const std::size_t data = page.find("{\"verdict\"");
+  ASSERT_NE(data, std::string::npos);
+  EXPECT_FALSE(std::regex_search(page.substr(data, page.find("</script>", data) - data), not_finite));
+  EXPECT_NE(nlohmann::json::parse(json)["quality"]["verdict"]["level"], "trustworthy");
+}
+
+}  // namespace
+}  // namespace slom::app::calib
