@@ -97,7 +97,8 @@ class Archive {
  public:
   /// Measurements of a type declared by SLOM_BUILD_MEASUREMENT, or of a callable with these arguments. It must be a function
   /// object without captures or members. `name` is what the file calls them; without one it is made of the names of the types,
-  /// which suffices where these differ. Throws [slom.archive-name] for a name that has another meaning already.
+  /// which suffices where these differ. A function whose meaning is not that of earlier files has a member `archive_suffix`, which
+  /// is put behind the name, as slom::RelativePose has. Throws [slom.archive-name] for a name that has another meaning already.
   template <class F, class... Args>
   void measurement(std::string name = "");
   /// Another name than its type's for a variable type, as the file calls it; before measurements of such variables.
@@ -192,7 +193,18 @@ struct Archive::Kind {
   static std::string name() {
     std::string all;
     ((all += (all.empty() ? "" : ", ") + Argument<Args>::name()), ...);
-    return typeName<F>() + "(" + all + ")";
+    if constexpr (requires { F::archive_name; }) {
+      return std::string(F::archive_name) + "(" + all + ")";
+    } else {
+      return typeName<F>() + "(" + all + ")";
+    }
+  }
+  static std::string suffix() {
+    if constexpr (requires { F::archive_suffix; }) {
+      return std::string(F::archive_suffix);
+    } else {
+      return "";
+    }
   }
   static void know(Archive& archive, std::vector<std::type_index>& variables) {
     (Argument<Args>::know(archive, variables), ...);
@@ -225,6 +237,7 @@ struct Archive::DeclaredKind {
   using Data = decltype(std::declval<const M&>().dataArgs());
 
   static std::string name() { return typeName<M>(); }
+  static std::string suffix() { return ""; }
   static void know(Archive& archive, std::vector<std::type_index>& variables) {
     [&]<class... T>(std::type_identity<detail::VariableList<T...>>) {
       (archive.knowVariable<T>(), ...);
@@ -256,7 +269,7 @@ void Archive::measurement(std::string name) {
   const auto addKind = [&]<class K>(std::type_identity<K>, std::type_index type) {
     std::vector<std::type_index> variables;
     K::know(*this, variables);
-    add(detail::StoredMeasurement{name.empty() ? K::name() : std::move(name), type, std::move(variables), &K::write, &K::read});
+    add(detail::StoredMeasurement{(name.empty() ? K::name() : std::move(name)) + K::suffix(), type, std::move(variables), &K::write, &K::read});
   };
   if constexpr (Measurement<F>) {
     static_assert(sizeof...(Args) == 0, "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");

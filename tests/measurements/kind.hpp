@@ -33,7 +33,8 @@ inline constexpr double kPi = 3.14159265358979323846;
 
 /// The same function without the mark that has it evaluated in packs.
 template <class F>
-struct OneByOne {
+struct OneByOne : F {
+  static constexpr bool is_vectorized = false;
   auto operator()(const auto&... x) const { return F()(x...); }
 };
 

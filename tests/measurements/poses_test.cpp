@@ -27,7 +27,11 @@ LongVector movedBack(const T& pose, const LongVector& p) {
   return matrix(pose.orient).transpose() * (p - pose.pos);
 }
 
+/// z^-1 (a^-1 b)
 constexpr auto relative_pose = [](const auto& z, const auto& a, const auto& b) {
+  return stacked(movedBack(z, movedBack(a, b.pos)), rotationResidual(a.orient, b.orient, z.orient));
+};
+constexpr auto relative_pose_from_a = [](const auto& z, const auto& a, const auto& b) {
   return stacked(movedBack(a, b.pos) - z.pos, rotationResidual(a.orient, b.orient, z.orient));
 };
 template <class T>
@@ -45,6 +49,24 @@ std::vector<std::tuple<T, T, T>> posePairs() {
 }
 TEST(RelativePose, InThePlane) { checkKind<RelativePose>(relative_pose, posePairs<SE2>(), 1); }
 TEST(RelativePose, InSpace) { checkKind<RelativePose>(relative_pose, posePairs<SE3>(), 3); }
+TEST(RelativePoseInFrameOfA, InThePlane) {
+  checkKind<RelativePoseInFrameOfA>(relative_pose_from_a, posePairs<SE2>(), 1);
+}
+TEST(RelativePoseInFrameOfA, InSpace) {
+  checkKind<RelativePoseInFrameOfA>(relative_pose_from_a, posePairs<SE3>(), 3);
+}
+TEST(RelativePose, IsMeasuredFromWhereTheDatumPutsB) {
+  Estimator est;
+  const auto a = est.insertRV(SE2(), false);
+  const auto b = est.insertRV(SE2(SO2(kPi / 2), Vec2(2, 1)), false);
+  const SE2 z(SO2(kPi / 2), Vec2(2, 0));  // b lies 1 to the left of a, which is ahead of z
+  const auto from_z = est.insertMeasurement(RelativePose(), a, b, measured(z));
+  const auto from_a = est.insertMeasurement(RelativePoseInFrameOfA(), a, b, measured(z));
+  const auto numeric = est.insertMeasurement(slom::numeric(RelativePose()), a, b, measured(z));
+  EXPECT_LT((est.residual(from_z) - Vec3(1, 0, 0)).norm(), 1e-15) << est.residual(from_z);
+  EXPECT_LT((est.residual(from_a) - Vec3(0, 1, 0)).norm(), 1e-15) << est.residual(from_a);
+  EXPECT_LT((est.residual(numeric) - Vec3(1, 0, 0)).norm(), 1e-15) << est.residual(numeric);
+}
 
 constexpr auto relative_rotation = [](const auto& z, const auto& a, const auto& b) {
   return rotationResidual(a, b, z);

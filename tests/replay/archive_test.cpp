@@ -55,6 +55,7 @@ Archive makeArchive() {
   Archive archive;
   archive.variable<Sensor>("my sensor");
   archive.measurement<RelativePose, VarID<Pose>, VarID<Pose>, Measured<Pose>>();
+  archive.measurement<RelativePoseInFrameOfA, VarID<Pose>, VarID<Pose>, Measured<Pose>>();
   archive.measurement<Landmark, VarID<Pose>, VarID<vec3>, Measured<vec3>>();
   archive.measurement<Range, VarID<vec3>, VarID<Pose>, Measured<double>>();
   archive.measurement<Prior, VarID<Sensor>, Measured<Sensor>>();
@@ -181,6 +182,33 @@ TEST(Archive, WhatIsLoadedIsSavedTheSame) {
       EXPECT_EQ(a[i], b[i]);
     }
   }
+}
+
+/// A file of before RelativePose measured in the frame of z means what it meant, and files of today say which they mean.
+TEST(Archive, RelativePosesOfEarlierFilesKeepTheirFrame) {
+  const std::string kind = "\"RelativePose(trafo<SO3>, trafo<SO3>, measured trafo<SO3>)";
+  const std::string half = "0.70710678118654757";  // a quarter turn about z: b lies 1 to the left of a, which is ahead of z
+  const auto file = [&](const std::string& name) {
+    return "slom problem 1\nvariables \"trafo<SO3>\"\n\"a\" fixed 0 0 0 0 0 0 1\n\"b\" free 2 1 0 0 0 " + half + " " + half +
+           "\nmeasurements " + name + "\" \"\"\n0 1 | unit | 2 0 0 0 0 " + half + " " + half + "\nend\n";
+  };
+  Eigen::VectorXd expected = Eigen::VectorXd::Zero(6);
+  expected[1] = 1;
+  EXPECT_LT((loaded(file(kind)).estimator.residuals() - expected).norm(), 1e-15);
+  EXPECT_NE(saved(loaded(file(kind)).estimator).find(kind + "\" \"\"\n"), std::string::npos);
+  expected[0] = 1, expected[1] = 0;
+  const std::string today = kind + " in the frame of z";
+  EXPECT_LT((loaded(file(today)).estimator.residuals() - expected).norm(), 1e-15);
+  EXPECT_NE(saved(loaded(file(today)).estimator).find(today + "\" \"\"\n"), std::string::npos);
+}
+/// A name of one's own does not hide the change either.
+TEST(Archive, ANamedRelativePoseSaysItsFrame) {
+  Archive archive;
+  archive.measurement<RelativePose, VarID<Pose>, VarID<Pose>, Measured<Pose>>("odometry");
+  std::istringstream is("slom problem 1\nmeasurements \"odometry\" \"\"\nend\n");
+  EXPECT_EQ(messageOf([&] { archive.load(is, "FILE"); }),
+            "[slom.bad-archive] FILE:2: measurements \"odometry\" are not known to this program, which knows \"odometry in the frame "
+            "of z\"; a program that includes slom/archive.hpp can be told of more");
 }
 
 TEST(Archive, AnEmptyProblem) {

@@ -99,7 +99,7 @@ TEST(Replay, RefusesAnUnknownMeasurement) {
   const CommandResult result = replay.runIn(folder, replaced(network(), "\"Range(", "\"Echo("), {});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(result.errors.starts_with("slom: problem.slom:14: measurements \"Echo(vect<2>, vect<2>, measured double)\" are not known to "
-                                        "this program, which knows \"RelativePose(trafo<SO2>, trafo<SO2>, measured trafo<SO2>)\", "))
+                                        "this program, which knows \"RelativePose(trafo<SO2>, trafo<SO2>, measured trafo<SO2>) in the frame of z\", "))
       << result.errors;
 }
 

@@ -1,22 +1,52 @@
 /// One pose as seen from another: odometry, scan matching, loop closures; and rotations alone.
 ///
-///     est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(a_T_b), noise);
+///     est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(a_T_b), slom::InvCovariance(information));
 ///     est.insertMeasurement(slom::RelativeRotation(), a, b, slom::measured(a_R_b), noise);
 ///
-/// A pose a is world_T_a: it moves points of a's frame to the world's.
-///   residual  a^-1 b [-] z: position (in a's frame, unit of the map), then rotation [rad] as seen in b's frame
-///   source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III, with [-] of mtk::trafo;
-///             rotation averaging: Hartley et al., "Rotation averaging", 2013, section 1
+/// A pose a is world_T_a: it moves points of a's frame to the world's. The datum z is a_T_b as measured.
+///   residual  (translation, rotation vector) of E = z^-1 (a^-1 b): position [unit of the map] and rotation [rad], both as
+///             seen from where z puts b. So are the information matrices of g2o files (EdgeSE2, EdgeSE3:QUAT) and the noise
+///             of GTSAM's BetweenFactor.
+///   source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III; rotation averaging: Hartley et al.,
+///             "Rotation averaging", 2013, section 1
 #pragma once
+
+#include <string_view>
 
 #include "slom/measurements/point.hpp"
 
 namespace slom {
 
 /// Poses a, b: both in the plane, mtk::trafo<mtk::SO2<>>, or both in space, mtk::trafo<mtk::SO3<>>. Datum:
-/// such a pose.
+/// such a pose. Noise: in the frame of z.
 struct RelativePose {
   static constexpr bool is_vectorized = true;
+  /// Files that call measurements "RelativePose" mean RelativePoseInFrameOfA.
+  static constexpr std::string_view archive_suffix = " in the frame of z";
+
+  auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
+
+  /// The translation and the rotation of z^-1 y.
+  static auto residualFromDatum(const auto& y, const auto& z) {
+    const auto t = z.orient.inverse() * (y.pos - z.pos);
+    if constexpr (requires { z.orient.angle(); }) {
+      return mtk::vector(t[0], t[1], mtk::detail::wrapAngle(y.orient.angle() - z.orient.angle()));
+    } else {
+      const auto turn = z.orient.inverse() * y.orient;
+      const auto v = decltype(z.orient.inverse() * y.orient)::log(turn);
+      return mtk::vector(t[0], t[1], t[2], v[0], v[1], v[2]);
+    }
+  }
+};
+
+/// The same with the translation in the frame of a: (t - t_z, rotation vector of R_z^-1 R) for a^-1 b = (t, R) and
+/// z = (t_z, R_z), which is a^-1 b [-] z of mtk::trafo. For noise that is stated along the axes of a, as that of a range finder
+/// on it; the same residual as RelativePose where the noise of the translation is the same in all directions and
+/// uncorrelated with the rotation's.
+struct RelativePoseInFrameOfA {
+  static constexpr bool is_vectorized = true;
+  static constexpr std::string_view archive_name = "RelativePose";
+
   auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
 };
 

@@ -503,7 +503,13 @@ class CallableMeasurement {
   int evaluateTo(const Target& target) const {
     if constexpr (has_datum) {
       using Z = std::remove_cvref_t<decltype(*datum())>;
-      const auto difference = mtk::difference<Z>(predict(PassedIndices{}), *datum());
+      const auto difference = [&] {
+        if constexpr (requires(const Z& z) { Function::residualFromDatum(z, z); }) {
+          return Function::residualFromDatum(predict(PassedIndices{}), *datum());
+        } else {
+          return mtk::difference<Z>(predict(PassedIndices{}), *datum());
+        }
+      }();
       const int size = static_cast<int>(difference.size());
       double* const r = target(size);
       for (int i = 0; r != nullptr && i < size; ++i) r[i] = difference.data()[i];
@@ -560,7 +566,7 @@ class CallableMeasurement {
       }
     };
     if constexpr (has_datum) {
-      detail::eachDifference(result, *datum(), 0, sink);
+      detail::eachResidual<Function>(result, *datum(), sink);
     } else {
       if constexpr (residual_dim == mtk::Dynamic) {
         if (result.size() != rows) return static_cast<int>(result.size());

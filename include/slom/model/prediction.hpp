@@ -1,5 +1,5 @@
 /// What a measurement function's result stands for, row by row: the residual itself, or the prediction of a datum on any
-/// manifold, of which the residual is f(Y) [-] z.
+/// manifold, of which the residual is f(Y) [-] z unless f itself says how the two are compared.
 #pragma once
 
 #include <cstddef>
@@ -90,6 +90,17 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
     mtk::PlainVector<D, mtk::DOF_v<X>> out(mtk::dof(x));
     mtk::boxminus<X>(out, x, mtk::lifted<D>(z));
     entries(out);
+  }
+}
+
+/// sink(row, number) for each entry of the residual that function F has for the prediction y of the datum z: y [-] z, or
+/// what its static member `residualFromDatum(y, z)` returns, a vector of as many entries.
+template <class F, class Y, class Z, class Sink>
+void eachResidual(const Y& y, const Z& z, const Sink& sink) {
+  if constexpr (requires { F::residualFromDatum(y, z); }) {
+    eachRow(F::residualFromDatum(y, z), sink);
+  } else {
+    eachDifference(y, z, 0, sink);
   }
 }
 

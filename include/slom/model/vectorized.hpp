@@ -190,7 +190,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     constexpr bool has_datum = DatumIndices::size() > 0;
     if constexpr (has_datum) {
       [&]<std::size_t... I>(std::index_sequence<I...>) {
-        (eachDifference(result, valueAt<I>(arguments).value, 0, sink), ...);
+        (eachResidual<F>(result, valueAt<I>(arguments).value, sink), ...);
       }(DatumIndices{});
     } else {
       eachRow(result, sink);

@@ -9,7 +9,7 @@ namespace slom::app::graph {
 
 namespace {
 
-/// slom::RelativePose has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1 (a^-1 b),
+/// slom::RelativePoseInFrameOfA has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1 (a^-1 b),
 /// seen from where z puts b. So its information must be that of the file, turned to a's frame: B^T I B with B
 /// = diag(R_z^T, 1).
 template <class Pose>
@@ -70,7 +70,7 @@ void GraphFit<Pose>::insertEdge(const Edge<Pose>& edge, const Settings& settings
         return;
       }
     }
-    est_.insertMeasurement(RelativePose(), a, b, measured(edge.measured), noise, settings.fit.loss,
+    est_.insertMeasurement(RelativePoseInFrameOfA(), a, b, measured(edge.measured), noise, settings.fit.loss,
                            named("edge"));
   });
 }
