@@ -1,55 +1,132 @@
 #include "output_files.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <fcntl.h>
 #include <map>
 #include <string>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sys/random.h>
+#include <sys/stat.h>
 
 #include "error.hpp"
+#include "unfinished_files.hpp"
 
 namespace slom::app {
 
 namespace {
 
-[[noreturn]] void cannotWrite(const std::filesystem::path& path, const std::string& reason) {
+namespace fs = std::filesystem;
+
+[[noreturn]] void cannotWrite(const fs::path& path, const std::string& reason) {
   throw UserError(fmt::format("cannot write {}: {}; name a file in a folder that exists and may be written",
                               path.string(), reason));
+}
+
+/// The file itself: an absolute path, with all symbolic links followed, also where the last one leads to a
+/// file that is not there yet. Two spellings of one file give one path.
+fs::path resolved(const fs::path& path) {
+  constexpr int most_links = 40;
+  std::error_code ignored;
+  fs::path file = fs::absolute(path, ignored);
+  for (int i = 0; i < most_links && fs::is_symlink(fs::symlink_status(file, ignored)); ++i) {
+    const fs::path target = fs::read_symlink(file, ignored);
+    if (ignored) break;
+    file = file.parent_path() / target;  // `target` alone where it is absolute
+  }
+  const fs::path whole = fs::weakly_canonical(file, ignored);
+  return ignored ? file.lexically_normal() : whole;
+}
+
+bool isBelow(const fs::path& path, const char* folder) {
+  return path.lexically_normal().string().starts_with(folder);
 }
 
 /// Results replace whole files: a device or a pipe cannot be one.
 void requireFile(const NamedFile& result) {
   std::error_code ignored;
-  const auto status = std::filesystem::status(result.file, ignored);
-  const bool is_file = !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
-  if (is_file && !result.file.starts_with("/dev/"))
+  const auto status = fs::status(result.file, ignored);
+  const bool is_file = !fs::exists(status) || fs::is_regular_file(status);
+  const fs::path path = fs::absolute(result.file, ignored);
+  if (is_file && !isBelow(path, "/dev/") && !isBelow(path, "/proc/"))
     return;  // /dev/stdout may lead to a file, and is a link to keep
   throw UserError(fmt::format("{} {}: this is {}; give the name of a file", result.option, result.file,
-                              std::filesystem::is_directory(status) ? "a folder" : "a device or a pipe"));
+                              fs::is_directory(status) ? "a folder" : "a device or a pipe"));
 }
 
-/// Where a symbolic link leads, so that the file is replaced and not the link.
-std::filesystem::path target(const std::filesystem::path& path) {
-  return std::filesystem::is_symlink(path) ? std::filesystem::weakly_canonical(path) : path;
+/// Sixteen letters and digits that nobody can foretell.
+std::string randomName() {
+  constexpr char digits[] = "abcdefghijklmnopqrstuvwxyz012345";
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
+    throw UserError("there are no random numbers to name files by; try again");
+  std::string name;
+  for (const unsigned char byte : bytes) name += digits[byte % 32];
+  return name;
+}
+
+/// What a new file gets, as the umask has it.
+mode_t newFileMode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return 0666 & ~mask;
+}
+
+/// An open file, closed with its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  int number() const { return number_; }
+  /// Whether all of it reached the file.
+  bool close() { return ::close(std::exchange(number_, -1)) == 0; }
+
+ private:
+  int number_;
+};
+
+bool writeAll(int descriptor, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(descriptor, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    content.remove_prefix(std::size_t(written));
+  }
+  return true;
+}
+
+/// Owner, group and permissions of the file that is replaced, as far as this user may set them.
+void keepMode(int descriptor, const fs::path& replaced) {
+  struct stat old {};
+  if (::stat(replaced.c_str(), &old) != 0) {
+    ::fchmod(descriptor, newFileMode());
+    return;
+  }
+  if (old.st_uid != ::geteuid() || old.st_gid != ::getegid()) {
+    if (::fchown(descriptor, old.st_uid, old.st_gid) != 0) old.st_mode &= 0777;  // no rights of another owner
+  }
+  ::fchmod(descriptor, old.st_mode & 07777);
 }
 
 }  // namespace
 
 void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& results) {
-  std::map<std::filesystem::path, std::string> uses;
-  std::error_code ignored;
+  std::map<fs::path, std::string> uses;
   for (const NamedFile& input : inputs) {
-    if (!input.file.empty())
-      uses.emplace(std::filesystem::weakly_canonical(input.file, ignored), input.option);
+    if (!input.file.empty()) uses.emplace(resolved(input.file), input.option);
   }
   for (const NamedFile& result : results) {
     if (result.file.empty()) continue;
-    const auto [known, is_new] =
-        uses.emplace(std::filesystem::weakly_canonical(result.file, ignored), result.option);
+    const auto [known, is_new] = uses.emplace(resolved(result.file), result.option);
     if (!is_new) {
       throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", result.option,
                                   result.file, known->second));
@@ -68,30 +145,36 @@ void requireWritable(const std::vector<std::string>& files) {
 }
 
 OutputFiles::~OutputFiles() {
-  std::error_code ignored;
-  for (const File& file : files_) std::filesystem::remove(file.temporary, ignored);
+  for (const File& file : files_) removeUnfinished(file.temporary);
 }
 
-void OutputFiles::add(const std::filesystem::path& name, std::string_view content) {
-  const std::filesystem::path path = target(name);
-  if (std::filesystem::is_directory(path)) cannotWrite(path, "it is a folder");
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.partial", ::getpid());
+void OutputFiles::add(const fs::path& name, std::string_view content) {
+  const fs::path path = resolved(name);
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) cannotWrite(name, "it is a folder");
+  // Of a length of its own, as the name may be as long as names can be. Nobody's link stands there: O_EXCL
+  // follows none.
+  const fs::path temporary = path.parent_path() / (".slom-" + randomName());
+  expectUnfinished(temporary);
   files_.push_back({temporary, path});
-
-  errno = 0;
-  std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-  stream.close();
-  if (!stream) cannotWrite(path, errno != 0 ? std::strerror(errno) : "the disk took only a part");
+  Descriptor descriptor(
+      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+  if (descriptor.number() < 0) cannotWrite(name, std::strerror(errno));
+  // A name that is too long is refused now, not when all is done.
+  struct stat unused {};
+  if (::lstat(path.c_str(), &unused) != 0 && errno != ENOENT) cannotWrite(name, std::strerror(errno));
+  if (!writeAll(descriptor.number(), content)) cannotWrite(name, std::strerror(errno));
+  keepMode(descriptor.number(), path);
+  if (!descriptor.close()) cannotWrite(name, std::strerror(errno));
 }
 
 void OutputFiles::commit() {
   for (const File& file : files_) {
     std::error_code error;
-    std::filesystem::rename(file.temporary, file.path, error);
+    fs::rename(file.temporary, file.path, error);
     if (error) cannotWrite(file.path, error.message());
   }
+  for (const File& file : files_) forgetUnfinished(file.temporary);
   files_.clear();
 }
 
