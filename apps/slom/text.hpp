@@ -12,6 +12,9 @@ namespace slom::app {
 /// `1 image`, `2 images`
 std::string plural(std::size_t count, const std::string& noun);
 
+/// Without blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
 /// The first characters of a text that is longer than `most`, and three dots.
 std::string shortened(std::string_view text, std::size_t most);
 

@@ -72,6 +72,28 @@ std::string compressedScene() {
   return result.exit_code == 0 ? slom::testing::readFile(folder / "scene.bz2") : "";
 }
 
+TEST(BundleCompressed, SmallFilesThatFillTheMemory) {
+  if (!has_bzip2) GTEST_SKIP() << "built without libbz2";
+  const slom::testing::TemporaryFolder folder;
+  slom::testing::writeFile(folder / "zeros", std::string((16 << 20) + 1, '\0'));
+  if (slom::testing::runCommand({"/usr/bin/env", "bzip2", (folder / "zeros").string()}).exit_code != 0)
+    GTEST_SKIP() << "needs the program bzip2";
+  const std::string bomb = slom::testing::readFile(folder / "zeros.bz2");
+  EXPECT_EQ(messageOf(bomb), "scene.bz2: its " + std::to_string(bomb.size()) +
+                                 " bytes unpack to more than 16777216, which no scene does; get it again");
+}
+
+TEST(BundleCompressed, AFileOfFiveGigabytesInFourThousandBytes) {
+  if (!has_bzip2) GTEST_SKIP() << "built without libbz2";
+  SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/bomb.bz2");
+  const std::string file = slom::testing::sharedDataPath("hostile/bomb.bz2").string();
+  const auto result = command.run({file});
+  EXPECT_EQ(
+      result.errors,
+      "slom: " + file + ": its 3762 bytes unpack to more than 16777216, which no scene does; get it again\n");
+  EXPECT_EQ(result.exit_code, 2);
+}
+
 TEST(BundleCompressed, TheNameDoesNotMatter) {
   if (!has_bzip2) GTEST_SKIP() << "built without libbz2";
   const std::string compressed = compressedScene();

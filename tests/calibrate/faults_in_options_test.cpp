@@ -128,11 +128,20 @@ TEST(CalibrateFaults, Formats) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--output", "DIR/camchain.yaml"},
                 "--output camchain.yaml: Kalibr has no distortion model like opencv5; calibrate with --intrinsics opencv4 (its radtan) or "
                 "fisheye (its equidistant)");
-  expectRefused(Files(), with({"--image-size", "640"}), "--image-size 640: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480");
+  for (const std::string size : {"640", "left=1x14000000", "left=0x480"}) {
+    expectRefused(
+        Files(), with({"--image-size", size}),
+        "--image-size " + size +
+            ": write NAME=WIDTHxHEIGHT, as in --image-size left=640x480, 100000 pixels at most on a side");
+  }
   expectRefused(Files(), with({"--image-size", "top=640x480"}), "--image-size top=640x480: there is no camera top; correct the name");
-  Files files;
-  files.left = "# image_size_px: wide\n" + files.left;
-  expectRefused(files, with({}), "left.csv:1: the image size is \"image_size_px: wide\"; write it as in # image_size_px: 640 x 480");
+  for (const std::string size : {"wide", "1 x 14000000", "640x", "640 480", "-1 x 2", "640 x 480 px"}) {
+    Files files;
+    files.left = "# image_size_px: " + size + "\n" + files.left;
+    expectRefused(files, with({}),
+                  "left.csv:1: the image size is \"image_size_px: " + size +
+                      "\"; write it as in # image_size_px: 640 x 480, 100000 pixels at most on a side");
+  }
 }
 TEST(CalibrateFaults, UnknownOption) {
   expectRefused(

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "calibrate/calibrate_command.hpp"
+#include "calibrate/faults.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -38,6 +38,20 @@ TEST(CalibrateHostile, NumbersThatAreNotFiniteAreNeverWritten) {
   ASSERT_NE(data, std::string::npos);
   EXPECT_FALSE(std::regex_search(page.substr(data, page.find("</script>", data) - data), not_finite));
   EXPECT_NE(nlohmann::json::parse(json)["quality"]["verdict"]["level"], "trustworthy");
+}
+
+/// Rows of the page's tables follow the shape of the images, but not without end.
+TEST(CalibrateHostile, ImagesOfOneColumnHaveASmallPage) {
+  const testing::Files files;
+  const slom::testing::TemporaryFolder folder;
+  for (const std::string size : {"1x100000", "100000x1", "1x1"}) {
+    const auto result =
+        testing::runIn(folder, files,
+                       {"--camera", "left=DIR/left.csv", "--camera", "right=DIR/right.csv", "--image-size",
+                        size, "--intrinsics", "radial1", "--report", "DIR/page.html", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_LT(std::filesystem::file_size(folder / "page.html"), 1'000'000u) << size;
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include "detect/rendered_board.hpp"
 #include "support/paths.hpp"
@@ -158,6 +159,85 @@ TEST_F(Images, WithoutABoardOrUnreadableAreListedAndLeftOut) {
   const json left = json::parse(readFile(folder / "result.json"))["cameras"]["left"];
   ASSERT_EQ(left["unused"].size(), 3u);
   EXPECT_EQ(left["unused"][1], json({{"image", 8}, {"file", "left08.pgm"}, {"reason", "is empty"}}));
+}
+
+/// A PNG of so many pixels that are all black, packed by Python.
+void writeBlackPng(const std::filesystem::path& path, int width, int height) {
+  const auto result =
+      slom::testing::runCommand({"/usr/bin/python3", "-c",
+                                 "import struct, sys, zlib\n"
+                                 "w, h = int(sys.argv[2]), int(sys.argv[3])\n"
+                                 "def chunk(name, data): return struct.pack('>I', len(data)) + name + data + "
+                                 "struct.pack('>I', zlib.crc32(name + data))\n"
+                                 "packer, data = zlib.compressobj(9), b''\n"
+                                 "for _ in range(h): data += packer.compress(bytes(w + 1))\n"
+                                 "data += packer.flush()\n"
+                                 "open(sys.argv[1], 'wb').write(b'\\x89PNG\\r\\n\\x1a\\n' + chunk(b'IHDR', "
+                                 "struct.pack('>IIBBBBB', w, h, 8, 0, 0, 0, 0)) +\n"
+                                 "    chunk(b'IDAT', data) + chunk(b'IEND', b''))",
+                                 path.string(), std::to_string(width), std::to_string(height)});
+  ASSERT_EQ(result.errors, "");
+}
+
+TEST_F(Images, OfOddSizesAreListedAndLeftOut) {
+  writeBlackPng(folder / "left07.png", 20000, 20000);
+  writeBlackPng(folder / "left08.png", 16777215, 1);
+  writeBlackPng(folder / "left09.png", 0, 0);
+  writeBlackPng(folder / "left10.png", 99999, 1);
+  ASSERT_EQ(::mkfifo((folder / "left11.png").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "left12.png");
+  std::filesystem::create_directory(folder / "left13.png");
+  const CommandResult result = run({"--board", "9x6", "--square", "0.03", "--intrinsics", "radial1",
+                                    "--images", "left=left*", "--json", "result.json"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  const json unused = json::parse(readFile(folder / "result.json"))["cameras"]["left"]["unused"];
+  const std::string most = " pixels, where 100000 on a side and 300000000 in all are the most";
+  const auto photo = [](int image, const std::string& reason) {
+    return json({{"image", image},
+                 {"file", "left" + std::string(image < 10 ? "0" : "") + std::to_string(image) + ".png"},
+                 {"reason", reason}});
+  };
+  EXPECT_EQ(unused, json({photo(7, "has 20000 x 20000" + most), photo(8, "has 16777215 x 1" + most),
+                          photo(9, "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged"),
+                          photo(10, "has 99999 x 1 pixels, too few to show a board"),
+                          photo(11, "is no regular file"), photo(12, "is no regular file")}));
+  EXPECT_NE(result.output.find("  left: left out, as it has 16777215 x 1" + most + ": left08.png\n"),
+            std::string::npos)
+      << result.output;
+}
+
+TEST_F(Images, OfThePublicDataThatFilledTheMemory) {
+  SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/bomb1.png");
+  const auto hostile = slom::testing::sharedDataPath("hostile");
+  const CommandResult result =
+      run({"--board", "9x6", "--square", "0.03", "--intrinsics", "radial1", "--images", "left=left*",
+           (hostile / "bomb1.png").string(), "--images", "right=right*", "--quiet"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.errors, "slom: " + (hostile / "bomb1.png").string() +
+                               ": camera left has image 1 already, left01.pgm; the last number in the name "
+                               "must tell its photographs apart\n");
+}
+
+/// A corner file may name any file as a photograph; it is never opened, so that a pipe nobody writes to makes
+/// no one wait.
+TEST_F(Images, ThatACornerFileNamesAreNotOpened) {
+  calibrated(stereo({"--corners-out", "."}));
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const std::string name : {"left", "right"}) {
+    std::string text = readFile(folder / (name + "_corners.csv"));
+    for (std::size_t at = 0; (at = text.find("# photo ", at)) != std::string::npos; ++at) {
+      const std::size_t begin = text.find(": ", at) + 2;
+      text.replace(begin, text.find('\n', begin) - begin, "pipe");
+    }
+    writeFile(folder / (name + "_corners.csv"), text);
+  }
+  const CommandResult result = slom::testing::runCommand(
+      {"/usr/bin/timeout", "60", "/usr/bin/env", "-C", folder.path().string(),
+       slom::testing::commandPath().string(), "calibrate", "--camera", "left=left_corners.csv", "--camera",
+       "right=right_corners.csv", "--intrinsics", "radial1", "--report", "page.html", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(readFile(folder / "page.html").find("data:image/png"), std::string::npos);
 }
 
 TEST_F(Images, FaultsOfAllPhotographsAreErrors) {

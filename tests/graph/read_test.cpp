@@ -126,7 +126,7 @@ TEST(GraphRead, UnknownTagsAreCountedAndCommentsSkipped) {
   const std::string content = "\xEF\xBB\xBF# a map\n\n  \t\r\nEDGE_SE2 0 1 1 0 0" + unit3 +
                               "ODOM 1 2 3\nVERTEX_CAM 1\n #EDGE_SE2 7\nODOM\n";
   const auto graph = parsed<Pose2>(content);
-  EXPECT_EQ(graph.unknown_tags, (std::map<std::string, int>{{"ODOM", 2}, {"VERTEX_CAM", 1}}));
+  EXPECT_EQ(graph.unknown_tags.lines, (std::map<std::string, int>{{"ODOM", 2}, {"VERTEX_CAM", 1}}));
   const testing::TemporaryFolder folder;
   const auto result = testing::runIn(folder, content, {});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
@@ -134,6 +134,34 @@ TEST(GraphRead, UnknownTagsAreCountedAndCommentsSkipped) {
                                "  warning: skipped 1 line with the unknown tag VERTEX_CAM\n"),
             std::string::npos)
       << result.output;
+}
+
+TEST(GraphRead, OfManyUnknownTagsFiveAreNamed) {
+  std::string content = "EDGE_SE2 0 1 1 0 0" + unit3;
+  for (int i = 0; i < 1000; ++i) content += "T" + std::to_string(i) + " 1\n";
+  content += "T4 2\n" + std::string(100, 'X') + "\n";
+  const testing::TemporaryFolder folder;
+  const auto result = testing::runIn(folder, content, {});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  std::string warnings;
+  for (int i = 0; i < 5; ++i)
+    warnings += "  warning: skipped " + std::string(i == 4 ? "2 lines" : "1 line") +
+                " with the unknown tag T" + std::to_string(i) + "\n";
+  EXPECT_NE(result.output.find(warnings + "  warning: skipped 996 lines with other unknown tags\n\n"),
+            std::string::npos)
+      << result.output;
+}
+
+TEST(GraphRead, LinesWithoutEnd) {
+  testing::expectRefused(std::string((16 << 20) + 1, ' '),
+                         "map.g2o:1: the line is longer than 16777216 bytes; this is no pose graph");
+  testing::expectRefused("# 1\nEDGE_SE2 0 1" + std::string(17 << 20, '\0'),
+                         "map.g2o:2: the line is longer than 16777216 bytes; this is no pose graph");
+}
+
+TEST(GraphRead, Devices) {
+  EXPECT_EQ(testing::runGraph({"/dev/zero"}).errors,
+            "slom: /dev/zero: this is a device; give a file or a pipe\n");
 }
 
 TEST(GraphRead, LinesLongerThanTheBuffer) {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "error.hpp"
+#include "plausible.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -100,13 +101,14 @@ std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>&
     const std::string numbers = text.substr(equals == std::string::npos ? 0 : equals + 1);
     const auto x = numbers.find('x');
     ImageSize size;
-    const bool is_read = x != std::string::npos &&
-                         parseNumber(std::string_view(numbers).substr(0, x), size.width) &&
-                         parseNumber(std::string_view(numbers).substr(x + 1), size.height) &&
-                         size.width > 0 && size.height > 0;
+    const bool is_read =
+        x != std::string::npos && parseNumber(std::string_view(numbers).substr(0, x), size.width) &&
+        parseNumber(std::string_view(numbers).substr(x + 1), size.height) && isPlausible(size);
     if (!is_read)
       throw UserError(
-          fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480", text));
+          fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480, {} pixels "
+                      "at most on a side",
+                      text, most_side_px));
     bool is_known = false;
     for (const CameraFile& camera : cameras) {
       if (!name.empty() && camera.name != name) continue;

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -29,6 +30,16 @@ struct Edge {
   Symmetric<Datum::DOF> information;  ///< of the translation, then of the rotation; as the file has it
 };
 
+/// Of lines that were skipped.
+struct UnknownTags {
+  static constexpr std::size_t most = 5;
+
+  std::map<std::string, int> lines;  ///< how many begin with each of the first ones
+  int others = 0;                    ///< lines that begin with further ones
+
+  void add(std::string_view tag);
+};
+
 template <class PoseType>
 struct PoseGraph {
   using Pose = PoseType;
@@ -40,7 +51,7 @@ struct PoseGraph {
   std::vector<Node<Point<Pose>>> landmarks;
   std::vector<Edge<Pose>> edges;             ///< from a pose to a pose
   std::vector<Edge<Point<Pose>>> sightings;  ///< of a landmark by a pose
-  std::map<std::string, int> unknown_tags;   ///< how many lines begin with each
+  UnknownTags unknown_tags;
 };
 
 using AnyPoseGraph = std::variant<PoseGraph<Pose2>, PoseGraph<Pose3>>;

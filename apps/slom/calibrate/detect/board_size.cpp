@@ -1,6 +1,7 @@
 #include "calibrate/detect/board_size.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,7 +17,13 @@ constexpr std::size_t photos_to_try = 3;
 bool shows(const Board& board, const std::string& file) {
   std::string reason;
   const auto photo = readPhotograph(file, reason);
-  return photo && showsChessboard(board, *photo);
+  try {
+    return photo && showsChessboard(board, *photo);
+  } catch (const UserError&) {
+    throw;
+  } catch (const std::exception&) {  // of OpenCV: what it cannot search shows no board
+    return false;
+  }
 }
 
 Board resized(Board board, int more_columns, int more_rows) {

@@ -1,5 +1,7 @@
 #include "calibrate/detect/find_corners.hpp"
 
+#include <algorithm>
+#include <exception>
 #include <map>
 
 #include <fmt/format.h>
@@ -26,8 +28,21 @@ Seen look(const Board& board, const std::string& file) {
   Seen seen;
   const auto photo = readPhotograph(file, seen.reason);
   if (!photo) return seen;
+  constexpr int least_side = 16;
+  if (std::min(photo->size.width, photo->size.height) < least_side) {
+    seen.reason =
+        fmt::format("has {} x {} pixels, too few to show a board", photo->size.width, photo->size.height);
+    return seen;
+  }
+  try {
+    seen.corners = findBoard(board, *photo);
+  } catch (const UserError&) {
+    throw;
+  } catch (const std::exception&) {  // of OpenCV, whose texts are for programmers
+    seen.reason = "cannot be searched for the board by OpenCV";
+    return seen;
+  }
   seen.size = photo->size;
-  seen.corners = findBoard(board, *photo);
   if (seen.corners.empty()) seen.reason = "shows no board";
   return seen;
 }

@@ -1,14 +1,18 @@
 // By stb_image, which reads what cameras write and brings nothing else along.
 #include <algorithm>
 #include <cmath>
+#include <fcntl.h>
 #include <memory>
 
 #include <fmt/format.h>
 #include <stb/stb_image.h>
 #include <stb/stb_image_write.h>
+#include <sys/stat.h>
 
 #include "calibrate/detect/photo_patch.hpp"
 #include "calibrate/detect/photograph.hpp"
+#include "input_file.hpp"
+#include "plausible.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -39,6 +43,21 @@ std::optional<Photograph> readShallow(std::FILE* stream) {
   return Photograph{size, {pixels.get(), pixels.get() + std::size_t(size.width) * size.height}};
 }
 
+constexpr const char* unreadable = "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
+
+/// Twice what the largest sensors have. A pixel takes up to four bytes while a file is read.
+constexpr std::size_t most_pixels = 300'000'000;
+
+/// Opens a file without waiting, as one would for a pipe.
+InputStream openRegular(const std::string& file, std::string& reason) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  InputStream stream(descriptor < 0 ? nullptr : ::fdopen(descriptor, "rb"));
+  struct stat status {};
+  if (!stream || ::fstat(descriptor, &status) != 0) return reason = "cannot be opened", nullptr;
+  if (!S_ISREG(status.st_mode)) return reason = "is no regular file", nullptr;
+  return stream;
+}
+
 std::string base64(const std::vector<unsigned char>& bytes) {
   static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -54,17 +73,25 @@ std::string base64(const std::vector<unsigned char>& bytes) {
 }  // namespace
 
 std::optional<Photograph> readPhotograph(const std::string& file, std::string& reason) {
-  const auto close = [](std::FILE* stream) { std::fclose(stream); };
-  const std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(file.c_str(), "rb"), close);
-  if (!stream) return reason = "cannot be opened", std::nullopt;
+  const InputStream stream = openRegular(file, reason);
+  if (!stream) return std::nullopt;
   const int first = std::fgetc(stream.get());
   if (first == EOF) return reason = "is empty", std::nullopt;
   std::rewind(stream.get());
+  ImageSize size;
+  int channels = 0;
+  if (stbi_info_from_file(stream.get(), &size.width, &size.height, &channels) == 0)
+    return reason = unreadable, std::nullopt;
+  if (!isPlausible(size) || std::size_t(size.width) * std::size_t(size.height) > most_pixels) {
+    reason = fmt::format("has {} x {} pixels, where {} on a side and {} in all are the most", size.width,
+                         size.height, most_side_px, most_pixels);
+    return std::nullopt;
+  }
   const bool is_deep = stbi_is_16_bit_from_file(stream.get()) != 0;
   if (is_deep && first == 'P')  // stb_image takes its bytes in the processor's order, which is not the file's
     return reason = "is a PGM of 16 bits, which must be converted, to PNG for example", std::nullopt;
   std::optional<Photograph> photo = is_deep ? readDeep(stream.get()) : readShallow(stream.get());
-  if (!photo) reason = "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
+  if (!photo) reason = unreadable;
   return photo;
 }
 

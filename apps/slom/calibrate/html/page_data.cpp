@@ -66,9 +66,10 @@ Json pose(const SE3& T) {
 
 /// How many corners lie in each cell of an image.
 Json coverage(const CameraQuality& camera) {
-  constexpr int columns = 12;
+  constexpr int columns = 12, most_rows = 4 * columns;
   const ImageBox& box = camera.grid.box;
-  const int rows = std::max(1, int(std::lround(double(columns) * box.height / box.width)));
+  const int rows =
+      int(std::clamp(std::round(double(columns) * box.height / box.width), 1.0, double(most_rows)));
   std::vector<int> counts(std::size_t(columns * rows));
   for (const CornerResidual& corner : camera.residuals) {
     const int column = int(columns * corner.pixel.x() / box.width),
@@ -202,7 +203,9 @@ Json worstJson(const Dataset& data, const Result& result) {
   Json list = Json::array();
   for (const WorstResidual& worst : result.quality->worst) {
     const View* view = data.cameras[worst.camera].find(worst.corner.image);
-    const std::string patch = view && !view->photo.empty() ? photoPatch(view->photo, worst.corner.pixel) : "";
+    // Photographs that --images named; what a corner file calls a photograph may be any file.
+    const bool is_given = view && !view->photo.empty() && worst.corner.line == 0;
+    const std::string patch = is_given ? photoPatch(view->photo, worst.corner.pixel) : "";
     list.push_back({{"camera", worst.camera},
                     {"image", worst.corner.image},
                     {"corner", worst.corner.corner},

@@ -13,12 +13,6 @@
 namespace slom::app::calib {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// Appends the fields of a line; returns how many there are.
 std::size_t split(std::string_view line, std::vector<std::string_view>& fields) {
   const std::size_t before = fields.size();

@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <set>
 
+#include "plausible.hpp"
+
 namespace slom::app::calib {
+
+bool isPlausible(const ImageSize& size) {
+  return size.width > 0 && size.height > 0 && size.width <= most_side_px && size.height <= most_side_px;
+}
 
 std::size_t CameraData::cornerCount() const {
   std::size_t count = 0;

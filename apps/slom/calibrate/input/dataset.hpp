@@ -36,6 +36,8 @@ struct UnusedPhoto {
 struct ImageSize {
   int width = 0, height = 0;
 };
+/// Both sides from 1 to most_side_px.
+bool isPlausible(const ImageSize& size);
 
 struct CameraData {
   std::string name;

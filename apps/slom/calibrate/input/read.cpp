@@ -1,6 +1,6 @@
 #include "calibrate/input/read.hpp"
 
-#include <cstdio>
+#include <algorithm>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -10,27 +10,39 @@
 #include "calibrate/input/csv.hpp"
 #include "error.hpp"
 #include "plausible.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 
 namespace {
 
+constexpr std::size_t longest_comment = 80;  // in a message
+
 /// `image_size_px: 640 x 480`
 std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment) {
   constexpr std::string_view key = "image_size_px:";
   if (!comment.text.starts_with(key)) return {};
+  const std::string_view text = trimmed(std::string_view(comment.text).substr(key.size()));
+  const std::size_t x = std::min(text.find('x'), text.size());
   ImageSize size;
-  if (std::sscanf(comment.text.c_str() + key.size(), "%d x %d", &size.width, &size.height) == 2 && size.width > 0 && size.height > 0)
+  if (parseNumber(trimmed(text.substr(0, x)), size.width) && x < text.size() &&
+      parseNumber(trimmed(text.substr(x + 1)), size.height) && isPlausible(size))
     return size;
-  throw UserError(fmt::format("{}:{}: the image size is \"{}\"; write it as in # image_size_px: 640 x 480", table.file(), comment.line,
-                              comment.text));
+  throw UserError(
+      fmt::format("{}:{}: the image size is \"{}\"; write it as in # image_size_px: 640 x 480, {} pixels at "
+                  "most on a side",
+                  table.file(), comment.line, shortened(comment.text, longest_comment), most_side_px));
 }
 
 /// `photo 7: left07.jpg`
 void notePhoto(const CsvComment& comment, std::map<int, View>& views) {
-  int image = 0, length = 0;
-  if (std::sscanf(comment.text.c_str(), "photo %d: %n", &image, &length) != 1 || length == 0) return;
-  if (const auto view = views.find(image); view != views.end()) view->second.photo = comment.text.substr(std::size_t(length));
+  constexpr std::string_view key = "photo ";
+  const std::size_t colon = comment.text.find(':');
+  int image = 0;
+  if (!comment.text.starts_with(key) || colon == std::string::npos) return;
+  if (!parseNumber(std::string_view(comment.text).substr(key.size(), colon - key.size()), image)) return;
+  if (const auto view = views.find(image); view != views.end())
+    view->second.photo = trimmed(std::string_view(comment.text).substr(colon + 1));
 }
 
 }  // namespace

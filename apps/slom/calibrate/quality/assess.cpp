@@ -19,7 +19,7 @@ constexpr std::size_t worst_corners = 20;
 /// Nodes as far apart along u as along v, as near as that can be; an odd number of them, so that there is a
 /// middle.
 ImageGrid gridOver(const ImageBox& box) {
-  const double ratio = (box.height - 1.0) / (box.width - 1.0);
+  const double ratio = (box.height - 1.0) / std::max(box.width - 1.0, 1.0);
   const int rows = 2 * int(std::lround((grid_columns - 1) * std::min(ratio, 3.0) / 2)) + 1;
   return {grid_columns, std::max(rows, 5), box};
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plausible.hpp"
+
 namespace slom::app::calib {
 namespace {
 
@@ -49,7 +51,7 @@ ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera) {
     for (const Corner& corner : view.corners)
       needed = vec2(needed.cwiseMax(corner.pixel + Eigen::Vector2d::Ones()));
   }
-  const vec2 most(needed.cwiseMax(amid));
+  const vec2 most(needed.cwiseMax(amid).cwiseMin(most_px));
   ImageBox best{int(std::ceil(most.x())), int(std::ceil(most.y())), true};
   double nearest = 0.1;  // as a part of the size
   for (const auto& [long_side, short_side] : usual_sizes) {

@@ -32,13 +32,12 @@ std::string_view takeWord(std::string_view& text) {
   return word;
 }
 
+constexpr std::size_t longest_line = std::size_t{1} << 24;
 constexpr std::size_t longest_word = 40;  // in a message: a file that is no graph may have any
 
 }  // namespace
 
-Lines::Lines(const std::string& file)
-    : file_(file), stream_(std::fopen(file.c_str(), "rb")), buffer_(std::size_t{1} << 20) {
-  require(stream_ != nullptr);
+Lines::Lines(const std::string& file) : file_(file), stream_(openInput(file)), buffer_(std::size_t{1} << 20) {
   readMore();
   constexpr std::string_view mark = "\xEF\xBB\xBF";  // byte order
   if (std::string_view(buffer_.data(), end_).starts_with(mark)) begin_ = mark.size();
@@ -54,6 +53,10 @@ bool Lines::readMore() {
             buffer_.begin());
   end_ -= begin_;
   begin_ = 0;
+  if (end_ == longest_line) {
+    ++line_number_;
+    fail(fmt::format("the line is longer than {} bytes; this is no pose graph", longest_line));
+  }
   if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
   const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, stream_.get());
   require(std::ferror(stream_.get()) == 0);

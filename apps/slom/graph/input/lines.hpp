@@ -1,11 +1,11 @@
 // A text file as lines of words and numbers, fast enough for a million of them.
 #pragma once
 
-#include <cstdio>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "input_file.hpp"
 
 namespace slom::app::graph {
 
@@ -13,7 +13,7 @@ namespace slom::app::graph {
 /// Reads a large part of the file at a time, so that it need not fit into memory, and takes pipes too.
 class Lines {
  public:
-  /// UserError when the file cannot be read. `file` must outlive this.
+  /// UserError when the file cannot be read or a line is longer than 16 MiB. `file` must outlive this.
   explicit Lines(const std::string& file);
 
   /// Goes to the next line that says something; false at the end.
@@ -35,9 +35,6 @@ class Lines {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  struct Close {
-    void operator()(std::FILE* stream) const { std::fclose(stream); }
-  };
   bool nextLine();
   bool readMore();
   void require(bool good) const;
@@ -45,7 +42,7 @@ class Lines {
   [[noreturn]] void failCount() const;
 
   const std::string& file_;
-  std::unique_ptr<std::FILE, Close> stream_;
+  InputStream stream_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
   std::string_view line_;            // what of this line has not been read

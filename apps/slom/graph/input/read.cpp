@@ -8,6 +8,7 @@
 #include "error.hpp"
 #include "graph/input/raw_graph.hpp"
 #include "graph/input/values.hpp"
+#include "text.hpp"
 
 namespace slom::app::graph {
 
@@ -105,7 +106,7 @@ class Reader {
     if (readTagged(line, plane_tags, plane_, in_plane_, in_space_)) return;
     if (readTagged(line, space_tags, space_, in_space_, in_plane_)) return;
     if (line.tag() == "FIX") return readFix(line);
-    ++unknown_[std::string(line.tag())];
+    unknown_.add(line.tag());
   }
 
   template <class Pose, std::size_t N>
@@ -150,10 +151,22 @@ class Reader {
   RawGraph<Pose3> space_;
   FirstLine in_plane_, in_space_;
   std::vector<FixedVertex> fixed_;
-  std::map<std::string, int> unknown_;
+  UnknownTags unknown_;
 };
 
 }  // namespace
+
+void UnknownTags::add(std::string_view tag) {
+  constexpr std::size_t longest = 40;
+  const std::string name = shortened(tag, longest);
+  if (const auto known = lines.find(name); known != lines.end()) {
+    ++known->second;
+  } else if (lines.size() < most) {
+    lines.emplace(name, 1);
+  } else {
+    ++others;
+  }
+}
 
 AnyPoseGraph readPoseGraph(const std::string& file) { return Reader(file).read(); }
 

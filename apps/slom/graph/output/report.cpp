@@ -48,10 +48,13 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
                                                                       : fmt::format("{} information matrices",
                                                                                     preparation.repaired));
   }
-  for (const auto& [tag, count] : graph.unknown_tags) {
-    text += fmt::format("  warning: {} with the unknown tag {}\n",
-                        count == 1 ? "skipped 1 line" : fmt::format("skipped {} lines", count), tag);
-  }
+  const UnknownTags& unknown = graph.unknown_tags;
+  for (const auto& [tag, count] : unknown.lines)
+    text += fmt::format("  warning: skipped {} with the unknown tag {}\n", plural(std::size_t(count), "line"),
+                        tag);
+  if (unknown.others > 0)
+    text += fmt::format("  warning: skipped {} with other unknown tags\n",
+                        plural(std::size_t(unknown.others), "line"));
   return text;
 }
 
