@@ -375,6 +375,31 @@ TEST(DerivativeCheck, LooksAtFreeVariablesAlone) {
   EXPECT_TRUE(est.checkDerivatives().groups.empty());
 }
 
+/// A distance by hand: one row, several unknowns in each block.
+struct DistanceByHand {
+  double operator()(const Vec3& a, const Vec2& b, double z) const { return std::hypot(a[0] - b[0], a[1] - b[1]) + a[2] - z; }
+  template <class JA, class JB>
+  void jacobian(const Vec3& a, const Vec2& b, double, JA& by_a, JB& by_b) const {
+    const Vec2 way = (Vec2(a[0], a[1]) - b).normalized();
+    by_a << way[0], way[1], 1;
+    by_b << -way[0], -way[1];
+  }
+};
+TEST(GivenDerivatives, OfAScalarByManyUnknowns) {
+  slom::Estimator est;
+  const auto a = est.insertRV(Vec3(1, 2, 0.5), "a");
+  const auto b = est.insertRV(Vec2(-2, 5), "b");
+  est.insertMeasurement(DistanceByHand(), a, b, 4.0);
+  const slom::DerivativeCheck check = est.checkDerivatives();
+  EXPECT_TRUE(check.ok()) << check.text();
+  EXPECT_EQ(check.groups.at(0).source, slom::DerivativeSource::given);
+  est.prior(a, *a, 1);
+  est.prior(b, *b, 1);
+  const slom::Summary summary = est.optimize();
+  EXPECT_TRUE(summary.converged);
+  EXPECT_TRUE(summary.warnings.empty());
+}
+
 struct Unset : Rotated<decltype([](const auto&, auto& J) { J(2, 1) = std::numeric_limits<double>::quiet_NaN(); })> {};
 
 TEST(GivenDerivatives, ThatAreLeftUnsetAreFound) {

@@ -24,6 +24,11 @@ namespace slom {
 template <class Z>
 Measured<Z> measured(const Z& z) {
   mtk::requireManifold<Z>();
+  if constexpr (requires { typename mtk::scalar_t<Z>; }) {
+    static_assert(std::is_same_v<mtk::scalar_t<Z>, double>,
+                  "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
+                  "round the residual so that it has no derivatives");
+  }
   return {z};
 }
 
@@ -143,6 +148,9 @@ struct Returned {
   static_assert(std::is_convertible_v<R, double>,
                 "slom: a measurement function must return a number, a std::array or an Eigen column vector of doubles; "
                 "one that predicts another manifold value needs slom::measured(z) among the arguments");
+  static_assert(!std::is_arithmetic_v<R> || std::is_same_v<R, double> || std::is_same_v<R, long double>,
+                "slom: a measurement function must return double; this one returns float, an integer or bool, which rounds the "
+                "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
   static constexpr int rows = 1;
   static int size(const R&) { return 1; }
   static void write(const R& value, double* r) { *r = static_cast<double>(value); }
@@ -279,7 +287,9 @@ constexpr bool acceptsDuals() {
 
 /// One block of a hand-written Jacobian: rows x dof, filled with NaN before.
 template <int Rows, int Dof>
-using JacobianBlock = Eigen::Matrix<double, Rows, Dof, Eigen::DontAlign>;
+using JacobianBlock =
+    Eigen::Matrix<double, Rows, Dof,
+                  Eigen::DontAlign | (Rows == 1 && Dof != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;  // rows are row-major to Eigen
 template <int Rows, class A>
 struct BlockFor {
   using type = std::tuple<>;
@@ -324,6 +334,9 @@ class CallableMeasurement {
       using Z = std::remove_cvref_t<decltype(*std::declval<Datum>())>;
       static_assert(std::is_convertible_v<Value, Z>,
                     "slom: with slom::measured(z) the measurement function must predict a value of the type of z");
+      static_assert(!std::is_arithmetic_v<Value> || std::is_same_v<Value, double> || std::is_same_v<Value, long double>,
+                    "slom: a measurement function must predict double; this one returns float, an integer or bool, which rounds the "
+                    "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
       return mtk::DOF_v<Z>;
     } else {
       return detail::Returned<Value>::rows;
