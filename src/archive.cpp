@@ -5,6 +5,7 @@
 #include <istream>
 #include <limits>
 #include <locale>
+#include <numeric>
 #include <ostream>
 #include <sstream>
 
@@ -63,14 +64,22 @@ bool isAtEnd(std::istream& is) { return !is.fail() && (is >> std::ws).eof(); }
 }  // namespace
 
 VariableHandle StoredProblem::handle(const std::string& name, std::type_index type, std::string (*type_name)()) const {
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.name == name; });
-  if (found == entries_.end()) {
+  const auto found = std::lower_bound(by_name_.begin(), by_name_.end(), name,
+                                      [&](int i, const std::string& other) { return entries_[at(i)].name < other; });
+  if (found == by_name_.end() || entries_[at(*found)].name != name) {
     throw Error("slom.no-variable", "the problem has no variable " + inQuotes(name) + "; names are those given to insertRV");
   }
-  if (found->type != type) {
+  const Entry& entry = entries_[at(*found)];
+  if (entry.type != type) {
     throw Error("slom.no-variable", "variable " + inQuotes(name) + " is no " + type_name() + "; ask for it by its own type");
   }
-  return found->handle;
+  return entry.handle;
+}
+
+void StoredProblem::sortNames() {
+  by_name_.resize(entries_.size());
+  std::iota(by_name_.begin(), by_name_.end(), 0);
+  std::stable_sort(by_name_.begin(), by_name_.end(), [&](int a, int b) { return entries_[at(a)].name < entries_[at(b)].name; });
 }
 
 const detail::StoredVariable* Archive::findVariable(std::type_index type) const {
@@ -215,6 +224,7 @@ class ArchiveReader {
     while (nextLine()) {
       if (text_ == "end") {
         if (nextLine()) raise("there is text behind the line \"end\"; remove it");
+        result_.sortNames();
         return std::move(result_);
       }
       readLine();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
@@ -9,6 +10,7 @@
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
+#include "analyze/given_derivatives.hpp"
 #include "analyze/jacobian.hpp"
 #include "analyze/leverage.hpp"
 #include "analyze/preflight.hpp"
@@ -40,6 +42,7 @@ struct Estimator::State {
 
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
+  GivenDerivatives given_derivatives;
   double varianceFactor();
   std::string messageFor(const Summary& summary, const SolveStatus& status);
   void fillGroups(Summary& summary, bool before);
@@ -84,6 +87,11 @@ std::vector<std::string> activeBounds(const Problem& problem) {
 }
 }  // namespace
 
+void detail::raiseMovedFrom() {
+  throw Error("slom.moved-from", "the estimator has been moved from and holds nothing; use the one that it was moved to, or "
+                                 "assign another one to it");
+}
+
 Estimator::Estimator() : state_(new State) {}
 Estimator::~Estimator() = default;
 Estimator::Estimator(Estimator&&) noexcept = default;
@@ -119,7 +127,7 @@ Summary Estimator::optimize(const Options& options) {
   summary.solver = state_->solver->description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
-  summary.unknowns = getN();
+  summary.unknowns = structure.system.unknowns() - problem().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at);
@@ -135,6 +143,7 @@ Summary Estimator::optimize(const Options& options) {
     }
   }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
+  state_->given_derivatives.check(problem(), summary.warnings);
   return summary;
 }
 
@@ -261,14 +270,7 @@ double Estimator::rssOfPools(const std::vector<const MeasurementPool*>& pools) c
 
 double Estimator::rssOfVariable(int variable) const {
   double sum = 0;
-  for (const auto& pool : problem().pools()) {
-    for (int i = 0; i < pool->size(); ++i) {
-      const int* first = pool->variables(i);
-      if (std::find(first, first + pool->arity(), variable) != first + pool->arity()) {
-        sum += rssOfMeasurement(*pool, i);
-      }
-    }
-  }
+  problem().forEachUse(variable, [&](MeasurementPool& pool, int i) { sum += rssOfMeasurement(pool, i); });
   return sum;
 }
 
@@ -289,7 +291,7 @@ double Estimator::getRMS() const {
 }
 
 int Estimator::getM() const { return state_->system.structure().residuals; }
-int Estimator::getN() const { return state_->system.structure().system.unknowns() - problem().heldCount(); }
+int Estimator::getN() const { return problem().freeCount(); }
 
 void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const {
   problem().naming(pool, [&] {
@@ -404,35 +406,44 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
   if (!(state_->system.gradientCosine() < kAtMinimum)) {
     throw Error("slom.not-a-minimum", "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
   }
-  Eigen::MatrixXd C(record.dof, record.dof);
-  writeCovariance(variable, variable, C.data());
   ProfileInterval result{x[c], x[c], x[c]};
-  if (!record.optimize || record.isHeld(c)) return result;
+  if (!record.optimize || (!record.fixed.empty() && record.fixed[static_cast<std::size_t>(c)] != 0)) return result;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const ComponentBound* const found = record.boundOf(c);
+  const ComponentBound bound = found == nullptr ? ComponentBound{c, -infinity, infinity} : *found;
   const double best = getRSS(), rise = factor * chiSquareCritical(1 - probability, 1);
   ValueSnapshot start(problem());
-  const auto ascend = [&](double sign) {
-    start.restore();
-    double at = 0;
-    return profileRoot([&](double t) {
-      Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
-      d[c] = sign * (t - at);
-      record.store->boxplus(record.store->valueAt(record.slot), d.data());
-      problem().overwrite(variable, record.store->valueAt(record.slot));
-      at = t;
-      return (optimize().final_rss - best) / rise - 1;
-    }, std::sqrt(rise / factor * C(c, c)));
-  };
-  problem().setFixed(variable, components, true);
-  try {
-    result.upper += ascend(1);
-    result.lower -= ascend(-1);
-  } catch (...) {
+  const auto restore = [&] {
     problem().setFixed(variable, components, false);
     start.restore();
+    problem().setBound(variable, components, bound.lower, bound.upper);
+  };
+  try {
+    if (found != nullptr) problem().setBound(variable, components, -infinity, infinity);  // its own covariance, though it is at the bound
+    Eigen::MatrixXd C(record.dof, record.dof);
+    writeCovariance(variable, variable, C.data());
+    problem().setFixed(variable, components, true);
+    const auto ascend = [&](double sign, double most) {
+      if (!(most > 0)) return 0.0;
+      start.restore();
+      double at = 0;
+      return profileRoot([&](double t) {
+        Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
+        d[c] = sign * (t - at);
+        record.store->boxplus(record.store->valueAt(record.slot), d.data());
+        problem().overwrite(variable, record.store->valueAt(record.slot));
+        at = t;
+        return (optimize().final_rss - best) / rise - 1;
+      }, std::sqrt(rise / factor * C(c, c)), most);
+    };
+    const double above = ascend(1, bound.upper - x[c]), below = ascend(-1, x[c] - bound.lower);
+    result.upper = above < bound.upper - x[c] ? x[c] + above : std::max(bound.upper, x[c]);
+    result.lower = below < x[c] - bound.lower ? x[c] - below : std::min(bound.lower, x[c]);
+  } catch (...) {
+    restore();
     throw;
   }
-  problem().setFixed(variable, components, false);
-  start.restore();
+  restore();
   return result;
 }
 

@@ -59,8 +59,10 @@ class StoredProblem {
     VariableHandle handle;
   };
   VariableHandle handle(const std::string& name, std::type_index type, std::string (*type_name)()) const;
+  void sortNames();
 
   std::vector<Entry> entries_;
+  std::vector<int> by_name_;  // numbers of entries, those of the same name in the order of insertion
 };
 
 namespace detail {

@@ -60,6 +60,8 @@ auto plainValue(const T& x) {
 template <class T>
 using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
 
+[[noreturn]] void raiseMovedFrom();
+
 template <class T>
 using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValue<T>>;
 
@@ -69,6 +71,7 @@ class Estimator {
  public:
   Estimator();
   ~Estimator();
+  /// What was moved from holds nothing: all its functions throw [slom.moved-from] until another estimator is assigned to it.
   Estimator(Estimator&&) noexcept;
   Estimator& operator=(Estimator&&) noexcept;
 
@@ -265,7 +268,8 @@ class Estimator {
   double getRMS() const;
   /// Number of scalar residuals.
   int getM() const;
-  /// Number of unknowns: degrees of freedom of all optimised variables.
+  /// Number of unknowns: degrees of freedom of all optimised variables but for fixed components. A component at a bound counts;
+  /// Summary::unknowns leaves those out that a fit held there.
   int getN() const;
 
   /// The residual of a measurement in its own units, f(Y) [-] z.
@@ -369,7 +373,8 @@ class Estimator {
   /// The interval in which a component lies with this probability, by profile likelihood: at its ends the best fit of everything
   /// else is worse by the quantile of chi-square. Where the RSS is not quadratic it says more than the standard deviation
   /// does. For coordinates of vectors; at the values of a fit, which come back afterwards. An end that is not reached within
-  /// 1000 standard deviations is infinite. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and
+  /// 1000 standard deviations is infinite. The interval ends at the component's bound, where the quantile is not reached before; of
+  /// a component at its bound it is one-sided, from the bound inwards. A fixed component has no width. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and
   /// what covariance throws.
   ///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
   template <class T>
@@ -449,7 +454,7 @@ class Estimator {
   void writeDeviations(int variable, double* deviations) const;
 
   struct State;
-  detail::Hidden<State> state_;
+  detail::Hidden<State, &detail::raiseMovedFrom> state_;
 };
 
 }  // namespace slom

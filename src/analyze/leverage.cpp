@@ -105,7 +105,7 @@ class GroupExamination {
     check.residual = std::sqrt(squared);
     check.redundancy = w.size() > 0 ? result.redundancy / static_cast<double>(w.size()) : 0;
     check.statistic /= variance_factor_;
-    check.effect = check.weight * std::sqrt(std::max(0.0, solved.dot(H * solved)));
+    check.effect = check.weight * std::sqrt(std::max(0.0, solved.dot(H * solved)) / variance_factor_);
     if (check.dof > 0) {
       check.studentized = std::sqrt(check.statistic / check.dof);
       check.probability = chiSquareProbability(check.statistic, check.dof);

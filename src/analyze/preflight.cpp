@@ -78,9 +78,7 @@ class Inspection {
     result_.derivatives = compareDerivatives(problem_, kDerivativesOfGroup);
     for (const GroupDerivativeCheck& group : result_.derivatives.groups) {
       if (group.error <= DerivativeCheck::kTolerance) continue;
-      result_.faults.push_back("the " + std::string(toString(group.source)) + " derivative of residual " + std::to_string(group.row) + " of " +
-                               group.measurement + " by " + group.component + " is " + number(group.used, 6) + ", differences give " +
-                               number(group.reference, 6) + ": " + group.guess);
+      result_.faults.push_back(group.sentence());
     }
   }
 

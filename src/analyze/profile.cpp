@@ -5,15 +5,16 @@
 
 namespace slom {
 
-double profileRoot(const std::function<double(double)>& f, double guess) {
+double profileRoot(const std::function<double(double)>& f, double guess, double most) {
   // In s = sqrt(f + 1), which is nearly proportional to t, by the Illinois variant of the false position.
   const auto excess = [&](double t) { return std::sqrt(std::max(0.0, f(t) + 1)) - 1; };
-  double low = 0, at_low = -1, high = guess, at_high = excess(guess);
+  double low = 0, at_low = -1, high = std::min(guess, most), at_high = excess(high);
   while (!(at_high > 0)) {
+    if (high >= most) return most;
     if (high > 500 * guess) return std::numeric_limits<double>::infinity();
     low = high;
     at_low = at_high;
-    high *= 2;
+    high = std::min(2 * high, most);
     at_high = excess(high);
   }
   int side = 0;

@@ -80,16 +80,20 @@ template <class Evaluate>
 class CentralDifferences {
  public:
   /// `delta`: zeros, one for each component; `workspace`: 4 * rows numbers.
-  CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, bool extrapolate,
+  /// `here` is the residual at the value itself.
+  CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, const double* here, Differences kind,
                      const Evaluate& evaluate)
       : variable_(variable), rows_(rows), delta_(delta), plus_(workspace), minus_(plus_ + rows), coarse_(minus_ + rows),
-        fine_(coarse_ + rows), extrapolate_(extrapolate), evaluate_(evaluate) {}
+        fine_(coarse_ + rows), here_(here), kind_(kind), evaluate_(evaluate) {}
 
   /// The derivative along component c, whose size is given. Returns the length of the residual; `out` is complete when
   /// that is the right one.
   int column(int c, double size, double* out) {
     constexpr double cube_root_of_epsilon = 6.0554544523933395e-06;
-    if (size >= 0.1 && extrapolate_) return extrapolated(c, 7.4e-4 * std::max(size, 1.0), out);
+    if (kind_ == Differences::forward) return forward(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
+    if (size >= 0.1 && kind_ == Differences::extrapolated) {
+      return extrapolated(c, 7.4e-4 * std::max(size, 1.0), cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
+    }
     if (size >= 0.1) return difference(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
     return refined(c, cube_root_of_epsilon, cube_root_of_epsilon * size, out);
   }
@@ -102,11 +106,38 @@ class CentralDifferences {
     return rows_;
   }
 
-  int extrapolated(int c, double h, double* out) {
-    if (const int got = difference(c, h, coarse_); got != rows_) return got;
-    if (const int got = difference(c, h / 2, fine_); got != rows_) return got;
-    for (int i = 0; i < rows_; ++i) out[i] = (4 * fine_[i] - coarse_[i]) / 3;
+  int forward(int c, double h, double* out) {
+    if (const int got = shifted(c, h, plus_); got != rows_) return got;
+    for (int i = 0; i < rows_; ++i) out[i] = (plus_[i] - here_[i]) / h;
     return rows_;
+  }
+
+  /// Steps from `h` down to `smallest`, each a quarter of the last, until differences of several steps agree; otherwise those that
+  /// agree best. A function of a large argument need not be as wide as that, as a sine of 10^6, whose differences over whole
+  /// periods may agree by chance.
+  int extrapolated(int c, double h, double smallest, double* best) {
+    constexpr double agreeing = 1e-3;  // then the error of the extrapolation is about its square
+    const bool may_be_periods = h > 0.1;
+    for (double best_gap = kInfinity;; h = std::max(h / 4, smallest)) {
+      if (const int got = difference(c, h, coarse_); got != rows_) return got;
+      if (const int got = difference(c, h / 2, fine_); got != rows_) return got;
+      double gap = relativeGap();
+      if (!(gap >= best_gap)) {
+        for (int i = 0; i < rows_; ++i) best[i] = (4 * fine_[i] - coarse_[i]) / 3;
+      }
+      if (may_be_periods && gap <= agreeing) {
+        if (const int got = difference(c, h / 5.3, coarse_); got != rows_) return got;
+        gap = std::max(gap, relativeGap());
+      }
+      if (h <= smallest || gap <= agreeing) return rows_;
+      if (!(gap >= best_gap)) best_gap = gap;
+    }
+  }
+  /// |fine - coarse| / |fine|, 0 for zeros.
+  double relativeGap() {
+    for (int i = 0; i < rows_; ++i) plus_[i] = fine_[i] - coarse_[i];
+    const double gap = largest(plus_, rows_);
+    return gap > 0 ? gap / largest(fine_, rows_) : gap;
   }
 
   int shifted(int c, double h, double* r) {
@@ -144,13 +175,14 @@ class CentralDifferences {
   int rows_;
   double* delta_;
   double *plus_, *minus_, *coarse_, *fine_;
-  bool extrapolate_;
+  const double* here_;
+  Differences kind_;
   const Evaluate& evaluate_;
 };
 
 }  // namespace
 
-int MeasurementPool::differentiate(int i, int rows, double* r, double* J, bool extrapolate) {
+int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differences kind) {
   if (const int got = evaluateOne(i, rows, r); got != rows) return got;
   const auto evaluate = [&](double* out) { return evaluateOne(i, rows, out); };
   for (int k = 0; k < arity_; ++k) {
@@ -165,7 +197,7 @@ int MeasurementPool::differentiate(int i, int rows, double* r, double* J, bool e
       std::fill_n(delta, dof, 0.0);
       Redirected variable(argument(i, k), *record.store);
       record.store->magnitudesOf(variable.original(), magnitudes);
-      CentralDifferences differences(variable, rows, delta, magnitudes + dof, extrapolate, evaluate);
+      CentralDifferences differences(variable, rows, delta, magnitudes + dof, r, kind, evaluate);
       for (int c = 0; c < dof; ++c) {
         double* const column = J + static_cast<std::ptrdiff_t>(c) * rows;
         if (const int got = differences.column(c, magnitudes[c], column); got != rows) return got;

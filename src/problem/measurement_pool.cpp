@@ -143,8 +143,8 @@ void MeasurementPool::evaluateRaw(int i, double* r) {
 
 void MeasurementPool::linearizeRaw(int i, double* r, double* J) { runGuarded(i, i + 1, r, J); }
 
-void MeasurementPool::differenceRaw(int i, double* r, double* J) {
-  const int got = guarded(i, [&] { return differentiate(i, rows(i), r, J, true); });
+void MeasurementPool::differenceRaw(int i, double* r, double* J, Differences kind) {
+  const int got = guarded(i, [&] { return differentiate(i, rows(i), r, J, kind); });
   if (got != rows(i)) raiseWrongLength(measurementName(i), rows(i), got);
 }
 
@@ -164,9 +164,7 @@ SlotRef MeasurementPool::insert(void* measurement, const int* variables, const N
 }
 
 int MeasurementPool::indexOf(SlotRef ref) const {
-  if (ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && index_of_slot_[ref.slot] >= 0) {
-    return index_of_slot_[ref.slot];
-  }
+  if (has(ref)) return index_of_slot_[ref.slot];
   throw Error("slom.stale-handle", "the MeasID<" + name_ +
                                        "> refers to a measurement that has been removed; keep the MeasID that "
                                        "insertMeasurement returned last");

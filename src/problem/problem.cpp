@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <new>
 
 #include "model/words.hpp"
 
@@ -10,8 +12,37 @@ namespace slom {
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 std::string intervalText(double lower, double upper) { return "[" + number(lower, 6) + ", " + number(upper, 6) + "]"; }
 }  // namespace
+
+/// Measurements that depend on each variable. Handles of removed measurements stay until somebody asks, or until they are more than
+/// those that are left.
+struct Problem::Uses {
+  struct OfVariable {
+    std::vector<Use> all;
+    std::size_t longest = 16;  // with more, removed ones are looked for
+  };
+  std::vector<OfVariable> of;  // by table index
+
+  OfVariable& at(int variable) {
+    if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);
+    return of[static_cast<std::size_t>(variable)];
+  }
+  static void tidy(OfVariable& uses) {
+    std::erase_if(uses.all, [](const Use& use) { return !use.pool->has(use.ref); });
+    uses.longest = 2 * uses.all.size() + 16;
+  }
+  void add(int variable, const Use& use) {
+    OfVariable& uses = at(variable);
+    if (uses.all.size() >= uses.longest) tidy(uses);
+    uses.all.push_back(use);
+  }
+};
+
+Problem::Problem() : uses_(nullptr) {}
+Problem::~Problem() = default;
 
 int Problem::reserveVariable() {
   if (!free_.empty()) return free_.back();
@@ -112,6 +143,7 @@ void Problem::checkBounds(int variable, const void* value) const {
 std::vector<int> Problem::componentsAt(int variable, const std::string& path) const {
   const VariableRecord& record = table_[at(variable)];
   const std::vector<std::string> names = record.store->componentNames(record.slot, "");
+  if (path.empty() && names.size() == 1) return {0};
   std::vector<int> found;
   for (std::size_t c = 0; c < names.size(); ++c) {
     if (names[c] == path || names[c].rfind(path + ".", 0) == 0) found.push_back(static_cast<int>(c));
@@ -135,9 +167,10 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
 
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
   VariableRecord& record = table_[at(variable)];
-  if (!(lower <= upper)) {
+  if (!(lower <= upper) || lower == kInfinity || upper == -kInfinity) {
     throw Error("slom.bad-bound", "the bound of " + componentNames(variable)[at(components.front())] + " is " + intervalText(lower, upper) +
-                                      "; pass a lower limit that is not above the upper one");
+                                      (lower <= upper ? ", which holds no finite number; pass -infinity and infinity to take a bound back"
+                                                      : "; pass a lower limit that is not above the upper one"));
   }
   std::vector<double> x(at(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
@@ -147,9 +180,14 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
       throw Error("slom.bad-bound", componentNames(variable)[at(c)] + " has no coordinate that could be bounded, as it is part of a "
                                     "rotation or the like; bound components of vectors, or add a prior");
     }
-    std::erase_if(bounds, [c](const ComponentBound& bound) { return bound.component == c; });
-    if (std::isfinite(lower) || std::isfinite(upper)) bounds.push_back({c, lower, upper});
   }
+  std::vector<char> is_new(at(record.dof), 0);
+  for (const int c : components) is_new[at(c)] = 1;
+  std::erase_if(bounds, [&](const ComponentBound& bound) { return is_new[at(bound.component)] != 0; });
+  if (std::isfinite(lower) || std::isfinite(upper)) {
+    for (const int c : components) bounds.push_back({c, lower, upper});
+  }
+  std::sort(bounds.begin(), bounds.end(), [](const auto& a, const auto& b) { return a.component < b.component; });
   std::swap(record.bounds, bounds);
   try {
     checkBounds(variable, record.store->valueAt(record.slot));
@@ -161,22 +199,26 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
 }
 
 void Problem::bookConstraint(int variable) {
-  std::erase(constrained_, variable);
-  if (table_[at(variable)].isConstrained()) {
-    constrained_.insert(std::lower_bound(constrained_.begin(), constrained_.end(), variable), variable);
-  }
+  constrained_.set(variable, table_[at(variable)].isConstrained());
+  bounded_.set(variable, !table_[at(variable)].bounds.empty());
   ++structure_revision_;
   ++value_revision_;
-}
-
-bool Problem::hasBounds() const {
-  return std::any_of(constrained_.begin(), constrained_.end(), [&](int v) { return !table_[at(v)].bounds.empty(); });
 }
 
 int Problem::heldCount() const {
   int count = 0;
   for (const int v : constrained_) {
     for (int c = 0; table_[at(v)].optimize && c < table_[at(v)].dof; ++c) count += table_[at(v)].isHeld(c) ? 1 : 0;
+  }
+  return count;
+}
+
+int Problem::freeCount() const {
+  int count = 0;
+  for (const VariableRecord& record : table_) count += record.store != nullptr && record.optimize ? record.dof : 0;
+  for (const int v : constrained_) {
+    const VariableRecord& record = table_[at(v)];
+    if (record.optimize) count -= static_cast<int>(std::count_if(record.fixed.begin(), record.fixed.end(), [](char fixed) { return fixed != 0; }));
   }
   return count;
 }
@@ -197,7 +239,9 @@ void Problem::removeVariable(int variable) {
   }
   record.store->release(record.slot);
   record = VariableRecord{};
-  std::erase(constrained_, variable);
+  constrained_.set(variable, false);
+  bounded_.set(variable, false);
+  if (uses_) uses_->at(variable) = {};
   free_.push_back(variable);
   ++structure_revision_;
 }
@@ -243,7 +287,32 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   }();
   for (const int variable : variables) ++table_[at(variable)].uses;
   ++structure_revision_;
+  noteUse(pool, ref, variables.data(), type.arity);
   return {pool, ref};
+}
+
+void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const {
+  if (!uses_) return;
+  try {
+    for (int k = 0; k < arity; ++k) {
+      if (std::find(variables, variables + k, variables[k]) == variables + k) uses_->add(variables[k], {pool, ref});
+    }
+  } catch (...) {
+    uses_ = detail::Hidden<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
+  }
+}
+
+const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
+  if (!uses_) {
+    uses_ = detail::Hidden<Uses>(new Uses);
+    for (const auto& pool : pools_) {
+      for (int i = 0; i < pool->size(); ++i) noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());
+    }
+  }
+  if (!uses_) throw std::bad_alloc();
+  Uses::OfVariable& uses = uses_->at(variable);
+  Uses::tidy(uses);
+  return uses.all;
 }
 
 std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {

@@ -85,6 +85,21 @@ TEST(Outliers, StatisticAndEffectAreThoseOfLeavingTheMeasurementOut) {
 }
 
 /// Probabilities of good measurements are uniform, and a whole problem has suspects as rarely as it should.
+TEST(Outliers, EffectIsInStandardDeviationsAsSigmaSays) {
+  Parabola all(1, 6, 0.3);  // three times as uncertain as stated
+  all.insert();
+  all.est.setSigma(slom::Sigma::estimated);
+  const slom::OutlierReport report = all.est.outliers({.worst = 100});
+  ASSERT_GT(report.variance_factor, 2);
+  for (const slom::MeasurementCheck& check : report.groups[0].worst) {
+    Parabola rest(1, 6, 0.3);
+    rest.insert(std::stoi(check.measurement.substr(check.measurement.find('#') + 1)) - 1);
+    const Eigen::Vector3d moved = *rest.c - *all.c;
+    const Eigen::MatrixXd C = all.est.covariance(all.c);
+    EXPECT_NEAR(check.effect, std::sqrt(moved.dot(C.inverse() * moved)), 1e-7) << check.measurement;
+  }
+}
+
 TEST(Outliers, AreAsRareAsTheirSignificanceSays) {
   double sum = 0;
   int count = 0, with_suspects = 0;

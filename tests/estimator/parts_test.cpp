@@ -190,7 +190,7 @@ TEST(Bounds, AreKeptAndReported) {
     EXPECT_EQ(summary.active_bounds, std::vector<std::string>{"line.y is at its upper bound 2"});
     EXPECT_NE(slom::report(summary).find("  line.y is at its upper bound 2; standard deviations hold on that condition\n"), std::string::npos);
     EXPECT_EQ(summary.unknowns, 1);
-    EXPECT_EQ(est.getN(), 1);
+    EXPECT_EQ(est.getN(), 2);
     MatrixXd C = MatrixXd::Zero(2, 2);
     C(0, 0) = 1.0 / 3;
     EXPECT_LT((est.covariance(fit.line) - C).norm(), 1e-12);
@@ -206,7 +206,7 @@ TEST(Bounds, AreKeptAndReported) {
     est.bound(fit.line, "y", -1, 1);
     est.bound(fit.line, "x", -std::numeric_limits<double>::infinity(), 0.5);
     summary = est.optimize();
-    EXPECT_EQ(summary.active_bounds, (std::vector<std::string>{"line.y is at its upper bound 1", "line.x is at its upper bound 0.5"}));
+    EXPECT_EQ(summary.active_bounds, (std::vector<std::string>{"line.x is at its upper bound 0.5", "line.y is at its upper bound 1"}));
     EXPECT_EQ(*fit.line, vec2(0.5, 1));
     EXPECT_EQ(est.covariance(fit.line), MatrixXd::Zero(2, 2));
     const double inf = std::numeric_limits<double>::infinity();
@@ -262,6 +262,13 @@ TEST(Bounds, FaultsAreNamed) {
             "[slom.bad-bound] the bound of line.y is [2, 1]; pass a lower limit that is not above the upper one");
   EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", 2, 3); }),
             "[slom.outside-bound] line.y is 1, outside of its bound [2, 3]; give it a value inside, or another bound");
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", inf, inf); }),
+            "[slom.bad-bound] the bound of line.y is [inf, inf], which holds no finite number; pass -infinity and infinity to take a "
+            "bound back");
+  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", -inf, -inf); }),
+            "[slom.bad-bound] the bound of line.y is [-inf, -inf], which holds no finite number; pass -infinity and infinity to take a "
+            "bound back");
   fit.est.bound(fit.line, "y", 0, 2);
   EXPECT_EQ(messageOf([&] { fit.est.reinitRV(fit.line, vec2(0, 5)); }),
             "[slom.outside-bound] line.y is 5, outside of its bound [0, 2]; give it a value inside, or another bound");
@@ -270,6 +277,48 @@ TEST(Bounds, FaultsAreNamed) {
   EXPECT_EQ(messageOf([&] { fit.est.bound(pose, "orient.z", 0, 1); }),
             "[slom.bad-bound] pose.orient.z has no coordinate that could be bounded, as it is part of a rotation or the like; bound "
             "components of vectors, or add a prior");
+}
+
+TEST(Bounds, OfAVariableWithOneComponentNeedNoName) {
+  slom::Estimator est;
+  const double inf = std::numeric_limits<double>::infinity();
+  const auto check = [&](const auto& start, const auto& target) {
+    const auto id = est.insertRV(start);
+    est.prior(id, target, 1);
+    est.bound(id, 0, 2);
+    EXPECT_EQ(est.optimize().active_bounds.size(), 1u);
+    EXPECT_EQ(est.profile(id).upper, 2);
+    est.bound(id, -inf, inf);
+    EXPECT_EQ(est.optimize().active_bounds.size(), 0u);
+    EXPECT_EQ(*id, target);
+  };
+  check(1.0, 3.0);
+  check(mtk::vect<1>(1.0), mtk::vect<1>(3.0));
+  check(Eigen::VectorXd(Eigen::VectorXd::Ones(1)), Eigen::VectorXd(3 * Eigen::VectorXd::Ones(1)));
+}
+
+/// A component that is at its bound is a component: what getN counts does not depend on what was linearised last.
+TEST(Bounds, DoNotChangeTheNumberOfUnknowns) {
+  slom::Estimator est;
+  const auto x = est.insertRV(vec2(1, 1), "x");
+  est.prior(x, vec2(5, 1), 1);
+  est.bound(x, "x", 0, 2);
+  EXPECT_EQ(est.getN(), 2);
+  const slom::Summary summary = est.optimize();
+  ASSERT_EQ(summary.active_bounds.size(), 1u);
+  EXPECT_EQ(summary.unknowns, 1);
+  EXPECT_EQ(summary.redundancy, 1);
+  EXPECT_EQ(est.getN(), 2);
+  est.covariance(x);
+  EXPECT_EQ(est.getN(), 2);
+  est.fix(x, "y");
+  EXPECT_EQ(est.getN(), 1);
+  est.fix(x, "x");
+  EXPECT_EQ(est.getN(), 0);
+  est.free(x);
+  EXPECT_EQ(est.getN(), 2);
+  est.optimizeRV(x, false);
+  EXPECT_EQ(est.getN(), 0);
 }
 
 TEST(Priors, AreMeasurementsThatCanBeTakenBack) {

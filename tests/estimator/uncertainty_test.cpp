@@ -211,6 +211,42 @@ TEST(Profile, OfACurveIsLopsided) {
   EXPECT_NEAR(open.profile(x).lower, 1 / (1 + 1.959963984540054), 1e-6);
 }
 
+/// r = (x - z) / sigma has its interval in closed form: z +- 1.96 sigma, cut by the bound; from a bound b that z is beyond,
+/// (t - z)^2 - (b - z)^2 = (1.96 sigma)^2.
+TEST(Profile, EndsAtBounds) {
+  const double q = 1.959963984540054, inf = std::numeric_limits<double>::infinity();
+  struct Case {
+    double z, lower, upper, expected_lower, expected_upper;
+  };
+  const Case cases[] = {{1, 0, 10, 0, 1 + q},                                         // cut below
+                        {9, 0, 10, 9 - q, 10},                                        // cut above
+                        {0.5, 0, 1, 0, 1},                                            // cut on both sides
+                        {5, 0, 10, 5 - q, 5 + q},                                     // far from both
+                        {-1, 0, 10, 0, -1 + std::sqrt(1 + q * q)},                    // at the lower one
+                        {12, 0, 10, 12 - std::sqrt(4 + q * q), 10},                   // at the upper one
+                        {-1, 0, inf, 0, -1 + std::sqrt(1 + q * q)},                   // no other
+                        {-1, 0, 0.5, 0, 0.5},                                         // at one, cut at the other
+                        {3, 4, 4, 4, 4}};                                             // held by both
+  for (const Case& c : cases) {
+    slom::Estimator est;
+    const auto x = est.insertRV(std::clamp(5.0, c.lower, c.upper), "x"), y = est.insertRV(0.0, "y");
+    est.insertMeasurement([z = c.z](const auto& v) { return v - z; }, x);
+    est.insertMeasurement([](const auto& v, const auto& w) { return v + w - 3.0; }, x, y);
+    est.bound(x, c.lower, c.upper);
+    ASSERT_TRUE(est.optimize().converged);
+    const double fitted = *x, other = *y;
+    const slom::ProfileInterval interval = est.profile(x);
+    EXPECT_NEAR(interval.value, std::clamp(c.z, c.lower, c.upper), 1e-9);
+    EXPECT_NEAR(interval.lower, c.expected_lower, 1e-6) << c.z << " in [" << c.lower << ", " << c.upper << "]";
+    EXPECT_NEAR(interval.upper, c.expected_upper, 1e-6) << c.z << " in [" << c.lower << ", " << c.upper << "]";
+    EXPECT_EQ(*x, fitted);
+    EXPECT_EQ(*y, other);
+    const slom::Summary again = est.optimize();  // the bound is still there
+    EXPECT_EQ(again.active_bounds.size(), c.z < c.lower || c.z > c.upper ? 1u : 0u) << c.z;
+    EXPECT_EQ(*x, fitted);
+  }
+}
+
 TEST(Profile, FaultsAreNamed) {
   slom::Estimator est;
   const auto pose = est.insertRV(SE3(), "pose");

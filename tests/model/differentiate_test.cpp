@@ -57,6 +57,23 @@ TEST(CentralDifferences, WorkFarFromTheOrigin) {
   EXPECT_LT(relativeError(p.jacobian(), Eigen::RowVector2d(-0.6, -0.8)), 3e-6);
 }
 
+/// A sine of a large argument still bends over lengths of 1. Differences of plain steps are as good as the argument is exact.
+TEST(CentralDifferences, FollowPeriodicFunctionsOfLargeArguments) {
+  for (const double x : {3.0, 100.0, 1e4, 1e6 + 0.3, 1e8 + 0.7}) {
+    for (const bool extrapolate : {false, true}) {
+      Problem p;
+      const auto id = p.est.insertRV(x);
+      const auto wave = [](const double& v) { return std::sin(v); };
+      if (extrapolate) {
+        p.est.insertMeasurement(slom::numeric(wave, slom::Richardson()), id);
+      } else {
+        p.est.insertMeasurement(slom::numeric(wave), id);
+      }
+      EXPECT_LT(relativeError(p.jacobian(), MatrixXd::Constant(1, 1, std::cos(x))), 3e-6 * std::max(1.0, x / 1e6)) << x << ", " << extrapolate;
+    }
+  }
+}
+
 TEST(CentralDifferences, StayInsideTheDomainWhereTheyCan) {
   Problem p;
   const auto id = p.est.insertRV(1e-7);

@@ -22,11 +22,15 @@ struct GroupDerivativeCheck {
   double reference = 0;     ///< the entry by differences
   double error = 0;         ///< |used - reference| / largest entry of that variable's block in this measurement
   std::string guess;        ///< at the cause, a sentence; empty when the entries agree
+
+  /// `the given derivative of residual 0 of level #3 by x is -2, differences give 2: the sign is wrong`
+  std::string sentence() const;
 };
 
 struct DerivativeCheck {
   /// Differences of functions of ordinary size are right to about eight digits.
   static constexpr double kTolerance = 1e-5;
+  static constexpr double kDoubtful = 1e-3;  ///< what findWrongDerivatives reports
 
   std::vector<GroupDerivativeCheck> groups;  ///< those that have free variables
 
@@ -41,5 +45,10 @@ std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check);
 /// Evaluates measurements at the current values and differentiates them by extrapolated central differences: all, or so many of
 /// each group, spread over it evenly.
 DerivativeCheck compareDerivatives(Problem& problem, int most_of_group = std::numeric_limits<int>::max());
+
+/// The groups whose derivatives are given by hand and are wrong beyond doubt, looking at so many measurements of each: by more than
+/// kDoubtful, and by more than five times what central, extrapolated and one-sided differences differ among themselves. So neither noise
+/// nor kinks nor the ends of a function's domain make a good derivative look wrong.
+DerivativeCheck findWrongDerivatives(Problem& problem, int most_of_group);
 
 }  // namespace slom

@@ -6,14 +6,15 @@
 namespace slom::detail {
 
 /// Owns a T that is no complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred
-/// or so templates, which every program that includes the header would compile again for each T.
-template <class T>
+/// or so templates, which every program that includes the header would compile again for each T. OnEmpty is called when it is
+/// used after it was moved from, and throws.
+template <class T, void (*OnEmpty)() = nullptr>
 class Hidden {
  public:
   explicit Hidden(T* owned) : owned_(owned) {}
   Hidden(Hidden&& other) noexcept : owned_(std::exchange(other.owned_, nullptr)) {}
   Hidden& operator=(Hidden&& other) noexcept {
-    std::swap(owned_, other.owned_);
+    if (this != &other) delete std::exchange(owned_, std::exchange(other.owned_, nullptr));
     return *this;
   }
   ~Hidden() {
@@ -21,8 +22,14 @@ class Hidden {
     delete owned_;
   }
 
-  T* operator->() const { return owned_; }
-  T& operator*() const { return *owned_; }
+  T* operator->() const {
+    if constexpr (OnEmpty != nullptr) {
+      if (owned_ == nullptr) OnEmpty();
+    }
+    return owned_;
+  }
+  T& operator*() const { return *operator->(); }
+  explicit operator bool() const { return owned_ != nullptr; }
 
  private:
   T* owned_;

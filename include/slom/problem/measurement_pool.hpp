@@ -36,17 +36,31 @@ struct VariableRecord {
   long serial = 0;   ///< running number of insertion
   std::string name;  ///< the user's, may be empty
   std::vector<char> fixed;             ///< by component; empty: none of them by itself
-  std::vector<ComponentBound> bounds;  ///< at most one for each component
+  std::vector<ComponentBound> bounds;  ///< at most one for each component, by component
 
   bool isConstrained() const { return !fixed.empty() || !bounds.empty(); }
+  /// Null without one.
+  const ComponentBound* boundOf(int component) const {
+    std::size_t first = 0, last = bounds.size();
+    while (first < last) {
+      const std::size_t middle = (first + last) / 2;
+      (bounds[middle].component < component ? first : last) = bounds[middle].component < component ? middle + 1 : middle;
+    }
+    return first < bounds.size() && bounds[first].component == component ? &bounds[first] : nullptr;
+  }
   /// Fixed, or held at a bound.
   bool isHeld(int component) const {
     if (!fixed.empty() && fixed[static_cast<std::size_t>(component)] != 0) return true;
-    for (const ComponentBound& bound : bounds) {
-      if (bound.component == component && bound.is_active) return true;
-    }
-    return false;
+    const ComponentBound* const bound = boundOf(component);
+    return bound != nullptr && bound->is_active;
   }
+};
+
+/// How differences approximate derivatives by a component, with steps h.
+enum class Differences {
+  central,       ///< (f(x + h) - f(x - h)) / 2h
+  extrapolated,  ///< central ones of two steps, larger: an error of order h^4 in place of h^2
+  forward,       ///< (f(x + h) - f(x)) / h: not the same where f has a kink
 };
 
 /// A user's function threw: which measurement of the pool, and what.
@@ -119,14 +133,20 @@ class MeasurementPool {
   void evaluateRaw(int i, double* r);
   /// Residual and Jacobian of one measurement in its own units; columns of fixed variables may be left as they are.
   void linearizeRaw(int i, double* r, double* J);
-  /// The same by extrapolated central differences.
-  void differenceRaw(int i, double* r, double* J);
+  /// The same by differences.
+  void differenceRaw(int i, double* r, double* J, Differences kind = Differences::extrapolated);
 
   /// Moves `measurement`, which is of the pool's type, into the pool. Throws, with nothing changed, for bad noise, a bad
   /// loss or when a residual of run-time length cannot be evaluated.
   SlotRef insert(void* measurement, const int* variables, const NoiseView& noise, const Loss& loss);
   /// Index of the measurement with this handle; throws [slom.stale-handle].
   int indexOf(SlotRef ref) const;
+  /// Whether a measurement has this handle.
+  bool has(SlotRef ref) const {
+    return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && index_of_slot_[ref.slot] >= 0;
+  }
+  /// The handle of measurement i.
+  SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
   /// Removes measurement i; the last one takes its place.
   void remove(int i);
 
@@ -149,8 +169,8 @@ class MeasurementPool {
   /// Variable k of measurement i.
   virtual VariableArgument& argument(int i, int k) = 0;
 
-  /// Residual and central differences by the free variables of measurement i. Returns what evaluateOne does.
-  int differentiate(int i, int rows, double* r, double* J, bool extrapolate);
+  /// Residual and differences by the free variables of measurement i. Returns what evaluateOne does.
+  int differentiate(int i, int rows, double* r, double* J, Differences kind);
 
  private:
   int sumOfDof(int i) const;
@@ -294,7 +314,7 @@ class TypedPool final : public MeasurementPool {
     if constexpr (requires { measurement.linearize(rows, r, J); }) {
       return measurement.linearize(rows, r, J);
     } else {
-      return differentiate(i, rows, r, J, requires { requires M::richardson; });
+      return differentiate(i, rows, r, J, requires { requires M::richardson; } ? Differences::extrapolated : Differences::central);
     }
   }
 

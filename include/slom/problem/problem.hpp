@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "slom/model/hidden.hpp"
+#include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
 #include "slom/problem/measurement_pool.hpp"
 
@@ -16,7 +18,8 @@ namespace slom {
 
 class Problem {
  public:
-  Problem() = default;
+  Problem();
+  ~Problem();
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
@@ -45,10 +48,12 @@ class Problem {
   /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
   /// Table indices of variables with fixed or bounded components, ascending.
-  const std::vector<int>& constrained() const { return constrained_; }
-  bool hasBounds() const;
+  const IndexSet& constrained() const { return constrained_; }
+  bool hasBounds() const { return !bounded_.empty(); }
   /// Number of components of optimised variables that are fixed or at a bound.
   int heldCount() const;
+  /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
+  int freeCount() const;
   ComponentBound& bound(int variable, std::size_t i) { return table_[static_cast<std::size_t>(variable)].bounds[i]; }
   /// Throws [slom.variable-in-use] when measurements depend on it.
   void removeVariable(int variable);
@@ -77,6 +82,12 @@ class Problem {
     return locate(id.pool_, id.ref_);
   }
   void removeMeasurement(MeasurementPool& pool, int i);
+  /// Calls f(pool, i) for each measurement that depends on the variable. The first call looks through all measurements; from then on
+  /// the table is kept, and a call takes time in proportion to what it finds.
+  template <class F>
+  void forEachUse(int variable, const F& f) const {
+    for (const Use& use : usesOf(variable)) f(*use.pool, use.pool->indexOf(use.ref));
+  }
   /// `pose[3] = (1 2 0.5), pose[4] = (...)`: the variables of a measurement and their values.
   std::string valuesText(const int* variables, int arity) const;
   /// Throws [slom.measurement-threw], which names the measurement; the user's own exception is nested in it.
@@ -127,6 +138,15 @@ class Problem {
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
                                                          VariableArgument* const* arguments, const NoiseView& noise,
                                                          std::string_view label, const Loss& loss);
+  /// A measurement, wherever it lies.
+  struct Use {
+    MeasurementPool* pool;
+    SlotRef ref;
+  };
+  struct Uses;
+  /// Of a variable, in no order that is to be relied on.
+  const std::vector<Use>& usesOf(int variable) const;
+  void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
   void bookConstraint(int variable);
@@ -140,7 +160,8 @@ class Problem {
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
-  std::vector<int> constrained_;
+  IndexSet constrained_, bounded_;  // by table index: with fixed or bounded components; with bounds
+  mutable detail::Hidden<Uses> uses_;  // of variables by measurements, once somebody has asked
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;

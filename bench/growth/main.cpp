@@ -1,0 +1,140 @@
+// Does each call on one variable take time in proportion to what it touches, whatever the size of the problem?
+//
+//   bench_growth [MOST]      problems of 10^3, 10^4, ... up to MOST variables, 10^6 by default
+//
+// Chains of points, each measured from its neighbour. Prints nanoseconds a call for each size, and for diagnose() how many
+// iterations of the fit it takes. Ends with status 1 when a call takes more than eight times as long in the largest problem as
+// in one of 10^4 variables; caches account for some of that.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <slom/archive.hpp>
+#include <slom/measurements/prior.hpp>
+#include <slom/slom.hpp>
+
+namespace {
+
+using Point = mtk::vect<2>;
+using Id = slom::VarID<Point>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMostGrowth = 8;
+
+struct Step {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& a, const auto& b) const { return mtk::vector(b[0] - a[0], b[1] - a[1]); }
+};
+using StepId = slom::MeasID<slom::CallableMeasurement<Step, Id, Id, slom::Measured<Point>>>;
+
+struct Chain {
+  slom::Estimator est;
+  std::vector<Id> points;
+  std::vector<StepId> steps;
+  explicit Chain(int size) {
+    for (int i = 0; i < size; ++i) points.push_back(est.insertRV(Point(i, 0), "p" + std::to_string(i)));
+    est.prior(points[0], Point(), 1);
+    for (int i = 1; i < size; ++i) {
+      steps.push_back(est.insertMeasurement(Step(), points[std::size_t(i - 1)], points[std::size_t(i)], slom::measured(Point(1, 0.1))));
+    }
+  }
+};
+
+template <class F>
+double seconds(const F& f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Nanoseconds for each variable.
+template <class F>
+double perCall(const std::vector<Id>& points, const F& f) {
+  return 1e9 * seconds([&] {
+    for (const Id& point : points) f(point);
+  }) / static_cast<double>(points.size());
+}
+
+/// Names and times of all calls at this size.
+std::vector<std::pair<std::string, double>> measure(int size) {
+  Chain chain(size);
+  slom::Estimator& est = chain.est;
+  std::vector<std::pair<std::string, double>> times;
+  double sum = 0;
+  const auto add = [&](const char* name, const auto& f) { times.emplace_back(name, perCall(chain.points, f)); };
+  add("fix(id, \"x\")", [&](const Id& id) { est.fix(id, "x"); });
+  add("free(id, \"x\")", [&](const Id& id) { est.free(id, "x"); });
+  add("fix(id)", [&](const Id& id) { est.fix(id); });
+  add("free(id)", [&](const Id& id) { est.free(id); });
+  add("bound(id, \"y\", -1, inf)", [&](const Id& id) { est.bound(id, "y", -1, kInfinity); });
+  add("reinitRV", [&](const Id& id) { est.reinitRV(id, *id); });
+  add("bound(id, \"y\", -inf, inf)", [&](const Id& id) { est.bound(id, "y", -kInfinity, kInfinity); });
+  est.getRSS(chain.points[0]);  // makes its table
+  add("getRSS(id)", [&](const Id& id) { sum += est.getRSS(id); });
+  add("prior, getRSS(id), removed", [&](const Id& id) {
+    const auto prior = est.prior(id, Point(), 1);
+    sum += est.getRSS(id);
+    est.removeMeasurement(prior);
+  });
+  add("insertRV, removeRV", [&](const Id& id) { est.removeRV(est.insertRV(Point(*id))); });
+
+  slom::Archive archive;
+  archive.measurement<slom::Prior, Id, slom::Measured<Point>>();
+  archive.measurement<Step, Id, Id, slom::Measured<Point>>();
+  std::stringstream file;
+  archive.save(est, file);
+  const slom::StoredProblem stored = archive.load(file);
+  int next = 0;
+  add("variable(name)", [&](const Id&) { sum += (*stored.variable<Point>("p" + std::to_string(next++)))[0]; });
+  if (!(sum < kInfinity)) std::printf("a sum is not finite\n");
+  return times;
+}
+
+/// Seconds of an iteration, and of diagnose().
+std::pair<double, double> diagnosis(int size) {
+  Chain chain(size);
+  slom::Options options;
+  options.max_iterations = 1;
+  chain.est.optimize(options);
+  const double iteration = seconds([&] {
+    chain.est.reinitRV(chain.points[0], Point(1, 1));
+    chain.est.optimizeStep();
+  });
+  return {iteration, seconds([&] { chain.est.diagnose(); })};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int most = argc > 1 ? std::atoi(argv[1]) : 1'000'000;
+  std::vector<int> sizes;
+  for (long size = 1000; size <= most; size *= 10) sizes.push_back(static_cast<int>(size));
+  std::vector<std::vector<std::pair<std::string, double>>> columns;
+  std::printf("| ns a call |");
+  for (const int size : sizes) {
+    columns.push_back(measure(size));
+    std::printf(" %d |", size);
+  }
+  std::printf("\n| --- |");
+  for (std::size_t i = 0; i < sizes.size(); ++i) std::printf(" --- |");
+  bool grows = false;
+  for (std::size_t row = 0; !columns.empty() && row < columns[0].size(); ++row) {
+    std::printf("\n| %s |", columns[0][row].first.c_str());
+    for (const auto& column : columns) std::printf(" %.0f |", column[row].second);
+    if (columns.size() > 2 && columns.back()[row].second > kMostGrowth * columns[1][row].second) {
+      std::printf(" grows");
+      grows = true;
+    }
+  }
+  std::printf("\n| diagnose(), in iterations |");
+  for (const int size : sizes) {
+    const auto [iteration, diagnose] = diagnosis(size);
+    std::printf(" %.1f (of %.3g s) |", diagnose / iteration, iteration);
+  }
+  std::printf("\n");
+  return grows ? 1 : 0;
+}

@@ -1,0 +1,61 @@
+/// A set of small numbers, in ascending order: a bit for each number up to the largest. Putting in and taking out cost the same
+/// whatever the size of the set.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace slom {
+
+class IndexSet {
+ public:
+  class Iterator {
+   public:
+    Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) { skipEmptyWords(); }
+    int operator*() const { return static_cast<int>(64 * word_) + std::countr_zero(rest_); }
+    Iterator& operator++() {
+      rest_ &= rest_ - 1;
+      if (rest_ == 0) {
+        ++word_;
+        skipEmptyWords();
+      }
+      return *this;
+    }
+    bool operator==(const Iterator& other) const { return word_ == other.word_ && rest_ == other.rest_; }
+
+   private:
+    void skipEmptyWords() {
+      while (word_ < words_->size() && (*words_)[word_] == 0) ++word_;
+      rest_ = word_ < words_->size() ? (*words_)[word_] : 0;
+    }
+    const std::vector<std::uint64_t>* words_;
+    std::size_t word_;
+    std::uint64_t rest_ = 0;  // of this word, the number the iterator is at lowest
+  };
+
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  Iterator begin() const { return {words_, empty() ? words_.size() : 0}; }
+  Iterator end() const { return {words_, words_.size()}; }
+
+  /// Puts i in (or takes it out); nothing happens when it is there already (or is not).
+  void set(int i, bool is_in) {
+    const std::size_t word = static_cast<std::size_t>(i) / 64;
+    const std::uint64_t bit = std::uint64_t{1} << (static_cast<std::size_t>(i) % 64);
+    if (word >= words_.size()) {
+      if (!is_in) return;
+      words_.resize(word + 1, 0);
+    }
+    if (((words_[word] & bit) != 0) == is_in) return;
+    words_[word] ^= bit;
+    size_ = is_in ? size_ + 1 : size_ - 1;
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace slom

@@ -1,0 +1,29 @@
+#include "analyze/given_derivatives.hpp"
+
+#include "slom/analyze/derivative_check.hpp"
+
+namespace slom {
+
+namespace {
+
+/// Of each group. Left and right, say, cannot be told apart at every value.
+constexpr int kMeasurements = 4;
+
+}  // namespace
+
+void GivenDerivatives::check(Problem& problem, std::vector<std::string>& warnings) {
+  if (checked_at_ != problem.structureRevision()) {
+    checked_at_ = problem.structureRevision();
+    found_.clear();
+    try {
+      for (const GroupDerivativeCheck& group : findWrongDerivatives(problem, kMeasurements).groups) {
+        found_.push_back(group.sentence() + "; with wrong derivatives a fit ends elsewhere, or has wrong standard deviations: "
+                                            "checkDerivatives() compares them all");
+      }
+    } catch (...) {  // a function that throws next to the fit: nothing can be said
+    }
+  }
+  warnings.insert(warnings.end(), found_.begin(), found_.end());
+}
+
+}  // namespace slom
