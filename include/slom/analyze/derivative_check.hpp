@@ -48,7 +48,7 @@ DerivativeCheck compareDerivatives(Problem& problem, int most_of_group = std::nu
 
 /// The groups whose derivatives are given by hand and are wrong beyond doubt, looking at so many measurements of each: by more than
 /// kDoubtful, and by more than five times what central, extrapolated and one-sided differences differ among themselves. So neither noise
-/// nor kinks nor the ends of a function's domain make a good derivative look wrong.
+/// nor kinks, steps and ends of a function's domain make a good derivative look wrong.
 DerivativeCheck findWrongDerivatives(Problem& problem, int most_of_group);
 
 }  // namespace slom

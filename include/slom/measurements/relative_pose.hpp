@@ -13,6 +13,7 @@
 
 #include <string_view>
 
+#include "mtk/types/trafo.hpp"
 #include "slom/measurements/point.hpp"
 
 namespace slom {

@@ -124,7 +124,11 @@ constexpr void requireArgument() {
 template <class F, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
-    if constexpr (Parameters<F>::known) {
+    constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
+    static_assert(!is_mutable, "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
+                               "write `const` behind the parameters of operator()");
+    if constexpr (is_mutable) {
+    } else if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;
       constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
       static_assert(right_number, "slom: the measurement function takes another number of arguments: it gets one for each "
@@ -324,6 +328,8 @@ class CallableMeasurement {
   using Passed = typename detail::Join<typename detail::Argument<Args>::Passed...>::type;
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
+  static_assert((int{detail::is_measured<Args>} + ... + 0) <= 1,
+                "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
   static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
   using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));

@@ -1,0 +1,10 @@
+// expect: slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or write `const` behind the parameters of operator
+#include <slom/slom.hpp>
+
+void f(slom::Estimator& est, slom::VarID<double> x) {
+#ifdef MUST_FAIL
+  est.insertMeasurement([calls = 0](double v) mutable { return v + 0 * ++calls; }, x);
+#else
+  est.insertMeasurement([calls = 0](double v) { return v + calls; }, x);
+#endif
+}

@@ -1,0 +1,13 @@
+// expect: slom: what follows the measurement says how uncertain it is \(Covariance, StandardDeviation, InvCovariance or InvStandardDeviation\), which loss it has \(Huber, ...\) or how it is called
+#include <slom/slom.hpp>
+
+SLOM_BUILD_MEASUREMENT(Level, 1, ((double, x)), ((double, z)))
+SLOM_IMPLEMENT_MEASUREMENT(Level, ret) { ret[0] = *x - z; }
+
+void f(slom::Estimator& est, slom::VarID<double> x) {
+#ifdef MUST_FAIL
+  est.insertMeasurement(Level(x, 1.0), "level");
+#else
+  est.insertMeasurement(Level(x, 1.0), slom::named("level"));
+#endif
+}
