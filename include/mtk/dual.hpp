@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <concepts>
@@ -196,6 +197,22 @@ SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b,
           }};
 }
 
+/// The same where da or db may be infinite or not exist.
+template <class S, std::uint64_t A, std::uint64_t B>
+SparseDual<S, A | B> chainOrZero(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da, const S& db) {
+  const SparseDual<S, A> by_a(f, [&] { return scaledOrZero(da, a.partials()); });
+  const SparseDual<S, B> by_b(S(0), [&] { return scaledOrZero(db, b.partials()); });
+  return by_a + by_b;
+}
+
+/// The reciprocal, the largest number where there is none.
+template <class S>
+S boundedReciprocal(const S& x) {
+  const S limit(std::numeric_limits<built_in_t<S>>::max());
+  const S reciprocal = S(1) / x;
+  return select(reciprocal <= limit, reciprocal, limit);
+}
+
 }  // namespace detail
 
 template <class S, std::uint64_t C>
@@ -355,10 +372,23 @@ SparseDual<S, C> abs2(const SparseDual<S, C>& a) {
 /// At (0, 0), where there is none, the derivative is zero.
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> atan2(const SparseDual<S, A>& y, const SparseDual<S, B>& x) {
+  using std::abs;
   using std::atan2;
   const S square = y.value() * y.value() + x.value() * x.value();
-  const S inverse = select(square > S(0), S(S(1) / square), S(0));
-  return detail::chain(y, x, S(atan2(y.value(), x.value())), S(x.value() * inverse), S(-y.value() * inverse));
+  const auto [by_y, by_x] = detail::branch(
+      square > S(1e-30) && square < S(1e30),  // in reach of float, too
+      [&] {
+        const S inverse = S(1) / square;
+        return std::array<S, 2>{x.value() * inverse, -y.value() * inverse};
+      },
+      [&] {  // squares may be 0 or infinite
+        const S a = abs(y.value()), b = abs(x.value()), largest = select(a > b, a, b);
+        const S size = select(largest > S(0), largest, S(1));
+        const S u = x.value() / size, v = y.value() / size, norm = (u * u + v * v) * size;
+        const S inverse = select(norm > S(0), detail::boundedReciprocal(norm), S(0));
+        return std::array<S, 2>{u * inverse, -v * inverse};
+      });
+  return detail::chain(y, x, S(atan2(y.value(), x.value())), by_y, by_x);
 }
 template <class S, std::uint64_t C, detail::ConstantFor<S> T>
 SparseDual<S, C> atan2(const SparseDual<S, C>& y, const T& x) {
@@ -374,8 +404,23 @@ template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> hypot(const SparseDual<S, A>& x, const SparseDual<S, B>& y) {
   using std::hypot;
   const S f = hypot(x.value(), y.value());
-  const S inverse = select(f > S(0), S(S(1) / f), S(0));
-  return detail::chain(x, y, f, S(x.value() * inverse), S(y.value() * inverse));
+  const S size = select(f > S(0), f, S(1));
+  return detail::chain(x, y, f, S(x.value() / size), S(y.value() / size));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> hypot(const SparseDual<S, C>& x, const T& y) {
+  return hypot(x, SparseDual<S, C>(y));
+}
+template <class S, std::uint64_t C, detail::ConstantFor<S> T>
+SparseDual<S, C> hypot(const T& x, const SparseDual<S, C>& y) {
+  return hypot(SparseDual<S, C>(x), y);
+}
+
+/// The angle in [-pi, pi) that differs by whole turns, exact for angles of any size.
+template <class S, std::uint64_t C>
+SparseDual<S, C> reducedAngle(const SparseDual<S, C>& a) {
+  using detail::reducedAngle;
+  return {reducedAngle(a.value()), a.partials()};
 }
 
 template <class S, std::uint64_t C, detail::ConstantFor<S> T>
@@ -390,7 +435,7 @@ SparseDual<S, C> pow(const T& base, const SparseDual<S, C>& exponent) {
   using std::log;
   using std::pow;
   const S f = pow(S(base), exponent.value());
-  return detail::chain(exponent, f, select(f == S(0), S(0), S(f * log(S(base)))));
+  return detail::chainOrZero(exponent, f, select(f == S(0), S(0), S(f * log(S(base)))));
 }
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> pow(const SparseDual<S, A>& base, const SparseDual<S, B>& exponent) {
@@ -398,7 +443,8 @@ SparseDual<S, A | B> pow(const SparseDual<S, A>& base, const SparseDual<S, B>& e
   using std::pow;
   const S f = pow(base.value(), exponent.value());
   const S slope = select(exponent.value() == S(0), S(0), S(exponent.value() * pow(base.value(), S(exponent.value() - S(1)))));
-  return detail::chain(base, exponent, f, slope, select(f == S(0), S(0), S(f * log(base.value()))));
+  // Of a negative base there is no derivative by the exponent; one that does not move does without.
+  return detail::chainOrZero(base, exponent, f, slope, select(f == S(0), S(0), S(f * log(base.value()))));
 }
 
 template <class S, std::uint64_t C>

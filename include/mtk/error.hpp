@@ -1,6 +1,8 @@
 /// The exception of the project: a stable id, the subject, its value and the remedy, in one sentence.
 #pragma once
 
+#include <cstdio>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,6 +21,21 @@ class Error : public std::runtime_error {
   std::string id_;
 };
 
+namespace detail {
+
+/// Throws an error whose sentence has numbers in its middle: `before`(1, 2.5, 0)`after`.
+[[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before, std::initializer_list<double> numbers,
+                                                                   const char* after) {
+  std::string text = before;
+  for (const double& x : numbers) {
+    char number[40];
+    std::snprintf(number, sizeof number, "%.6g", x);
+    text += (&x == numbers.begin() ? "(" : ", ") + std::string(x != x ? "nan" : number);
+  }
+  throw Error(id, text + ")" + after);
+}
+
+}  // namespace detail
 }  // namespace mtk
 
 namespace MTK = mtk;

@@ -328,10 +328,27 @@ template <int W>
 Pack<W> pow(const Pack<W>& x, const Pack<W>& y) {
   return detail::laneByLane(x, y, [](double a, double b) { return std::pow(a, b); });
 }
-template <int W, class T>
-  requires std::is_arithmetic_v<T>
-Pack<W> pow(const Pack<W>& x, const T& y) {
-  return pow(x, Pack<W>(y));
+// With a number that is the same for all lanes.
+#define MTK_PACK_AND_NUMBER(name)                 \
+  template <int W, class T>                       \
+    requires std::is_arithmetic_v<T>              \
+  Pack<W> name(const Pack<W>& x, const T& y) {    \
+    return name(x, Pack<W>(y));                   \
+  }                                               \
+  template <int W, class T>                       \
+    requires std::is_arithmetic_v<T>              \
+  Pack<W> name(const T& x, const Pack<W>& y) {    \
+    return name(Pack<W>(x), y);                   \
+  }
+MTK_PACK_AND_NUMBER(pow)
+MTK_PACK_AND_NUMBER(atan2)
+MTK_PACK_AND_NUMBER(hypot)
+#undef MTK_PACK_AND_NUMBER
+
+/// The angle in [-pi, pi) that differs by whole turns, exact for angles of any size.
+template <int W>
+Pack<W> reducedAngle(const Pack<W>& a) {
+  return detail::laneByLane(a, [](double t) { return detail::reducedAngle(t); });
 }
 
 }  // namespace mtk

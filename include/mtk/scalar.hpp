@@ -2,9 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <type_traits>
+
+#include "mtk/error.hpp"
 
 namespace mtk {
 
@@ -126,6 +130,36 @@ auto branch(const Condition& condition, const Yes& yes, const No& no) {
     if (!any(condition)) return no();
     return selectResult(condition, yes(), no());
   }
+}
+
+/// Whether the condition holds, in all lanes of a pack.
+template <class Condition>
+bool allOf(const Condition& condition) {
+  if constexpr (std::is_same_v<Condition, bool>) {
+    return condition;
+  } else {
+    return all(condition);
+  }
+}
+/// The number itself, or that of the pack's first lane in which the condition does not hold.
+template <class Condition, class S>
+double firstWithout(const Condition& condition, const S& x) {
+  if constexpr (std::is_same_v<Condition, bool>) {
+    return static_cast<double>(x);
+  } else {
+    int lane = 0;
+    while (condition[lane]) ++lane;
+    return x[lane];
+  }
+}
+
+/// The angle in [-pi, pi) that differs from `a` by whole turns, exact for angles of any size; NaN for infinite ones.
+template <class S>
+  requires std::is_floating_point_v<S>
+S reducedAngle(const S& a) {
+  const S reduced = std::atan2(std::sin(a), std::cos(a));
+  constexpr S half = S(3.141592653589793238462643383279502884L);
+  return reduced >= half ? -half : reduced;
 }
 
 }  // namespace detail

@@ -34,6 +34,24 @@ S checkedWeightSum(std::size_t samples, std::span<const S> weights) {
   if (!(sum > S(0))) throw Error("mtk.bad-weight", "all weights are zero; at least one must be positive");
   return sum;
 }
+
+template <class V>
+bool isFinite(const V& v) {
+  return ((v - v).array() == 0).all();
+}
+/// The sample that differs from itself by NaN, or else the first that differs from the mean by something that is not finite.
+template <class M, class Samples>
+[[noreturn]] void raiseNotFinite(const Samples& samples, const M& mean) {
+  std::size_t found = std::size(samples);
+  for (std::size_t i = 0; i < std::size(samples) && found == std::size(samples); ++i) {
+    if (!isFinite(difference<M>(samples[i], samples[i]))) found = i;
+  }
+  for (std::size_t i = 0; i < std::size(samples) && found == std::size(samples); ++i) {
+    if (!isFinite(difference<M>(samples[i], mean))) found = i;
+  }
+  throw Error("mtk.no-mean", "sample " + std::to_string(found) + " of " + std::to_string(std::size(samples)) +
+                                 " is not finite, or infinitely far from the others; leave such samples out");
+}
 }  // namespace detail
 
 /// The weighted mean. Samples that spread over more than a half circle or half sphere may have several; the
@@ -55,6 +73,7 @@ M weightedMean(const Samples& samples, std::span<const scalar_t<M>> weights = {}
       step += (weights.empty() ? S(1) : weights[i]) * difference<M>(samples[i], mean);
     }
     step /= sum;
+    if (!detail::isFinite(step)) detail::raiseNotFinite<M>(samples, mean);
     boxplus<M>(mean, step);
     magnitudes<M>(scale, mean);
     const S small = S(8) * std::numeric_limits<S>::epsilon();

@@ -228,6 +228,56 @@ TEST(DualNumbers, AreFiniteWhereTheArgumentDoesNotMove) {
   EXPECT_EQ(sqrt(zero).partial(1), 0);
 }
 
+/// Values whose squares are 0 or infinite, and powers of negative numbers.
+TEST(DualNumbers, HaveTheDerivativesThatThereAre) {
+  using D = mtk::Dual<double, 2>;
+  const auto seeded = [](double a, double b) {
+    std::array<D, 2> x;
+    x[0].seed(a, 0);
+    x[1].seed(b, 1);
+    return x;
+  };
+  for (const double size : {1e-300, 1e-170, 1e-150, 1e-20, 1.0, 1e20, 1e150, 1e170, 1e300}) {
+    const auto [y, x] = seeded(3 * size, 4 * size);
+    const D angle = atan2(y, x), length = hypot(y, x);
+    EXPECT_NEAR(angle.partial(0) * size, 0.16, 1e-15) << size;
+    EXPECT_NEAR(angle.partial(1) * size, -0.12, 1e-15) << size;
+    EXPECT_NEAR(length.partial(0), 0.6, 1e-15) << size;
+    EXPECT_NEAR(length.partial(1), 0.8, 1e-15) << size;
+  }
+  const auto [tiny, none] = seeded(1e-170, 1e-170);
+  EXPECT_NEAR(atan2(tiny, none).partial(0) / 5e169, 1, 1e-15);
+  const auto [base, exponent] = seeded(-2, 2);
+  const D square = pow(base, exponent);
+  EXPECT_EQ(square.value(), 4);
+  EXPECT_EQ(square.partial(0), -4);
+  EXPECT_TRUE(std::isnan(square.partial(1))) << "(-2)^y has no derivative by y";
+  EXPECT_EQ(pow(base, D(2)).partial(1), 0);
+  EXPECT_EQ(pow(base, D(-1)).partial(0), -0.25);
+  EXPECT_EQ(pow(-2.0, D(3)).partial(0), 0);
+  EXPECT_EQ(pow(D(0), exponent).partial(1), 0);
+  EXPECT_NEAR(hypot(3.0, seeded(4, 0)[0]).partial(0), 0.8, 1e-15);
+  EXPECT_NEAR(hypot(seeded(4, 0)[0], 3).partial(0), 0.8, 1e-15);
+}
+
+TEST(Packs, TakeNumbersAsBaseAndExponent) {
+  using P = mtk::Pack<4>;
+  P y;
+  for (int lane = 0; lane < 4; ++lane) y.set(lane, lane - 1.5);
+  for (int lane = 0; lane < 4; ++lane) {
+    EXPECT_EQ(pow(2.0, y)[lane], std::pow(2.0, y[lane]));
+    EXPECT_EQ(pow(2, y)[lane], std::pow(2.0, y[lane]));
+    EXPECT_EQ(hypot(y, 2.0)[lane], std::hypot(y[lane], 2.0));
+    EXPECT_NEAR(atan2(1.0, y)[lane], std::atan2(1.0, y[lane]), 1e-15);
+  }
+  using D = mtk::Dual<P, 1>;
+  D x;
+  x.seed(y, 0);
+  for (int lane = 0; lane < 4; ++lane) {
+    EXPECT_NEAR(pow(2.0, x).partial(0)[lane], std::log(2.0) * std::pow(2.0, y[lane]), 1e-15);
+  }
+}
+
 TEST(DualNumbers, WorkInEigenExpressions) {
   const Eigen::Matrix3d A = (Eigen::Matrix3d() << 4, 1, 0, 2, 5, 1, 0, 1, 3).finished();
   expectExact("products, norms, cross products", [&](const auto& v) {

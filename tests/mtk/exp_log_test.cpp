@@ -1,5 +1,7 @@
 // Exponential and logarithm against long double formulas, to 1e-14 relative (double) at easy and hard angles.
+#include <mtk/dual.hpp>
 #include <mtk/mtk.hpp>
+#include <mtk/pack.hpp>
 
 #include <gtest/gtest.h>
 
@@ -7,8 +9,11 @@
 
 #include <Eigen/Geometry>
 
+#include "support/message_of.hpp"
+
 namespace {
 
+using slom::testing::messageOf;
 using Long = long double;
 using LongVector = Eigen::Matrix<Long, 3, 1>;
 constexpr Long kPi = 3.14159265358979323846264338327950288L;
@@ -132,17 +137,87 @@ TEST(S2, OppositeDirectionsArePiApartAlongTheFirstAxis) {
 }
 
 TEST(S2, RefusesAVectorWithoutDirection) {
-  for (const mtk::vect<3>& v : {mtk::vect<3>(0, 0, 0), mtk::vect<3>(NAN, 0, 0), mtk::vect<3>(INFINITY, 0, 0)}) {
-    try {
-      mtk::S2<> direction(v);
-      FAIL();
-    } catch (const mtk::Error& e) {
-      EXPECT_STREQ(e.what(), "[mtk.no-direction] a direction (S2) cannot be made of a vector that is zero or not finite; "
-                             "pass a finite vector of any positive length");
-    }
-  }
+  const auto text = [](const std::string& vector) {
+    return "[mtk.no-direction] a direction (S2) cannot be made of the vector " + vector +
+           ", which is zero or not finite; pass a finite vector of any positive length";
+  };
+  EXPECT_EQ(messageOf([] { mtk::S2<>(mtk::vect<3>(0, 0, 0)); }), text("(0, 0, 0)"));
+  EXPECT_EQ(messageOf([] { mtk::S2<>(mtk::vect<3>(NAN, 0, 1)); }), text("(nan, 0, 1)"));
+  EXPECT_EQ(messageOf([] { mtk::S2<>(mtk::vect<3>(INFINITY, 0, 0)); }), text("(inf, 0, 0)"));
   EXPECT_EQ(mtk::S2<>(0.0, 1e-300, 0.0).y(), 1);
   EXPECT_NEAR(mtk::S2<>(3e300, 4e300, 0.0).x(), 0.6, 1e-15);
+}
+
+TEST(SO3, RefusesWhatIsNoRotation) {
+  const auto text = [](const std::string& q) {
+    return "[mtk.no-rotation] a rotation (SO3) cannot be made of the quaternion (w, x, y, z) = " + q +
+           ", whose length is zero, not finite or far from 1; pass finite coefficients of a length near 1, which are then normalised";
+  };
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(0, 0, 0, 0); }), text("(0, 0, 0, 0)"));
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(1e-200, 0, 1e-200, 0); }), text("(1e-200, 0, 1e-200, 0)"));
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(1e200, 0, 0, 1); }), text("(1e+200, 0, 0, 1)"));
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(1, NAN, 0, 0); }), text("(1, nan, 0, 0)"));
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(1, 0, 0, -INFINITY); }), text("(1, 0, 0, -inf)"));
+  for (const double size : {1e-100, 0.5, 3.0, 1e100}) EXPECT_NEAR(mtk::SO3<>(size, 0, 0, -size).w(), std::sqrt(0.5), 1e-15) << size;
+  EXPECT_THROW((mtk::SO3<float>(1e-30f, 0, 0, 0)), mtk::Error);
+  using P = mtk::Pack<4>;
+  P w(1.0);
+  w.set(2, 0);
+  EXPECT_EQ(messageOf([&] { mtk::SO3<P>(w, P(0.0), P(0.0), P(0.0)); }), text("(0, 0, 0, 0)"));
+  using D = mtk::Dual<double, 1>;
+  EXPECT_EQ(messageOf([&] { mtk::SO3<D>(D(0), D(0), D(0), D(0)); }), text("(0, 0, 0, 0)"));
+}
+
+TEST(SO3, RefusesAMatrixThatIsNoRotation) {
+  const auto text = [](const std::string& rows) {
+    return "[mtk.no-rotation] a rotation (SO3) cannot be made of the matrix with the rows " + rows +
+           ", whose columns are not orthonormal, or left-handed; pass a rotation matrix, or the one nearest to yours, U V^T of its "
+           "singular value decomposition with determinant 1";
+  };
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(Eigen::Matrix3d(Eigen::Matrix3d::Zero())); }), text("(0, 0, 0, 0, 0, 0, 0, 0, 0)"));
+  Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
+  M(2, 2) = -1;
+  EXPECT_EQ(messageOf([&] { mtk::SO3<> R(M); }), text("(1, 0, 0, 0, 1, 0, 0, 0, -1)"));
+  EXPECT_EQ(messageOf([&] { mtk::SO3<> R(Eigen::Matrix3d(2 * Eigen::Matrix3d::Identity())); }), text("(2, 0, 0, 0, 2, 0, 0, 0, 2)"));
+  M(2, 2) = NAN;
+  EXPECT_EQ(messageOf([&] { mtk::SO3<> R(M); }), text("(1, 0, 0, 0, 1, 0, 0, 0, nan)"));
+}
+
+TEST(SO2, RefusesAMatrixThatIsNoRotation) {
+  const auto text = [](const std::string& rows) {
+    return "[mtk.no-rotation] a rotation (SO2) cannot be made of the matrix with the rows " + rows +
+           ", which is a reflection, zero or not finite; pass a rotation matrix";
+  };
+  Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
+  EXPECT_EQ(messageOf([&] { mtk::SO2<> R(M); }), text("(0, 0, 0, 0)"));
+  M << 0, 1, 1, 0;
+  EXPECT_EQ(messageOf([&] { mtk::SO2<> R(M); }), text("(0, 1, 1, 0)"));
+  M(0, 0) = INFINITY;
+  EXPECT_EQ(messageOf([&] { mtk::SO2<> R(M); }), text("(inf, 1, 1, 0)"));
+  M << 0, -3, 3, 0.1;
+  EXPECT_NEAR(mtk::SO2<>(M).angle(), M_PI / 2, 0.02);
+}
+
+/// Against the C library, which reduces arguments of any size exactly.
+TEST(SO2, WrapsAnglesOfAnySize) {
+  using P = mtk::Pack<4>;
+  using D = mtk::Dual<double, 1>;
+  for (double a : {4.0, 100.0, 1234.5, 1e5, 1e8 + 0.1, 1e12, 1e15, 1e16, 3e17, 1e22, 1e100, 1e308}) {
+    for (const double sign : {1.0, -1.0}) {
+      a *= sign;
+      const double wrapped = mtk::SO2<>(a).angle();
+      EXPECT_GE(wrapped, -M_PI);
+      EXPECT_LT(wrapped, M_PI);
+      EXPECT_NEAR(std::sin(wrapped), std::sin(a), 1e-12) << a;
+      EXPECT_NEAR(std::cos(wrapped), std::cos(a), 1e-12) << a;
+      EXPECT_EQ(mtk::SO2<P>(P(a)).angle()[1], wrapped) << a;
+      D x;
+      x.seed(a, 0);
+      EXPECT_EQ(mtk::SO2<D>(x).angle().value(), wrapped);
+      EXPECT_EQ(mtk::SO2<D>(x).angle().partial(0), 1);
+    }
+  }
+  EXPECT_TRUE(std::isnan(mtk::SO2<>(INFINITY).angle()));
 }
 
 TEST(SO3, StaysAUnitQuaternionOverAMillionProducts) {

@@ -76,6 +76,12 @@ TEST(Names, ComeFromMacroCompilerAndType) {
             "pose.pos.x pose.pos.y pose.pos.z pose.orient.x pose.orient.y pose.orient.z");
   EXPECT_EQ(joined(mtk::componentNames(SE2())), "pos.x pos.y orient.angle");
   EXPECT_EQ(joined(mtk::componentNames(mtk::Scalar<>(), "g")), "g");
+  const auto dynamic = [](int size) { return joined(mtk::componentNames(mtk::vect<mtk::Dynamic>(size))); };
+  EXPECT_EQ(dynamic(1), "0");  // as of vectors whose size the type says
+  EXPECT_EQ(dynamic(2), "x y");
+  EXPECT_EQ(dynamic(3), "x y z");
+  EXPECT_EQ(dynamic(4), "0 1 2 3");
+  EXPECT_EQ(joined(mtk::componentNames(mtk::vect<1>())), "0");
   const std::vector<std::string> stereo = mtk::componentNames(StereoCamera());
   ASSERT_EQ(stereo.size(), 24u);
   EXPECT_EQ(stereo[0], "left.0");
@@ -189,6 +195,16 @@ TEST(Statistics, WeightsCountAsRepetition) {
   const auto mean = mtk::weightedMean(samples, weights);
   EXPECT_NEAR(mtk::difference(mean, mtk::weightedMean(repeated))[0], 0, 1e-15);
   EXPECT_NEAR(mtk::weightedCovariance(samples, mean, weights)(0, 0), mtk::weightedCovariance(repeated, mean)(0, 0), 1e-15);
+}
+
+TEST(Statistics, NameASampleThatIsNotFinite) {
+  const std::vector<mtk::vect<2>> samples{mtk::vect<2>(1, 2), mtk::vect<2>(0, NAN), mtk::vect<2>(3, 4)};
+  try {
+    mtk::weightedMean(samples, {1, 5, 1});
+    FAIL();
+  } catch (const mtk::Error& e) {
+    EXPECT_STREQ(e.what(), "[mtk.no-mean] sample 1 of 3 is not finite, or infinitely far from the others; leave such samples out");
+  }
 }
 
 TEST(Statistics, SayWhatIsWrong) {

@@ -33,9 +33,17 @@ class S2 {
     S largest = select(a > b, a, b);
     largest = select(largest > c, largest, c);
     const S limit(std::numeric_limits<detail::built_in_t<S>>::max());
-    if (!allOf(largest > S(0) && a <= limit && b <= limit && c <= limit)) {
-      throw Error("mtk.no-direction", "a direction (S2) cannot be made of a vector that is zero or not finite; "
-                                      "pass a finite vector of any positive length");
+    if (const auto good = largest > S(0) && a <= limit && b <= limit && c <= limit; !detail::allOf(good)) {
+      const auto number = [&](const S& x) {
+        if constexpr (detail::is_dual<S>) {
+          return detail::firstWithout(good, x.value());
+        } else {
+          return detail::firstWithout(good, x);
+        }
+      };
+      detail::raiseBadNumbers("mtk.no-direction", "a direction (S2) cannot be made of the vector ",
+                              {number(v_[0]), number(v_[1]), number(v_[2])},
+                              ", which is zero or not finite; pass a finite vector of any positive length");
     }
     v_ /= largest;
     v_ /= v_.norm();
@@ -84,15 +92,6 @@ class S2 {
 
  private:
   friend struct detail::State;
-  template <class Condition>
-  static bool allOf(const Condition& condition) {
-    if constexpr (std::is_same_v<Condition, bool>) {
-      return condition;
-    } else {
-      return all(condition);
-    }
-  }
-
   /// Two unit vectors that complete v to a right-handed orthonormal frame.
   struct Axes {
     Vector a, b;

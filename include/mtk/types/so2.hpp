@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "mtk/types/vect.hpp"
 
@@ -27,12 +28,16 @@ S withoutDerivatives(const S& x) {
   }
 }
 
+/// Angles beyond are reduced by the C library's sine and cosine, as products of whole turns lose digits.
+inline constexpr double kFarAngle = 1e3;
+
 /// The angle in [-pi, pi) that differs from `a` by whole turns.
 template <class S>
 S wrapAngle(const S& a) {
   using std::floor;
   constexpr auto half = two_pi<S> / 2;
   return branch(a >= S(-half) && a < S(half), [&] { return a; }, [&] {
+    if (!allOf(a >= S(-kFarAngle) && a <= S(kFarAngle))) return S(reducedAngle(a));
     const S turns = floor(S(a / two_pi<S> + S(0.5)));
     S wrapped = (a - turns * two_pi<S>) - turns * two_pi_rest<S>;
     wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
@@ -54,11 +59,28 @@ class SO2 {
   SO2() = default;
   /// Rotation by `angle` [rad], counter-clockwise.
   explicit SO2(const S& angle) : angle_(detail::wrapAngle(angle)) {}
-  /// From a rotation matrix.
+  /// From a rotation matrix, or the nearest rotation to another one. Throws [mtk.no-rotation] where there is none, as for
+  /// reflections and the zero matrix.
   template <class D>
     requires(D::RowsAtCompileTime == 2 && D::ColsAtCompileTime == 2)
   explicit SO2(const Eigen::MatrixBase<D>& R) {
+    using std::abs;
     using std::atan2;
+    const S c = R(0, 0) + R(1, 1), s = R(1, 0) - R(0, 1);
+    const S size = abs(S(R(0, 0))) + abs(S(R(0, 1))) + abs(S(R(1, 0))) + abs(S(R(1, 1)));
+    const auto good = abs(c) + abs(s) > S(1e-6) * size && size <= S(std::numeric_limits<detail::built_in_t<S>>::max());
+    if (!detail::allOf(good)) {
+      const auto number = [&](const S& x) {
+        if constexpr (detail::is_dual<S>) {
+          return detail::firstWithout(good, x.value());
+        } else {
+          return detail::firstWithout(good, x);
+        }
+      };
+      detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO2) cannot be made of the matrix with the rows ",
+                              {number(R(0, 0)), number(R(0, 1)), number(R(1, 0)), number(R(1, 1))},
+                              ", which is a reflection, zero or not finite; pass a rotation matrix");
+    }
     angle_ = detail::wrapAngle(S(atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))));
   }
 

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -28,8 +29,21 @@ class SO3 {
 
   /// No rotation.
   SO3() : q_(S(0), S(0), S(0), S(1)) {}
-  /// From quaternion coefficients, normalised; note the order.
-  SO3(const S& w, const S& x, const S& y, const S& z) : q_(x, y, z, w) { q_ /= q_.norm(); }
+  /// From quaternion coefficients, normalised; note the order. Throws [mtk.no-rotation] for coefficients whose length is zero or not
+  /// finite, or so far from 1 that its square is.
+  SO3(const S& w, const S& x, const S& y, const S& z) : q_(x, y, z, w) {
+    using Limits = std::numeric_limits<detail::built_in_t<S>>;
+    const S square = q_.squaredNorm();
+    if (const auto good = square >= S(Limits::min()) && square <= S(Limits::max()); !detail::allOf(good)) {
+      const auto number = [&](const S& c) { return detail::firstWithout(good, c); };
+      detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO3) cannot be made of the quaternion (w, x, y, z) = ",
+                              {number(w), number(x), number(y), number(z)},
+                              ", whose length is zero, not finite or far from 1; pass finite coefficients of a length near 1, which "
+                              "are then normalised");
+    }
+    using std::sqrt;
+    q_ /= sqrt(square);
+  }
   // Of Eigen's rotations Eigen/Core declares the names; whoever has one has included Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
@@ -40,12 +54,14 @@ class SO3 {
     requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
   SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
-  /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it.
+  /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it. Throws [mtk.no-rotation] for others:
+  /// reflections, the zero matrix, columns of other lengths than about 1, numbers that are not finite.
   ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is no difference of large numbers
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
   explicit SO3(const Eigen::MatrixBase<D>& matrix) {
     const Matrix R = matrix;
+    requireRotation(R);
     const S trace = R(0, 0) + R(1, 1) + R(2, 2);
     int i = R(1, 1) > R(0, 0) ? 1 : 0;
     if (R(2, 2) > R(i, i)) i = 2;
@@ -150,6 +166,23 @@ class SO3 {
 
  private:
   friend struct detail::State;
+
+  /// Entries of R^T R may differ by so much from those of the identity.
+  static constexpr double kRough = 0.5;
+  static void requireRotation(const Matrix& R) {
+    const Vector a = R.col(0), b = R.col(1), c = R.col(2);
+    const S aa = a.dot(a), bb = b.dot(b), cc = c.dot(c), ab = a.dot(b), ac = a.dot(c), bc = b.dot(c);
+    const S volume = (a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] + (a[0] * b[1] - a[1] * b[0]) * c[2];
+    const auto near = [](const S& x, double y) { return x >= S(y - kRough) && x <= S(y + kRough); };
+    const auto good = near(aa, 1) && near(bb, 1) && near(cc, 1) && near(ab, 0) && near(ac, 0) && near(bc, 0) && volume > S(0);
+    if (detail::allOf(good)) return;
+    const auto number = [&](int i, int j) { return detail::firstWithout(good, R(i, j)); };
+    detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO3) cannot be made of the matrix with the rows ",
+                            {number(0, 0), number(0, 1), number(0, 2), number(1, 0), number(1, 1), number(1, 2), number(2, 0),
+                             number(2, 1), number(2, 2)},
+                            ", whose columns are not orthonormal, or left-handed; pass a rotation matrix, or the one nearest to yours, "
+                            "U V^T of its singular value decomposition with determinant 1");
+  }
 
   /// Squared tangent of the half angle below which two terms of the series are exact.
   static constexpr auto kSeriesLimit = 4 * detail::epsilon<S>;

@@ -8,6 +8,17 @@
 
 namespace slom::app::calib {
 
+namespace {
+
+/// NaN for what is no rotation, as that of a homography that overflows.
+SE3 poseOf(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
+  const double determinant = R.determinant();
+  if (!(determinant > 0.5 && determinant < 2)) return SE3(vec3(vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  return SE3(SO3(R), vec3(t));
+}
+
+}  // namespace
+
 SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera) {
   // The origin of the plane is the centre of the corners, so H(2,2) > 0 is its depth, up to scale.
   Eigen::Matrix3d M = camera.matrix().inverse() * view.homography;
@@ -16,7 +27,7 @@ SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera) {
   M.col(2) = M.col(0).cross(M.col(1));
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();  // det M > 0, so det R = 1
-  return SE3(SO3(R), vec3(centre)) * view.plane.plane2world.inverse();
+  return poseOf(R, centre) * view.plane.plane2world.inverse();
 }
 
 SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera) {
@@ -25,7 +36,7 @@ SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera) {
   const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2 * sight * sight.transpose();
   Eigen::Matrix3d R = mirror * plane2camera.orient.toRotationMatrix();
   R.col(2) = -R.col(2);
-  return SE3(SO3(R), plane2camera.pos) * view.plane.plane2world.inverse();
+  return poseOf(R, plane2camera.pos) * view.plane.plane2world.inverse();
 }
 
 double squaredPixelError(const PlaneView& view, const Pinhole& camera, const SE3& world2camera) {
