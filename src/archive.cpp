@@ -1,6 +1,7 @@
 #include "slom/archive.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <iomanip>
 #include <istream>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <numeric>
 #include <ostream>
 #include <sstream>
+#include <system_error>
 
 #include "model/words.hpp"
 
@@ -50,13 +52,20 @@ std::string exact(double x) { return number(x, std::numeric_limits<double>::max_
 bool readNumber(std::istream& is, double& x) {
   std::string word;
   if (!(is >> word)) return false;
-  std::size_t used = 0;
-  try {
-    x = std::stod(word, &used);
-  } catch (const std::exception&) {
-    return false;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// What is wrong with the numbers of a text that was written with the locale of a language whose decimals
+/// stand behind a comma.
+std::string commaIn(const std::string& text) {
+  const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {
+    if (comma > 0 && is_digit(comma - 1) && is_digit(comma + 1))
+      return "; decimals stand behind a comma there, as a program with a locale of such a language writes "
+             "them: write points";
   }
-  return used == word.size();
+  return "";
 }
 
 bool isAtEnd(std::istream& is) { return !is.fail() && (is >> std::ws).eof(); }
@@ -311,7 +320,8 @@ class ArchiveReader {
     }
     VariableHandle id;
     if (!variable_kind_->read(rest(), nullptr, true, "", id) || !isAtEnd(rest_)) {
-      raise("variable " + inQuotes(name) + " has no value that is a " + variable_kind_->name + ":" + rest_.str());
+      raise("variable " + inQuotes(name) + " has no value that is a " + variable_kind_->name + ":" +
+            rest_.str() + commaIn(rest_.str()));
     }
     variable_kind_->read(restAgain(), &problem(), state == "free", name, id);
     result_.entries_.push_back({name, variable_kind_->type, id});
@@ -333,7 +343,8 @@ class ArchiveReader {
     std::string component;
     double lower = 0, upper = 0;
     if (!(line_ >> std::quoted(component)) || (is_bound && !(readNumber(line_, lower) && readNumber(line_, upper))) || !isAtEnd(line_)) {
-      raise(is_bound ? "write bound NUMBER \"COMPONENT\" LOWER UPPER" : "write fix NUMBER \"COMPONENT\"");
+      raise((is_bound ? "write bound NUMBER \"COMPONENT\" LOWER UPPER" : "write fix NUMBER \"COMPONENT\"") +
+            commaIn(text_));
     }
     withLine([&] {
       const std::vector<int> components = problem().componentsAt(variable, component);
@@ -362,7 +373,8 @@ class ArchiveReader {
     expectBar("the numbers of " + counted(static_cast<int>(handles_.size()), "variable"));
     readOptions();
     if (!measurement_kind_->read(rest(), nullptr, nullptr, {}) || !isAtEnd(rest_)) {
-      raise("what stands behind the second | is not the data of " + measurement_kind_->name + ":" + rest_.str());
+      raise("what stands behind the second | is not the data of " + measurement_kind_->name + ":" +
+            rest_.str() + commaIn(rest_.str()));
     }
     withLine([&] { measurement_kind_->read(restAgain(), &problem(), handles_.data(), options_); });
   }
@@ -407,9 +419,10 @@ class ArchiveReader {
   void readLoss(const std::string& word) {
     const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.second == word; });
     double shape = 0, scale = 0;
-    if (name == std::end(kLosses)) raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |");
+    if (name == std::end(kLosses))
+      raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |" + commaIn(word));
     if ((name->first == Loss::Kind::barron && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
-      raise("numbers are missing behind " + word);
+      raise("numbers are missing behind " + word + commaIn(text_));
     }
     options_.loss = lossOf(name->first, shape, scale);
     expectBar("the noise and the loss");

@@ -66,18 +66,19 @@ bool readDatum(std::istream& is, D& x) {
   } else if constexpr (mtk::Manifold<D>) {
     mtk::read(is, x);
   } else if constexpr (PlainMatrix<D>) {
+    long rows = D::RowsAtCompileTime, cols = D::ColsAtCompileTime;
     if constexpr (D::SizeAtCompileTime == Eigen::Dynamic) {
-      long rows = 0, cols = 0;
       if (!(is >> rows >> cols) || rows < 0 || cols < 0 || (cols > 0 && rows > kLargestSize / cols)) return false;
       if (D::RowsAtCompileTime != Eigen::Dynamic && rows != D::RowsAtCompileTime) return false;
       if (D::ColsAtCompileTime != Eigen::Dynamic && cols != D::ColsAtCompileTime) return false;
-      x.resize(rows, cols);
     }
-    for (Eigen::Index i = 0; i < x.rows(); ++i) {
-      for (Eigen::Index j = 0; j < x.cols(); ++j) {
-        if (!readDatum(is, x(i, j))) return false;
-      }
+    std::vector<typename D::Scalar> numbers;  // as many as there are, whatever the sizes announce
+    for (long i = 0; i < rows * cols; ++i) {
+      numbers.emplace_back();
+      if (!readDatum(is, numbers.back())) return false;
     }
+    x.resize(rows, cols);
+    for (long i = 0; i < rows * cols; ++i) x(i / cols, i % cols) = numbers[static_cast<std::size_t>(i)];
   } else if constexpr (is_std_vector<D>) {
     long size = 0;
     if (!(is >> size) || size < 0 || size > kLargestSize) return false;

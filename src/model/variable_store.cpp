@@ -1,5 +1,6 @@
 #include "slom/model/variable_store.hpp"
 
+#include <locale>
 #include <sstream>
 
 namespace slom {
@@ -8,6 +9,7 @@ namespace detail {
 
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*)) {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   write(text, value);
   return text.str();
 }

@@ -1,7 +1,8 @@
 #include "model/words.hpp"
 
+#include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <system_error>
 
 namespace slom {
 
@@ -34,8 +35,8 @@ std::string abridged(const std::vector<std::string>& items) {
 std::string number(double x, int digits) {
   if (std::isnan(x)) return "nan";  // of either sign
   char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, x);
-  return text;
+  const auto [end, error] = std::to_chars(text, text + sizeof text, x, std::chars_format::general, digits);
+  return error == std::errc() ? std::string(text, end) : "nan";
 }
 
 }  // namespace slom
