@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <dlfcn.h>
 #include <filesystem>
 
@@ -9,27 +10,20 @@
 namespace slom::app::calib {
 namespace {
 
-/// Where the shared object may be, from the folder of the program: built or installed with it, or that of a
-/// test.
-constexpr const char* places[] = {".", SLOM_LIBRARIES_FROM_COMMAND, "../apps", "../../apps"};
-
 void* loaded() {
-  namespace fs = std::filesystem;
   std::error_code ignored;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const char* place : places) {
-    const fs::path file = program / place / "libslom_detect.so";
-    if (!fs::exists(file, ignored)) continue;
-    if (void* const library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL)) return library;
-    throw UserError(fmt::format(
-        "--images: {} cannot be loaded ({}); install OpenCV, or give the corners by --camera NAME=FILE",
-        file.lexically_normal().string(), ::dlerror()));
+  const std::filesystem::path file = detectorFile(std::filesystem::read_symlink("/proc/self/exe", ignored));
+  if (!std::filesystem::exists(file, ignored)) {
+    throw UserError(
+        fmt::format("--images: there is no {}, which finds boards; install slom as a whole, or give the "
+                    "corners by --camera "
+                    "NAME=FILE",
+                    file.string()));
   }
-  throw UserError(
-      fmt::format("--images: there is no libslom_detect.so in {} or {}, which finds boards; install slom as "
-                  "a whole, or give "
-                  "the corners by --camera NAME=FILE",
-                  program.string(), (program / SLOM_LIBRARIES_FROM_COMMAND).lexically_normal().string()));
+  if (void* const library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL)) return library;
+  throw UserError(fmt::format(
+      "--images: {} cannot be loaded ({}); install OpenCV, or give the corners by --camera NAME=FILE",
+      file.string(), ::dlerror()));
 }
 
 const DetectorModule& module() {
@@ -40,6 +34,20 @@ const DetectorModule& module() {
 }
 
 }  // namespace
+
+std::filesystem::path detectorFile(const std::filesystem::path& program) {
+  constexpr const char* name = "libslom_detect.so";
+  if (!program.is_absolute()) {
+    throw UserError(
+        "--images: the system does not say where this program is installed, and so not where "
+        "libslom_detect.so is, which finds "
+        "boards; mount /proc, or give the corners by --camera NAME=FILE");
+  }
+  const std::filesystem::path built = SLOM_BUILT_DETECTOR_FOLDER, tree = SLOM_BUILD_TREE;
+  const auto [end, unused] = std::mismatch(tree.begin(), tree.end(), program.begin(), program.end());
+  if (end == tree.end()) return built / name;
+  return (program.parent_path() / SLOM_LIBRARIES_FROM_COMMAND / name).lexically_normal();
+}
 
 std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo) {
   return module().find_board(board, photo);

@@ -3,11 +3,17 @@
 // photographs, and not before.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "calibrate/detect/detector.hpp"
 
 namespace slom::app::calib {
+
+/// The one place of libslom_detect.so for the program of this absolute path: where the build put it when the
+/// program is of the build tree, otherwise where installation puts it. Found nowhere else, so that nobody can
+/// slip in another one. UserError where the path is not known.
+std::filesystem::path detectorFile(const std::filesystem::path& program);
 
 struct DetectorModule {
   std::vector<FoundCorner> (*find_board)(const Board& board, const Photograph& photo);

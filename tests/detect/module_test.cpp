@@ -1,0 +1,64 @@
+// Where libslom_detect.so is looked for: in one place.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "calibrate/detect/detector_module.hpp"
+#include "error.hpp"
+#include "support/paths.hpp"
+#include "support/run_command.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(DetectorModule, OfTheBuildTreeIsWhereItWasBuilt) {
+  const fs::path built = slom::testing::commandPath().parent_path() / "libslom_detect.so";
+  EXPECT_EQ(detectorFile(slom::testing::commandPath()), built);
+  EXPECT_EQ(detectorFile(fs::read_symlink("/proc/self/exe")), built) << "a test";
+  EXPECT_TRUE(fs::exists(built));
+}
+
+TEST(DetectorModule, OfAnInstalledProgramIsBesideIt) {
+  const fs::path file = detectorFile("/opt/slom/bin/slom");
+  EXPECT_TRUE(file.string().starts_with("/opt/slom/lib")) << file;
+  EXPECT_EQ(file.filename(), "libslom_detect.so");
+  const fs::path tree = slom::testing::commandPath().parent_path().parent_path();
+  EXPECT_TRUE(detectorFile(tree.string() + "2/bin/slom").string().starts_with(tree.string() + "2/lib"));
+}
+
+TEST(DetectorModule, IsNotFoundWhereTheProgramIsNotKnown) {
+  for (const fs::path program : {"", "slom", "./slom"}) {
+    try {
+      detectorFile(program);
+      FAIL() << "no error";
+    } catch (const UserError& error) {
+      EXPECT_STREQ(error.what(),
+                   "--images: the system does not say where this program is installed, and so not where "
+                   "libslom_detect.so is, which finds "
+                   "boards; mount /proc, or give the corners by --camera NAME=FILE");
+    }
+  }
+}
+
+/// A copy of the program, with files of that name in the working directory, beside it, and in neighbouring
+/// folders.
+TEST(DetectorModule, OfOthersIsNotLoaded) {
+  const slom::testing::TemporaryFolder folder;
+  fs::create_directories(folder / "slom/bin");
+  fs::copy_file(slom::testing::commandPath(), folder / "slom/bin/slom");
+  for (const std::string name : {".", "slom", "slom/bin", "slom/apps", "apps"})
+    slom::testing::writeFile(folder / name / "libslom_detect.so", "x");
+  slom::testing::writeFile(folder / "left1.pgm", "P5\n1 1\n255\nx");
+  const auto result = slom::testing::runCommand({"/usr/bin/env", "-C", folder.path().string(),
+                                                 (folder / "slom/bin/slom").string(), "calibrate", "--board",
+                                                 "9x6", "--square", "1", "--images", "left=left*.pgm"});
+  EXPECT_EQ(result.errors,
+            "slom: --images: there is no " + detectorFile(folder / "slom/bin/slom").string() +
+                ", which finds boards; install slom as a whole, or give the corners by --camera NAME=FILE\n");
+  EXPECT_EQ(result.exit_code, 2);
+}
+
+}  // namespace
+}  // namespace slom::app::calib
