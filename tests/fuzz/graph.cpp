@@ -1,0 +1,28 @@
+// Pose graphs of g2o and TORO. What is read and written again is the same graph.
+#include <variant>
+
+#include "fuzz/target.hpp"
+#include "graph/input/read.hpp"
+#include "graph/output/g2o.hpp"
+
+SLOM_FUZZ_TARGET(graph) {
+  using namespace slom::app::graph;
+  AnyPoseGraph graph;
+  const MemoryFile file(input);
+  if (!accepted([&] { graph = readPoseGraph(file.name()); })) return;
+  std::visit(
+      [](const auto& first) {
+        using Graph = std::decay_t<decltype(first)>;
+        for (const auto& pose : first.poses) require(pose.value.pos.allFinite(), "a pose is not finite");
+        for (const auto& edge : first.edges)
+          require(edge.information.allFinite(), "an information matrix is not finite");
+        const MemoryFile again(toG2o(first));
+        const auto second = std::get<Graph>(readPoseGraph(again.name()));
+        require(second.poses.size() == first.poses.size() &&
+                    second.landmarks.size() == first.landmarks.size() &&
+                    second.edges.size() == first.edges.size() &&
+                    second.sightings.size() == first.sightings.size(),
+                "the graph that was written has other sizes");
+      },
+      graph);
+}

@@ -1,0 +1,20 @@
+// Bundle adjustments in BAL's format, plain. What is read, checked and written again is the same scene.
+#include "bundle/input/check.hpp"
+#include "bundle/input/read.hpp"
+#include "bundle/output/output.hpp"
+#include "fuzz/target.hpp"
+
+SLOM_FUZZ_TARGET(scene) {
+  using namespace slom::app::bundle;
+  Scene scene;
+  const auto read = [&] {
+    scene = parseScene("FILE", input);
+    checkScene(scene);
+  };
+  if (!accepted(read)) return;
+  const Scene second = parseScene("FILE", toBal(scene));
+  require(second.cameras.size() == scene.cameras.size() && second.points.size() == scene.points.size() &&
+              second.observations.size() == scene.observations.size(),
+          "the scene that was written has other sizes");
+  require(!toPly(scene).empty(), "no PLY");
+}

@@ -1,0 +1,67 @@
+// What is fuzzed: functions of any bytes. Each is a fuzzer of its own where SLOM_BUILD_FUZZERS is on, and all
+// of them are run on the cases of the repository by an ordinary test.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slom::fuzz {
+
+struct Target {
+  const char* name;  ///< of its folder in tests/fuzz/cases
+  void (*run)(std::string_view input);
+};
+
+/// All that are linked.
+inline std::vector<Target>& targets() {
+  static std::vector<Target> all;
+  return all;
+}
+
+/// What must hold whatever the input is. The exception ends a fuzzer, which stores the input.
+inline void require(bool holds, const std::string& what) {
+  if (!holds) throw std::logic_error(what);
+}
+
+/// Reads; an input that is wrong is refused in a sentence, by a UserError or an error of the library, and by
+/// nothing else. Returns whether it was accepted.
+bool accepted(const std::function<void()>& read);
+
+/// A file with this content, of a name that is the same for all of them. It lies in memory.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view content);
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile();
+  const std::string& name() const { return name_; }
+
+ private:
+  int descriptor_;
+  std::string name_;
+};
+
+}  // namespace slom::fuzz
+
+#ifdef SLOM_FUZZER
+#define SLOM_FUZZER_ENTRY(function)                                                    \
+  extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) { \
+    function(std::string_view(reinterpret_cast<const char*>(data), size));             \
+    return 0;                                                                          \
+  }
+#else
+#define SLOM_FUZZER_ENTRY(function)
+#endif
+
+/// SLOM_FUZZ_TARGET(graph) { ... input ... }
+#define SLOM_FUZZ_TARGET(name)                                                            \
+  namespace slom::fuzz {                                                                  \
+  static void name##Target(std::string_view input);                                       \
+  static const bool name##_is_known = (targets().push_back({#name, name##Target}), true); \
+  }                                                                                       \
+  SLOM_FUZZER_ENTRY(slom::fuzz::name##Target)                                             \
+  void slom::fuzz::name##Target([[maybe_unused]] std::string_view input)
