@@ -1,16 +1,24 @@
 // The command slom: subcommands, and how errors end.
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <fcntl.h>
 #include <memory>
+#include <new>
 #include <string>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include <mtk/error.hpp>
 
 #include "bundle/bundle.hpp"
 #include "calibrate/calibrate.hpp"
 #include "error.hpp"
 #include "graph/graph.hpp"
+#include "printable.hpp"
 #include "replay/replay.hpp"
 #include "simulate/simulate.hpp"
 
@@ -32,25 +40,65 @@ class HelpFormatter : public CLI::Formatter {
 /// What CLI11 ends parsing by: --help and --version; CLI::RuntimeError, by which a subcommand that has said
 /// all there is to say sets the exit code; and options that are wrong.
 int endParsing(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_name() == "CallForVersion") return fmt::print("{}\n", error.what()), exit_success;
+  if (error.get_name() == "CallForVersion") return say(fmt::format("{}\n", error.what())), exit_success;
   if (error.get_exit_code() == exit_success) return app.exit(error);
   if (error.get_name() == "RuntimeError") return error.get_exit_code();
   const auto subcommands = app.get_subcommands();
   const std::string command = subcommands.empty() ? "" : " " + subcommands.front()->get_name();
   std::string text = error.what();
   if (subcommands.empty() && !app.remaining().empty()) text = app.remaining().front() + " is no subcommand";
-  fmt::print(stderr, "slom: {}; see slom{} --help\n", text, command);
+  sayError(fmt::format("slom: {}; see slom{} --help\n", text, command));
   return exit_user_error;
 }
 
-int fail(const std::exception& error, int exit_code) {
-  fmt::print(stderr, "slom: {}\n", error.what());
+int fail(const std::string& sentence, int exit_code) {
+  sayError(fmt::format("slom: {}\n", sentence));
   return exit_code;
+}
+
+/// Standard streams that are closed lead to a device on which their use fails, so that no result file takes
+/// their place.
+void occupyStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) == -1)
+      (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+/// `exit_code`, unless what was written to standard output did not arrive.
+int afterOutput(int exit_code) {
+  errno = 0;
+  const bool is_flushed = std::fflush(stdout) == 0;
+  const int reason = is_flushed ? 0 : errno;
+  if ((is_flushed && std::ferror(stdout) == 0) || exit_code != exit_success) return exit_code;
+  return fail(fmt::format("standard output could not be written{}; give a file that can be, or --quiet",
+                          reason == 0 ? "" : fmt::format(" ({})", std::strerror(reason))),
+              exit_not_converged);
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return exit_success;
+  } catch (const CLI::ParseError& error) {
+    return endParsing(app, error);
+  } catch (const UserError& error) {
+    return fail(error.what(), exit_user_error);
+  } catch (const mtk::Error& error) {
+    return fail(withoutId(error), exit_user_error);
+  } catch (const std::bad_alloc&) {
+    return fail("there is not enough memory for this; give a smaller problem, or more memory",
+                exit_not_converged);
+  } catch (const std::exception& error) {
+    return fail(fmt::format("this is a fault of slom itself, please report it: {}", error.what()),
+                exit_not_converged);
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupyStandardStreams();
   CLI::App app(
       "slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --json result.json\n\n"
       "Sparse least squares on manifolds: fits models to measurements and says how well it knows them.\n",
@@ -63,14 +111,5 @@ int main(int argc, char** argv) {
   addGraphCommand(app);
   addReplayCommand(app);
   addSimulateCommand(app);
-  try {
-    app.parse(argc, argv);
-    return exit_success;
-  } catch (const CLI::ParseError& error) {
-    return endParsing(app, error);
-  } catch (const UserError& error) {
-    return fail(error, exit_user_error);
-  } catch (const std::exception& error) {
-    return fail(error, exit_not_converged);
-  }
+  return afterOutput(run(app, argc, argv));
 }

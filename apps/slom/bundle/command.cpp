@@ -28,7 +28,7 @@ bzip2.
 
 constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-2 wrong options or data.)";
+or standard output could not be written, 2 wrong options or data.)";
 
 Summary fit(Scene& scene, const Settings& settings, const Console& console, double& setup_seconds) {
   const Stopwatch setup;

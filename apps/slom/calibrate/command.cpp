@@ -20,6 +20,7 @@
 #include "error.hpp"
 #include "fitting/progress.hpp"
 #include "output_files.hpp"
+#include "printable.hpp"
 
 namespace slom::app {
 namespace {
@@ -44,7 +45,7 @@ time; images and corners may be missing in some cameras.
 
 constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-2 wrong options or data.)";
+or standard output could not be written, 2 wrong options or data.)";
 
 Dataset readDataset(const Settings& settings) {
   Dataset data;
@@ -63,10 +64,10 @@ Dataset readDataset(const Settings& settings) {
 
 Progress printedProgress() {
   const auto header_is_printed = std::make_shared<bool>(false);
-  return {[](const AloneReport& alone) { fmt::print("{}", aloneText(alone)); },
+  return {[](const AloneReport& alone) { say(aloneText(alone)); },
           [header_is_printed](const IterationRecord& record) {
-            if (!std::exchange(*header_is_printed, true)) fmt::print("\nall together\n{}", iterationHeader());
-            fmt::print("{}", iterationText(record));
+            if (!std::exchange(*header_is_printed, true)) say("\nall together\n" + iterationHeader());
+            say(iterationText(record));
             std::fflush(stdout);
           }};
 }
@@ -92,7 +93,7 @@ void writeFiles(const Dataset& data, const Result& result, const Settings& setti
     said += fmt::format("written: {}\n", settings.report_file);
   }
   files.commit();
-  if (!settings.quiet && !said.empty()) fmt::print("\n{}", said);
+  if (!settings.quiet && !said.empty()) say("\n" + said);
 }
 
 /// Finds out before the work that its results could not be written.
@@ -107,7 +108,7 @@ void requireResultsWritable(const Settings& settings) {
 std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
   if (settings.compared.empty()) return {};
   const Comparison comparison = compareModels(data, settings, settings.compared);
-  if (!settings.quiet) fmt::print("{}", comparisonText(comparison));
+  if (!settings.quiet) say(comparisonText(comparison));
   if (!settings.model_is_given && comparison.chosen) settings.model = comparison.chosenTrial().model;
   return comparison;
 }
@@ -119,20 +120,22 @@ void run(const RawOptions& raw) {
   const Dataset data = readDataset(settings);
   requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
-  if (!settings.quiet) fmt::print("{}", dataText(data));
-  for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings)) fmt::print("written: {}\n", file);
+  if (!settings.quiet) say(dataText(data));
+  for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
+    say(fmt::format("written: {}\n", file));
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
-  if (!settings.quiet) fmt::print("{}", aloneHeader(settings));
+  if (!settings.quiet) say(aloneHeader(settings));
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
   result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
-  if (!settings.quiet) fmt::print("{}", reportText(result));
+  if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings);
   if (result.success()) return;
-  fmt::print(stderr, "slom: the calibration failed: {}\n",
-             result.undetermined.empty() ? result.message
-                                         : "the data do not determine all parameters: " + result.undetermined);
+  const std::string why = result.undetermined.empty()
+                              ? result.message
+                              : "the data do not determine all parameters: " + result.undetermined;
+  sayError(fmt::format("slom: the calibration failed: {}\n", why));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

@@ -1,5 +1,7 @@
 #include "fitting/console.hpp"
 
+#include "printable.hpp"
+
 namespace slom::app {
 
 void addReportOptions(CLI::App& command, ReportOptions& options) {
@@ -15,7 +17,7 @@ Console::Console(const ReportOptions& options)
 
 void Console::print(const std::string& text) const {
   if (stream_ == nullptr) return;
-  std::fputs(text.c_str(), stream_);
+  std::fputs(printable(text).c_str(), stream_);
   std::fflush(stream_);
 }
 

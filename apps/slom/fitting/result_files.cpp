@@ -1,8 +1,11 @@
 #include "fitting/result_files.hpp"
 
+#include <cstdio>
+
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "printable.hpp"
 
 namespace slom::app {
 
@@ -11,12 +14,12 @@ void ResultFiles::finish(const Console& console) {
   if (!options_.jsonPath().empty()) add(options_.jsonPath(), true, [&] { return json; });
   files_.commit();
   if (!said_.empty()) console.print("\n" + said_);
-  if (options_.jsonToStdout()) fmt::print("{}", json);
+  if (options_.jsonToStdout()) std::fputs(json.c_str(), stdout);  // main() sees that it arrived
 }
 
 void requireConverged(const Summary& summary, const std::string& advice) {
   if (summary.converged) return;
-  fmt::print(stderr, "slom: the fit failed: {}{}\n", summary.message, advice);
+  sayError(fmt::format("slom: the fit failed: {}{}\n", summary.message, advice));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

@@ -92,7 +92,7 @@ std::string toJson(const RunReport& report) {
                      {"correlations", correlationsJson(s)},
                      {"active_bounds", s.active_bounds},
                      {"trace", traceJson(s)}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 double peakMemoryMb() {

@@ -37,7 +37,7 @@ the file has no lines FIX, and finds start values where it has no vertices.
 
 constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-2 wrong options or data.)";
+or standard output could not be written, 2 wrong options or data.)";
 
 /// Everything between reading and fitting.
 template <class Pose>

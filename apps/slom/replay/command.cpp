@@ -27,7 +27,7 @@ Shows what the program would have shown, with another algorithm or solver if you
 
 constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-2 wrong options or data.)";
+or standard output could not be written, 2 wrong options or data.)";
 
 struct Settings {
   RawFitOptions fit;

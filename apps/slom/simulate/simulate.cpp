@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "printable.hpp"
 #include "simulate/stereo_imu.hpp"
 #include "simulate/stereo_imu_files.hpp"
 
@@ -63,8 +64,8 @@ void addStereoImu(CLI::App& simulate) {
   command.callback([arguments] {
     const StereoImuData data = simulateStereoImu(arguments->options);
     writeStereoImu(data, arguments->options, arguments->output);
-    fmt::print("{} images: {} corners left, {} right; written with the truth to {}\n",
-               arguments->options.images, data.left.size(), data.right.size(), arguments->output);
+    say(fmt::format("{} images: {} corners left, {} right; written with the truth to {}\n",
+                    arguments->options.images, data.left.size(), data.right.size(), arguments->output));
   });
 }
 

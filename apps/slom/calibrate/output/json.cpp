@@ -146,7 +146,7 @@ std::string toJson(const Result& result) {
                      {"notes", notes(result)},
                      {"images", std::move(images)},
                      {"quality", result.quality ? qualityJson(result) : Json()}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names need not be UTF-8
 }
 
 }  // namespace slom::app::calib

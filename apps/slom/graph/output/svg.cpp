@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::graph {
@@ -49,7 +50,7 @@ class Picture {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {:.0f}\" width=\"{}\" "
         "height=\"{:.0f}\">\n",
         page_width, page_height_, page_width, page_height_);
-    append("<title>{}: {}, {} that {}</title>\n", escaped(sketch_.name), plural(sketch_.poses.size(), "pose"),
+    append("<title>{}: {}, {} that {}</title>\n", xmlText(sketch_.name), plural(sketch_.poses.size(), "pose"),
            plural(closures, "edge"), closures == 1 ? "closes a loop" : "close loops");
     append("{}<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n", style);
     lines("edge", "0.7", "0.55", sketch_.closures);
@@ -70,11 +71,6 @@ class Picture {
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
   }
   static double px(long hundredths) { return double(hundredths) / 100; }
-  static std::string escaped(const std::string& name) {
-    std::string result;
-    for (const char c : name) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-    return result;
-  }
   Dot dot(const Sketch::Place& place) const {
     return {std::lround(100 * (left_ + scale_ * place[0])), std::lround(100 * (bottom_ - scale_ * place[1]))};
   }
