@@ -236,8 +236,9 @@ class Examination {
     for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
-      Index largest = 0;
-      direction.cwiseAbs().maxCoeff(&largest);
+      Index largest = 0;  // the first of those that are equal but for rounding
+      const double most = direction.cwiseAbs().maxCoeff();
+      while (std::abs(direction[largest]) * (1 + 1e-6) < most) ++largest;
       const double deviation = std::abs(direction[largest]) / least.scale[largest] / least.influence[k];
       add(Kind::weak, false,
           listed(moves.names) + (moves.names.size() == 1 ? " is" : " are") + " hardly determined: " +
