@@ -27,8 +27,8 @@ inline void require(bool holds, const std::string& what) {
   if (!holds) throw std::logic_error(what);
 }
 
-/// Reads; an input that is wrong is refused in a sentence, by a UserError or an error of the library, and by
-/// nothing else. Returns whether it was accepted.
+/// Reads; an input that is wrong is refused with a sentence, by a UserError or an error of the library, and
+/// by nothing else. Returns whether it was accepted.
 bool accepted(const std::function<void()>& read);
 
 /// A file with this content, of a name that is the same for all of them. It lies in memory.
