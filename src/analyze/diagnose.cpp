@@ -9,6 +9,7 @@
 #include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/singular.hpp"
+#include "model/classic_numbers.hpp"
 #include "model/decompositions.hpp"
 #include "model/words.hpp"
 
@@ -322,6 +323,7 @@ class Examination {
     if (pairs.size() > kMostCorrelations) pairs.resize(kMostCorrelations);
     for (const Pair& pair : pairs) {
       const std::string a = nameOf(unknowns[static_cast<std::size_t>(pair.i)]), b = nameOf(unknowns[static_cast<std::size_t>(pair.j)]);
+      const ClassicNumbers points;
       char text[32];
       std::snprintf(text, sizeof text, "%.*f", std::abs(pair.correlation) > 0.9999 ? 6 : 4, pair.correlation);
       add(Kind::correlated, false,

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <ostream>
 
+#include "linearize/parallel.hpp"
+#include "model/classic_numbers.hpp"
 #include "model/decompositions.hpp"
 #include "model/words.hpp"
-#include "linearize/parallel.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"
 
@@ -145,6 +146,7 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, const Outli
 }
 
 std::string row(const char* name, const MeasurementCheck& check) {
+  const ClassicNumbers points;
   char text[160];
   std::snprintf(text, sizeof text, "  %-24s %9.3g %11.3g %10.3g %7.3g %11.2g %9.3g%s\n", name, check.residual, check.studentized,
                 check.redundancy, check.weight, check.probability, check.effect, check.is_suspect ? "  suspect" : "");
@@ -183,6 +185,7 @@ int OutlierReport::suspects() const {
 }
 
 std::string OutlierReport::text() const {
+  const ClassicNumbers points;
   std::string all;
   char line[200];
   for (const GroupCheck& group : groups) {

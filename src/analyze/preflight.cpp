@@ -7,6 +7,7 @@
 
 #include "analyze/diagnose.hpp"
 #include "analyze/singular.hpp"
+#include "model/classic_numbers.hpp"
 #include "model/words.hpp"
 
 namespace slom {
@@ -128,6 +129,7 @@ std::string Preflight::text() const {
   std::string all = faults.empty() ? "ready to be solved\n" : "not ready to be solved: " + counted(static_cast<int>(faults.size()), "fault") + "\n";
   for (const std::string& fault : faults) all += "  fault: " + fault + "\n";
   for (const std::string& warning : warnings) all += "  hint: " + warning + "\n";
+  const ClassicNumbers points;
   char line[240];
   for (const PreflightGroup& group : groups) {
     std::snprintf(line, sizeof line, "  %s: %s, RSS %.6g; the worst is %s with %.3g standard deviations\n", group.name.c_str(),

@@ -5,12 +5,15 @@
 #include <cstdio>
 #include <ostream>
 
+#include "model/classic_numbers.hpp"
+
 namespace slom {
 
 namespace {
 
 template <class... Args>
 std::string format(const char* pattern, Args... args) {
+  const ClassicNumbers points;
   const int size = std::snprintf(nullptr, 0, pattern, args...);
   std::string text(static_cast<std::size_t>(std::max(size, 0)) + 1, '\0');
   std::snprintf(text.data(), text.size(), pattern, args...);

@@ -1,4 +1,4 @@
-// Saved problems, and messages about them, are the same whatever the locale of the program.
+// Saved problems, and what is said of a fit, are the same whatever the locale of the program.
 #include <clocale>
 #include <cstdlib>
 #include <locale>
@@ -92,6 +92,18 @@ TEST(Locale, SavedProblemsHavePoints) {
   EXPECT_EQ(savedTwice(), classic);
   if (!german.is_complete)
     GTEST_SKIP() << "the system has no program localedef and no German locale; that of C++ alone was tried";
+}
+
+TEST(Locale, ReportsHavePoints) {
+  const auto reports = [] {
+    Estimator est = network();
+    const std::string report = est.preflight().text() + est.optimize().report() + est.diagnose().text();
+    return report + est.outliers().text();
+  };
+  const std::string classic = reports();
+  EXPECT_NE(classic.find("0.0554695"), std::string::npos) << classic;
+  const German german;
+  EXPECT_EQ(reports(), classic);
 }
 
 TEST(Locale, ErrorsHavePoints) {
