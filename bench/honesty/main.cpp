@@ -1,0 +1,105 @@
+// Does "converged" hold? Fits from random starts, their claims checked in long double.
+//
+//   bench_honesty [--fits N] [--verbose]   N random starts of each set, 1000 without
+//   bench_honesty --print N                the same starts as JSON lines, for by_scipy.py
+//
+// A false claim of SLoM ends the program with status 1.
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <string>
+
+#include "honesty/methods.hpp"
+
+using namespace slom::bench;
+using namespace slom::testing::classics;
+
+namespace {
+
+struct Score {
+  int fits = 0, claims = 0, false_claims = 0, optima = 0;
+  double iterations = 0;
+};
+
+using Fit = std::function<Claim(const Problem&)>;
+
+void add(Score& score, const Problem& problem, const Fit& fit, bool verbose) {
+  const Claim claim = fit(problem);
+  ++score.fits;
+  score.iterations += claim.iterations;
+  if (!claim.converged) return;
+  ++score.claims;
+  std::string why;
+  if (isFalse(problem, claim.x, &why)) {
+    ++score.false_claims;
+    if (verbose) std::printf("    false: %s %d, %s\n", problem.name.c_str(), score.fits - 1, why.c_str());
+  } else {
+    score.optima += isOptimum(problem, claim.rss);
+  }
+}
+
+void print(const char* set, const char* method, const Score& score) {
+  std::printf("%-10s %-28s %8d %8d %8d %8d %10.1f\n", set, method, score.fits, score.claims,
+              score.false_claims, score.optima, score.iterations / score.fits);
+  std::fflush(stdout);
+}
+
+void printProblem(const char* set, const Problem& problem) {
+  std::printf("{\"set\": \"%s\", \"name\": \"%s\", \"classic\": %d, \"curve\": %d, \"start\": [", set,
+              problem.name.c_str(), problem.classic, static_cast<int>(problem.curve));
+  for (std::size_t i = 0; i < problem.start.size(); ++i)
+    std::printf("%s%.17g", i > 0 ? ", " : "", problem.start[i]);
+  std::printf("], \"y\": [");
+  for (std::size_t i = 0; i < problem.y.size(); ++i) std::printf("%s%.17g", i > 0 ? ", " : "", problem.y[i]);
+  std::printf("]}\n");
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  int fits = 1000;
+  bool verbose = false;
+  for (int i = 1; i < count; ++i) {
+    if (std::strcmp(words[i], "--verbose") == 0) {
+      verbose = true;
+    } else if (std::strcmp(words[i], "--fits") == 0 && i + 1 < count) {
+      fits = std::atoi(words[++i]);
+    } else {
+      std::fprintf(stderr,
+                   "bench_honesty: unknown argument '%s'; usage: bench_honesty [--fits N] [--verbose]\n",
+                   words[i]);
+      return 2;
+    }
+  }
+  static_cast<void>(&printProblem);
+  struct Row {
+    const char* name;
+    Fit fit;
+    bool is_slom;
+  };
+  std::vector<Row> rows{
+      {"SLoM, default", [](const auto& p) { return fitBySlom(p, Method::automatic); }, true},
+      {"SLoM, Levenberg-Marquardt", [](const auto& p) { return fitBySlom(p, Method::levenberg_marquardt); },
+       true},
+      {"SLoM, dog leg", [](const auto& p) { return fitBySlom(p, Method::dog_leg); }, true}};
+#ifdef SLOM_BENCH_CERES
+  rows.push_back({"Ceres, default", [](const auto& p) { return fitByCeres(p, Method::automatic); }, false});
+  rows.push_back({"Ceres, dog leg", [](const auto& p) { return fitByCeres(p, Method::dog_leg); }, false});
+#endif
+  std::printf("%-10s %-28s %8s %8s %8s %8s %10s\n", "starts", "method", "fits", "claims", "false", "optima",
+              "iterations");
+  int lies = 0;
+  for (const Row& row : rows) {
+    Score published, classics, curves;
+    for (const Problem& problem : publishedStarts()) add(published, problem, row.fit, verbose);
+    print("published", row.name, published);
+    for (int i = 0; i < fits; ++i)
+      add(classics, randomClassic(static_cast<std::uint64_t>(i)), row.fit, verbose);
+    print("classics", row.name, classics);
+    for (int i = 0; i < fits; ++i) add(curves, randomCurve(static_cast<std::uint64_t>(i)), row.fit, verbose);
+    print("curves", row.name, curves);
+    if (row.is_slom) lies += published.false_claims + classics.false_claims + curves.false_claims;
+  }
+  return lies > 0 ? 1 : 0;
+}

@@ -1,0 +1,21 @@
+/// The peers' claims.
+#pragma once
+
+#include <vector>
+
+#include "support/classics/problem.hpp"
+
+namespace slom::bench {
+
+struct Claim {
+  bool converged = false;
+  double rss = 0;
+  int iterations = 0;
+  std::vector<double> x;
+};
+
+enum class Method { automatic, levenberg_marquardt, dog_leg };
+Claim fitBySlom(const testing::classics::Problem& problem, Method method);
+Claim fitByCeres(const testing::classics::Problem& problem, Method method);
+
+}  // namespace slom::bench
