@@ -13,6 +13,7 @@
 #include "analyze/given_derivatives.hpp"
 #include "analyze/jacobian.hpp"
 #include "analyze/leverage.hpp"
+#include "analyze/misfit.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
 #include "analyze/singular.hpp"
@@ -44,7 +45,7 @@ struct Estimator::State {
   FreeGauge gauge = FreeGauge::error;
   GivenDerivatives given_derivatives;
   double varianceFactor();
-  std::string messageFor(const Summary& summary, const SolveStatus& status);
+  std::string messageFor(const Summary& summary, const SolveStatus& status, double max_seconds);
   void fillGroups(Summary& summary, bool before);
   void fillParameters(Summary& summary);
 };
@@ -120,34 +121,36 @@ Summary Estimator::optimize(const Options& options) {
   state_->fillGroups(before, true);
   SolveStatus singular_at;
   Summary summary =
-      state_->run([&] { return runAlgorithm(state_->system, *state_->algorithm, options, singular_at); });
+      state_->run([&] { return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated, singular_at); });
   const ProblemStructure& structure = state_->system.structure();
   summary.groups = std::move(before.groups);
   state_->fillGroups(summary, false);
-  summary.solver = state_->solver->description();
+  summary.solver = state_->system.solver().description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
   summary.unknowns = structure.system.unknowns() - problem().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
-  summary.message = state_->messageFor(summary, singular_at);
+  summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
   summary.active_bounds = activeBounds(problem());
   if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters && summary.stop_reason != StopReason::rank_deficient) {
     state_->fillParameters(summary);
   }
   if (summary.stop_reason == StopReason::rank_deficient) {
-    for (std::string& text : weightlessMeasurements(summary.groups)) summary.warnings.push_back(std::move(text));
-    const bool is_explained = !summary.warnings.empty();  // weights of 0
+    std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
+    const bool is_explained = !weightless.empty();
+    for (std::string& text : weightless) summary.warnings.push_back(std::move(text));
     for (Finding& finding : is_explained ? std::vector<Finding>() : diagnose().findings) {
       if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
     }
   }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
+  for (std::string& text : misfits(problem(), summary)) summary.warnings.push_back(std::move(text));
   state_->given_derivatives.check(problem(), summary.warnings);
   return summary;
 }
 
-std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status) {
+std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status, double max_seconds) {
   if (summary.stop_reason == StopReason::rank_deficient) {
     return singularError(problem, system.structure(), status).what();
   }
@@ -158,6 +161,14 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
                                "; raise max_iterations"
                          : "");
   }
+  if (summary.stop_reason == StopReason::no_progress) {
+    const System::Promise promise = run([&] { return system.promise(); });
+    return std::string(toString(summary.stop_reason)) +
+           (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3) : "") +
+           ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
+           "may be too large for what they have to resolve";
+  }
+  if (summary.stop_reason == StopReason::time_limit) return "time limit of " + number(max_seconds, 6) + " s reached";
   return toString(summary.stop_reason);
 }
 
@@ -173,7 +184,7 @@ void Estimator::State::fillParameters(Summary& summary) {
     const double factor = varianceFactor();
     const bool is_determined = run([&] {
       system.linearize();
-      return system.solver().solveFor(Eigen::MatrixXd::Identity(n, n), C).ok;
+      return system.solveFor(Eigen::MatrixXd::Identity(n, n), C).ok;
     });
     if (!is_determined) return;
     C *= factor;
@@ -403,7 +414,11 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
   }
   const double factor = state_->varianceFactor();
   state_->run([&] { return state_->system.linearize(); });
-  if (!(state_->system.gradientCosine() < kAtMinimum)) {
+  const bool is_there = state_->system.gradientCosine() < kAtMinimum || state_->run([&] {
+    const System::Promise promise = state_->system.promise();  // residuals that are rounding errors have any direction
+    return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * factor;
+  });
+  if (!is_there) {
     throw Error("slom.not-a-minimum", "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
   }
   ProfileInterval result{x[c], x[c], x[c]};

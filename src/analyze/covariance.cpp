@@ -21,7 +21,7 @@ Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGaug
   } else {
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(structure.system.unknowns(), dof_b);
     unit.middleRows(b, dof_b).setIdentity();
-    const SolveStatus status = system.solver().solveFor(unit, columns);
+    const SolveStatus status = system.solveFor(unit, columns);
     if (!status.ok) throw undeterminedError(system, linearizer, status);
   }
   const Eigen::MatrixXd block = columns.middleRows(a, dof_a);
@@ -39,7 +39,7 @@ std::unique_ptr<InverseBlocks> inverseBlocks(System& system, Linearizer& lineari
   system.linearize();
   if (gauge == FreeGauge::inner_constraints) return std::make_unique<FreeNetwork>(system, linearizer);
   std::unique_ptr<InverseBlocks> result;
-  const SolveStatus status = system.solver().invertBlocks(system.structure().system, result);
+  const SolveStatus status = system.invertBlocks(result);
   if (!status.ok) throw undeterminedError(system, linearizer, status);
   return result;
 }

@@ -288,7 +288,7 @@ class Examination {
   /// Directions that are hardly determined may still be too much for the solver.
   bool canInvert() {
     MatrixXd ignored;
-    return system_.solver().solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
+    return system_.solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
   }
 
   void findCorrelations() {
@@ -306,7 +306,7 @@ class Examination {
     if (n < 2 || n > kMostDenseUnknowns) return;
     MatrixXd units = MatrixXd::Zero(structure_.system.unknowns(), n), columns;
     for (Index j = 0; j < n; ++j) units(unknowns[static_cast<std::size_t>(j)], j) = 1;
-    if (!system_.solver().solveFor(units, columns).ok) return;
+    if (!system_.solveFor(units, columns).ok) return;
     const MatrixXd C = columns(unknowns, Eigen::all);
     struct Pair {
       Index i, j;

@@ -7,6 +7,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "model/words.hpp"
 #include "parallel.hpp"
 #include "reweight.hpp"
 
@@ -120,7 +121,7 @@ std::vector<double> Linearizer::rssPerPool(Problem& problem) {
 double Linearizer::rss(Problem& problem) {
   double sum = 0;
   for (const double part : rssPerPool(problem)) sum += part;
-  return std::isfinite(sum) ? sum : std::numeric_limits<double>::quiet_NaN();
+  return sum <= kLargestRss ? sum : std::numeric_limits<double>::quiet_NaN();
 }
 
 double Linearizer::largestLossArgument(Problem& problem) {
@@ -267,6 +268,38 @@ void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) const {
 double Linearizer::gradientOfHeld(int variable, int component) const {
   const auto found = held_.find({variable, component});
   return found == held_.end() ? 0 : found->second.gradient;
+}
+
+void Linearizer::raiseOverflow(Problem& problem) {
+  MeasurementPool* worst_pool = nullptr;
+  int worst = 0;
+  double largest = -1;
+  std::vector<double> r, J;
+  for (const auto& pool : problem.pools()) {
+    for (int i = 0; i < pool->size(); ++i) {
+      r.resize(at(pool->rows(i)));
+      J.resize(at(pool->rows(i)) * at(pool->columns(i)));
+      problem.naming(*pool, [&] { pool->linearize(i, i + 1, r.data(), J.data()); });
+      double size = 0;
+      for (const double value : r) size = std::max(size, std::abs(value));
+      for (const double value : J) size = std::max(size, std::abs(value));
+      if (size > largest) {
+        largest = size;
+        worst_pool = pool.get();
+        worst = i;
+      }
+    }
+  }
+  if (worst_pool == nullptr) throw Error("slom.overflow", "the RSS is too large for a number");
+  const int rows = worst_pool->rows(worst);
+  r.resize(at(rows));
+  worst_pool->evaluate(worst, worst + 1, r.data());
+  double residual = 0;
+  for (int i = 0; i < rows; ++i) residual = std::max(residual, std::abs(r[at(i)]));
+  throw Error("slom.overflow", "measurement " + worst_pool->measurementName(worst) + " has a residual of " + number(residual, 6) +
+                                   " standard deviations or a derivative of " + number(largest, 6) + " at " +
+                                   problem.valuesText(worst_pool->variables(worst), worst_pool->arity()) +
+                                   ", too large for sums of squares; check its data, its uncertainty and the start values");
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {

@@ -12,6 +12,8 @@ namespace {
 
 using Eigen::VectorXd;
 
+constexpr int kMostTrials = 200;  // halving a radius that often leaves nothing of it
+
 /// The point of the dog leg from 0 over `cauchy` to `newton` at distance `radius` (all in scaled unknowns).
 VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radius) {
   if (newton.norm() <= radius) return newton;
@@ -57,24 +59,43 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
   newton = newton.cwiseProduct(scale);
   const VectorXd gradient = system.solver().gradient().cwiseQuotient(scale);
   const double curvature = system.solver().squaredImage(gradient.cwiseQuotient(scale));
-  const VectorXd cauchy = curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
+  const VectorXd cauchy =
+      curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
   if (!(radius_ > 0)) radius_ = newton.norm();
 
   for (outcome.trials = 1;; ++outcome.trials) {
+    if (outcome.trials > 1 && system.mustStop()) {
+      outcome.kind = StepOutcome::Kind::stopped;
+      return outcome;
+    }
     outcome.damping = radius_;
     const VectorXd scaled = dogLegPoint(cauchy, newton, radius_);
     outcome.step = scaled.cwiseQuotient(scale);
     outcome.predicted_decrease = system.predictedDecrease(outcome.step);
+    outcome.is_undamped = system.solver().isExact() && scaled == newton;
+    // Where rounding hides the RSS, closeness is measured by the damping that makes steps of about this
+    // length.
+    VectorXd damping;
+    double promised_damped = promised;
+    if (!outcome.is_undamped && system.mayBeRounding(outcome.predicted_decrease)) {
+      damping = gradient.norm() / radius_ * scale.cwiseAbs2();
+      VectorXd ignored;
+      if (system.solveDamped(damping, ignored).ok)
+        promised_damped = system.predictedDecrease(ignored, damping);
+    }
     const double rss = system.tryStep(outcome.step);
     const bool finite = std::isfinite(rss);
     const double decrease = outcome.rss_before - rss;
-    const bool is_judged = !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
-    const bool is_better = finite && (decrease > 0 || (!is_judged && system.cameCloser({}, promised)));
+    const bool is_judged =
+        !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
+    const bool is_noise = !is_judged && std::abs(decrease) <= System::kNoise * outcome.rss_before;
+    const bool is_better = finite && ((decrease > 0 && !is_noise) ||
+                                      (!is_judged && system.cameCloser(damping, promised_damped)));
     const double rho = !finite ? -1 : is_judged ? decrease / outcome.predicted_decrease : is_better ? 1 : 0;
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());
     } else if (!(rho >= 0.25)) {
-      radius_ = std::min(radius_, scaled.norm()) / 2;
+      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 where the norm is no number
     }
     if (is_better) {
       outcome.rss_after = rss;
@@ -82,9 +103,10 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     }
     system.undo();
     system.linearize();
-    const double little = std::max(options.decrease_tolerance, System::kRounding) * outcome.rss_before;
-    const bool at_rest = finite && outcome.predicted_decrease <= little;
-    if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
+    const bool at_rest = finite && (outcome.predicted_decrease <= System::kNothing * outcome.rss_before ||
+                                    (outcome.is_undamped && system.isNearlyNothing(promised, options)));
+    if (at_rest || outcome.trials >= kMostTrials ||
+        system.isNegligible(outcome.step, options.step_tolerance)) {
       outcome.kind = finite ? StepOutcome::Kind::stuck : StepOutcome::Kind::not_finite;
       return outcome;
     }

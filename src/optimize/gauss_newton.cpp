@@ -18,6 +18,7 @@ StepOutcome GaussNewton::step(System& system, const Options&) {
     return outcome;
   }
   outcome.predicted_decrease = system.predictedDecrease(outcome.step, {});
+  outcome.is_undamped = system.solver().isExact();
   const double rss = system.tryLikelyStep(outcome.step);
   if (!std::isfinite(rss)) {
     system.undo();

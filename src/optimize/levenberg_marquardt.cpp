@@ -10,8 +10,10 @@ namespace slom {
 
 namespace {
 constexpr double kLargestDamping = 1e32;
-/// A step with damping below this share of the first one is likely to be taken: only good ones make it fall so far.
+/// A step with damping below this share of the first one is likely to be taken: only good ones make it fall
+/// so far.
 constexpr double kLikelyDamping = 0.125;
+constexpr double kHardlyDamped = 1;
 }  // namespace
 
 Eigen::Map<const Eigen::VectorXd> UnknownScales::update(System& system, double memory) {
@@ -37,9 +39,10 @@ LevenbergMarquardt::LevenbergMarquardt(double initial_damping, double memory)
                                             std::to_string(initial_damping) + "; pass a positive number");
   }
   if (!(memory >= 0 && memory <= 1)) {
-    throw mtk::Error("slom.bad-option", "the memory of LevenbergMarquardt is " + std::to_string(memory) +
-                                            "; pass a number from 0 (scales of the present linearisation) to 1 (the "
-                                            "largest so far)");
+    throw mtk::Error("slom.bad-option",
+                     "the memory of LevenbergMarquardt is " + std::to_string(memory) +
+                         "; pass a number from 0 (scales of the present linearisation) to 1 (the "
+                         "largest so far)");
   }
 }
 
@@ -50,7 +53,9 @@ void LevenbergMarquardt::reset() {
 }
 
 std::string LevenbergMarquardt::name() const { return "Levenberg-Marquardt"; }
-std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const { return std::make_unique<LevenbergMarquardt>(*this); }
+std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const {
+  return std::make_unique<LevenbergMarquardt>(*this);
+}
 
 StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   StepOutcome outcome;
@@ -58,6 +63,10 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
   const auto D = scales_.update(system, memory_);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
+    if (outcome.trials > 1 && system.mustStop()) {
+      outcome.kind = StepOutcome::Kind::stopped;
+      return outcome;
+    }
     outcome.damping = mu_;
     const Eigen::VectorXd damping = mu_ * D;
     outcome.status = system.solveDamped(damping, outcome.step);
@@ -67,9 +76,12 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
       const double rss = is_likely ? system.tryLikelyStep(outcome.step) : system.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
-      const bool is_judged = !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
+      const bool is_judged =
+          !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
+      const bool is_noise = !is_judged && std::abs(decrease) <= System::kNoise * outcome.rss_before;
       const bool is_better =
-          decrease > 0 || (was_finite && !is_judged && system.cameCloser(damping, outcome.predicted_decrease));
+          (decrease > 0 && !is_noise) ||
+          (was_finite && !is_judged && system.cameCloser(damping, outcome.predicted_decrease));
       if (is_better && outcome.predicted_decrease > 0) {
         const double rho = is_judged ? decrease / outcome.predicted_decrease : 1;
         mu_ *= std::max(1.0 / 3, 1 - std::pow(2 * rho - 1, 3));
@@ -79,8 +91,10 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
       }
       system.undo();
       system.linearize();
-      const double little = std::max(options.decrease_tolerance, System::kRounding) * outcome.rss_before;
-      const bool at_rest = was_finite && outcome.predicted_decrease <= little;
+      const bool at_rest =
+          was_finite && (outcome.predicted_decrease <= System::kNothing * outcome.rss_before ||
+                         (outcome.trials == 1 && mu_ < kHardlyDamped &&
+                          system.isNearlyNothing(outcome.predicted_decrease, options)));
       if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
         outcome.kind = StepOutcome::Kind::stuck;
         return outcome;

@@ -5,21 +5,39 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
 
+#include "model/words.hpp"
+#include "optimize/convergence.hpp"
+#include "problem/value_snapshot.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {
 
 const char* toString(StopReason reason) {
   switch (reason) {
-    case StopReason::gradient: return "gradient below tolerance";
-    case StopReason::decrease: return "relative decrease below tolerance";
-    case StopReason::step: return "step below tolerance";
-    case StopReason::nothing_to_do: return "nothing to optimize";
-    case StopReason::max_iterations: return "iteration limit reached";
-    case StopReason::no_progress: return "no step makes the RSS smaller";
-    case StopReason::rank_deficient: return "rank deficient";
-    case StopReason::not_finite: return "a residual became not finite";
+    case StopReason::gradient:
+      return "gradient below tolerance";
+    case StopReason::decrease:
+      return "relative decrease below tolerance";
+    case StopReason::step:
+      return "step below tolerance";
+    case StopReason::nothing_to_do:
+      return "nothing to optimize";
+    case StopReason::max_iterations:
+      return "iteration limit reached";
+    case StopReason::no_progress:
+      return "no step makes the RSS smaller";
+    case StopReason::rank_deficient:
+      return "rank deficient";
+    case StopReason::not_finite:
+      return "a residual became not finite";
+    case StopReason::time_limit:
+      return "time limit reached";
+    case StopReason::interrupted:
+      return "interrupted";
   }
   return "unknown";
 }
@@ -38,13 +56,16 @@ double Summary::chi2PerDof() const {
 }
 
 bool Summary::hasLosses() const {
-  return std::any_of(groups.begin(), groups.end(), [](const GroupSummary& group) { return !group.losses.empty(); });
+  return std::any_of(groups.begin(), groups.end(),
+                     [](const GroupSummary& group) { return !group.losses.empty(); });
 }
 
 namespace {
 
 /// A stage of graduated non-convexity is over when the RSS falls by less than this, relatively.
 constexpr double kStageTolerance = 1e-3;
+/// First damping where long steps have failed.
+constexpr double kCautiousDamping = 1e3;
 
 /// Gives the losses their own scale back when it goes.
 struct Widening {
@@ -67,24 +88,58 @@ void checkGraduation(const Options& options) {
   }
 }
 
+void checkOptions(const Options& options) {
+  if (options.max_iterations < 0 && options.max_iterations != Options::kByTheSize) {
+    throw Error("slom.bad-option", "max_iterations is " + std::to_string(options.max_iterations) +
+                                       "; pass 0 or more, or Options::kByTheSize");
+  }
+  if (!(options.max_seconds > 0)) {
+    throw Error("slom.bad-option",
+                "max_seconds is " + number(options.max_seconds, 6) + "; pass a positive number");
+  }
+  if (!(options.deviation_tolerance >= 0)) {
+    throw Error("slom.bad-option", "deviation_tolerance is " + number(options.deviation_tolerance, 6) +
+                                       "; pass 0 or more, such as 1e-8, or infinity for none");
+  }
+}
+
+/// Many iterations where each is cheap.
+int iterationLimit(const Options& options, int unknowns) {
+  constexpr int work = 100'000, least = 100, most = 10'000;
+  return options.max_iterations == Options::kByTheSize ? std::clamp(work / std::max(1, unknowns), least, most)
+                                                       : options.max_iterations;
+}
+
 class Run {
  public:
-  Run(System& system, Algorithm& algorithm, const Options& options)
-      : system_(system), algorithm_(&algorithm), options_(options), limits_(options) {}
+  Run(System& system, Algorithm& algorithm, const Options& options, bool sigma_is_estimated)
+      : system_(system),
+        safeguarded_(options.fall_back ? algorithm.safeguarded() : nullptr),
+        algorithm_(safeguarded_ ? safeguarded_.get() : &algorithm),
+        options_(options),
+        limits_(options),
+        convergence_(system, options, sigma_is_estimated) {
+    system_.setInterruption([this] { return mustStop(); });
+  }
+  ~Run() { system_.setInterruption({}); }
 
   Summary go(SolveStatus& singular_at) {
     summary_.initial_rss = summary_.final_rss = system_.linearize();
+    most_iterations_ = limits_.max_iterations =
+        iterationLimit(options_, system_.structure().system.unknowns());
+    convergence_.begin(summary_.initial_rss);
     record({}, system_.gradientCosine());
     summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
                            : options_.graduated_non_convexity ? graduate()
+                           : safeguarded_ != nullptr          ? iterateOrRestart()
                                                               : iterate();
     if (summary_.stages > 0 && summary_.final_rss > summary_.initial_rss) warnOfRise();
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
     summary_.seconds = secondsSinceStart();
     const PhaseSeconds now = system_.seconds();
-    summary_.phases = {now.setup - before_.setup, now.linearize - before_.linearize, now.factorize - before_.factorize,
-                       now.solve - before_.solve};
+    summary_.phases = {now.setup - before_.setup, now.linearize - before_.linearize,
+                       now.factorize - before_.factorize, now.solve - before_.solve};
     singular_at = singular_at_;
     return std::move(summary_);
   }
@@ -94,8 +149,17 @@ class Run {
     return system_.structure().system.unknowns() == 0 || system_.structure().residuals == 0;
   }
 
-  /// Graduated non-convexity, as Options says. In addition mu never stays above what its first value's rule gives for
-  /// the present residuals, so that a start far away does not cost stages once the first fits have come near.
+  /// Why a fit is to end at once, where it is.
+  std::optional<StopReason> interruption() {
+    if (!must_stop_ && options_.should_stop && options_.should_stop()) must_stop_ = StopReason::interrupted;
+    if (!must_stop_ && secondsSinceStart() > options_.max_seconds) must_stop_ = StopReason::time_limit;
+    return must_stop_;
+  }
+  bool mustStop() { return interruption().has_value(); }
+
+  /// Graduated non-convexity, as Options says. In addition mu never stays above what its first value's rule
+  /// gives for the present residuals, so that a start far away does not cost stages once the first fits have
+  /// come near.
   StopReason graduate() {
     Widening widening{system_};
     double most = 2 * system_.largestLossArgument();
@@ -105,15 +169,17 @@ class Run {
           "insertMeasurement, such as slom::GemanMcClure(3)");
       return iterate();
     }
-    for (double mu = std::max(most, 1.0);; mu = std::max(std::min(mu / options_.graduation_factor, most), 1.0)) {
+    for (double mu = std::max(most, 1.0);;
+         mu = std::max(std::min(mu / options_.graduation_factor, most), 1.0)) {
       ++summary_.stages;
       widening.set(mu);
       limits_ = options_;
+      limits_.max_iterations = most_iterations_;
       if (mu == 1) {
         if (summary_.stages > 1) algorithm_->reset();
         return iterate();
       }
-      limits_.max_iterations = std::min(options_.max_iterations, summary_.iterations + options_.stage_iterations);
+      limits_.max_iterations = std::min(most_iterations_, summary_.iterations + options_.stage_iterations);
       limits_.decrease_tolerance = std::max(options_.decrease_tolerance, kStageTolerance);
       const StopReason reason = iterate();
       if (endsTheFit(reason)) {
@@ -135,62 +201,111 @@ class Run {
 
   /// Whether a stage that stopped for this reason is the last one, though its losses are still widened.
   bool endsTheFit(StopReason reason) const {
-    if (reason == StopReason::max_iterations) return summary_.iterations >= options_.max_iterations;
-    return reason == StopReason::rank_deficient || reason == StopReason::not_finite;
+    if (reason == StopReason::max_iterations) return summary_.iterations >= most_iterations_;
+    return reason == StopReason::rank_deficient || reason == StopReason::not_finite ||
+           reason == StopReason::time_limit || reason == StopReason::interrupted;
+  }
+
+  /// A fit whose long first steps ended where it cannot go on begins again with short ones. Where those end
+  /// no better, what the first ones found stays.
+  StopReason iterateOrRestart() {
+    ValueSnapshot start(system_.problem());
+    const StopReason reason = iterate();
+    const bool has_moved = summary_.trace.back().rss != summary_.initial_rss || summary_.iterations > 1;
+    const bool has_failed = reason == StopReason::rank_deficient || reason == StopReason::no_progress ||
+                            reason == StopReason::not_finite;
+    if (!has_failed || !has_moved) return reason;
+    ValueSnapshot end(system_.problem());
+    const double rss = summary_.final_rss;
+    LevenbergMarquardt cautious(kCautiousDamping);
+    Algorithm* const first = std::exchange(algorithm_, &cautious);
+    const int failed_at = summary_.iterations;
+    start.restore();
+    const StopReason second = iterate();
+    algorithm_ = first;
+    if (isConverged(second) && hasFullRank()) {
+      summary_.warnings.push_back(
+          "iteration " + std::to_string(failed_at) + ": " + toString(reason) +
+          "; the fit began again from the start by short steps of Levenberg-Marquardt");
+      return second;
+    }
+    end.restore();
+    summary_.final_rss = rss;
+    return mustStop() ? *interruption() : reason;
+  }
+
+  /// Whether many steps one after the other have changed the RSS by rounding alone, and the promise hardly.
+  bool creeps(const StepOutcome& outcome) {
+    constexpr int many = 50;
+    if (std::abs(outcome.rss_before - outcome.rss_after) > System::kNoise * outcome.rss_before) {
+      hidden_steps_ = 0;
+      hidden_promise_ = std::numeric_limits<double>::infinity();
+    } else if (++hidden_steps_ % many == 0) {
+      const double promised = system_.promise().decrease;
+      if (!(promised < hidden_promise_ / 2)) return true;
+      hidden_promise_ = promised;
+    }
+    return false;
+  }
+
+  bool hasFullRank() {
+    Eigen::VectorXd ignored;
+    system_.linearize();
+    return system_.solveUndamped(ignored).ok;
   }
 
   StopReason iterate() {
-    while (summary_.iterations < limits_.max_iterations) {
-      system_.linearize();
-      const double gradient = system_.gradientCosine();
-      // A system without full rank is told about even when the RSS could not be smaller; the step finds out.
-      StepOutcome outcome = algorithm_->step(system_, limits_);
-      if (mustFallBack(outcome)) continue;
-      ++summary_.iterations;
-      summary_.final_rss = outcome.rss_after;
-      record(outcome, gradient);
-      switch (outcome.kind) {
-        case StepOutcome::Kind::singular:
-          singular_at_ = outcome.status;
-          return StopReason::rank_deficient;
-        case StepOutcome::Kind::not_finite:
-          return StopReason::not_finite;
-        case StepOutcome::Kind::stuck:
-          return whyStuck(outcome, gradient);
-        case StepOutcome::Kind::taken:
-          break;
+    bool is_fresh = false;     // nothing taken since the algorithm was reset where it was stuck
+    Options limits = limits_;  // for its steps
+    const StopReason reason = [&] {
+      while (summary_.iterations < limits_.max_iterations) {
+        if (const auto stop = interruption()) return *stop;
+        system_.linearize();
+        const double gradient = system_.gradientCosine();
+        // A system without full rank is told about even when the RSS could not be smaller; the step finds
+        // out.
+        const StepOutcome outcome = algorithm_->step(system_, limits);
+        if (outcome.kind == StepOutcome::Kind::stopped) return *interruption();
+        ++summary_.iterations;
+        summary_.final_rss = outcome.rss_after;
+        if (!outcome.event.empty()) {
+          summary_.warnings.push_back("iteration " + std::to_string(summary_.iterations) + ": " +
+                                      outcome.event);
+        }
+        record(outcome, gradient);
+        switch (outcome.kind) {
+          case StepOutcome::Kind::singular:
+            singular_at_ = outcome.status;
+            return StopReason::rank_deficient;
+          case StepOutcome::Kind::not_finite:
+            return StopReason::not_finite;
+          case StepOutcome::Kind::stopped:
+          case StepOutcome::Kind::stuck:
+            if (const auto reason = convergence_.whenStuck(gradient, limits_.decrease_tolerance))
+              return *reason;
+            // What earlier steps taught may be what holds it, or that the algorithm took small promises for
+            // none.
+            if (is_fresh) return StopReason::no_progress;
+            algorithm_->reset();
+            limits.decrease_tolerance = limits.deviation_tolerance = 0;
+            is_fresh = true;
+            continue;
+          case StepOutcome::Kind::taken:
+            is_fresh = false;
+            break;
+        }
+        if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
+          return *reason;
+        if (creeps(outcome)) {
+          const auto reason = convergence_.whenStuck(system_.gradientCosine(), limits_.decrease_tolerance);
+          return reason.value_or(StopReason::no_progress);
+        }
       }
-      if (gradient <= options_.gradient_tolerance) return StopReason::gradient;
-      if (hasLittleDecrease(outcome)) return StopReason::decrease;
-      if (system_.isNegligible(outcome.step, options_.step_tolerance)) return StopReason::step;
-    }
-    return StopReason::max_iterations;
-  }
-
-  StopReason whyStuck(const StepOutcome& outcome, double gradient) {
-    if (gradient <= options_.gradient_tolerance) return StopReason::gradient;
-    if (hasLittleDecrease(outcome, System::kRounding)) return StopReason::decrease;
-    return system_.isNegligible(outcome.step, options_.step_tolerance) ? StopReason::step : StopReason::no_progress;
-  }
-
-  bool hasLittleDecrease(const StepOutcome& outcome, double least_tolerance = 0) const {
-    const double little = std::max(limits_.decrease_tolerance, least_tolerance) * outcome.rss_before;
-    return std::abs(outcome.rss_before - outcome.rss_after) <= little && outcome.predicted_decrease <= little;
-  }
-
-  /// A Gauss-Newton step that leads uphill is taken back, and Levenberg-Marquardt goes on from where it started.
-  bool mustFallBack(const StepOutcome& outcome) {
-    if (!options_.fall_back || dynamic_cast<GaussNewton*>(algorithm_) == nullptr) return false;
-    const bool grew = outcome.kind == StepOutcome::Kind::taken && outcome.rss_after > outcome.rss_before &&
-                      !hasLittleDecrease(outcome) && !system_.isNegligible(outcome.step, options_.step_tolerance);
-    if (!grew && outcome.kind != StepOutcome::Kind::not_finite) return false;
-    if (grew) system_.undo();
-    algorithm_ = &fallback_;
-    summary_.warnings.push_back("iteration " + std::to_string(summary_.iterations + 1) +
-                                ": the Gauss-Newton step made " +
-                                (grew ? "the RSS grow" : std::string("a residual not finite")) +
-                                "; it was taken back and Levenberg-Marquardt went on from there");
-    return true;
+      return StopReason::max_iterations;
+    }();
+    algorithm_->finish(system_);
+    if (!isConverged(reason)) summary_.final_rss = system_.rss();
+    return reason;
   }
 
   void record(const StepOutcome& outcome, double gradient) {
@@ -200,7 +315,8 @@ class Run {
     line.rss = summary_.final_rss;
     line.gradient = gradient;
     if (outcome.trials > 0) {
-      line.relative_decrease = outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0;
+      line.relative_decrease =
+          outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0;
       line.step = outcome.kind == StepOutcome::Kind::taken ? system_.stepInDeviations(outcome.step) : 0;
       line.damping = outcome.damping;
       line.trials = outcome.trials;
@@ -218,10 +334,14 @@ class Run {
   }
 
   System& system_;
+  std::unique_ptr<Algorithm> safeguarded_;
   Algorithm* algorithm_;
-  LevenbergMarquardt fallback_;
   const Options& options_;
   Options limits_;  // of the stage
+  Convergence convergence_;
+  int most_iterations_ = 0, hidden_steps_ = 0;
+  double hidden_promise_ = std::numeric_limits<double>::infinity();
+  std::optional<StopReason> must_stop_;
   Summary summary_;
   SolveStatus singular_at_;
   PhaseSeconds before_ = system_.seconds();
@@ -230,9 +350,11 @@ class Run {
 
 }  // namespace
 
-Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, SolveStatus& singular_at) {
+Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
+                     SolveStatus& singular_at) {
+  checkOptions(options);
   checkGraduation(options);
-  return Run(system, algorithm, options).go(singular_at);
+  return Run(system, algorithm, options, sigma_is_estimated).go(singular_at);
 }
 
 }  // namespace slom

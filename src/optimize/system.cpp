@@ -10,16 +10,21 @@
 namespace slom {
 
 namespace {
-constexpr int kMostActiveSets = 10;  // in one linearisation
+constexpr int kMostActiveSets = 10;    // in one linearisation
+constexpr int kMostHoldings = 10;      // of unseen unknowns, in one step
 constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
-constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
+constexpr double kAtBound = 1e-14;     // relative: rounding errors of a step that ends at a bound
 
-/// Whether the largest of some products of squares is right: none of those that matter has left the range of numbers.
+/// Whether the largest of some products of squares is right: none of those that matter has left the range of
+/// numbers.
 bool isWellScaled(double largest) { return largest > 1e-200 && largest < 1e200; }
 }  // namespace
 
+System::~System() = default;
+
 void System::setSolver(LinearSolver& solver) {
-  solver_ = &solver;
+  given_ = solver_ = &solver;
+  careful_.reset();
   analyzed_at_ = linearized_at_ = ~std::uint64_t{0};
 }
 
@@ -38,6 +43,8 @@ double System::linearize() {
   if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
   if (analyzed_at_ != structured_at_) {
     const detail::Stopwatch watch(setup_seconds_);
+    solver_ = given_;
+    careful_.reset();
     solver_->analyze(structure_.system);
     analyzed_at_ = structured_at_;
   }
@@ -48,8 +55,16 @@ double System::linearize() {
     rss_ = linearizer_.linearize(problem_, *solver_);
   }
   squared_norm_ = linearizer_.squaredNormSent();
+  requireRange();
   linearized_at_ = problem_.valueRevision();
   return rss_;
+}
+
+/// Products of what is linearised must stay numbers.
+void System::requireRange() {
+  if (rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite())
+    return;
+  linearizer_.raiseOverflow(problem_);
 }
 
 template <class F>
@@ -68,11 +83,13 @@ void System::forEachBound(const F& f) {
   }
 }
 
-/// Holds what is at a limit beyond which the RSS falls, and lets go of the rest. Returns whether anything changed.
+/// Holds what is at a limit beyond which the RSS falls, and lets go of the rest. Returns whether anything
+/// changed.
 bool System::updateActiveBounds() {
   bool has_changed = false;
   forEachBound([&](int variable, ComponentBound& bound, double x, int unknown) {
-    const double g = bound.is_active ? linearizer_.gradientOfHeld(variable, bound.component) : solver_->gradient()[unknown];
+    const double g = bound.is_active ? linearizer_.gradientOfHeld(variable, bound.component)
+                                     : solver_->gradient()[unknown];
     const double margin = kAtBound * std::max(std::abs(x), 1e-300);
     const bool holds = (x >= bound.upper - margin && g < 0) || (x <= bound.lower + margin && g > 0);
     has_changed = has_changed || holds != bound.is_active;
@@ -90,10 +107,23 @@ Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) {
   return clamped;
 }
 
+/// x + (limit - x) may be one rounding beyond the limit, where a user's function may have no value.
+void System::roundToBounds() {
+  forEachBound([&](int variable, const ComponentBound& bound, double x, int) {
+    const double inside = std::clamp(x, bound.lower, bound.upper);
+    if (inside == x) return;
+    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
+    std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
+    d[static_cast<std::size_t>(bound.component)] = inside - x;  // exact, as they are neighbours
+    record.store->boxplus(record.store->valueAt(record.slot), d.data());
+  });
+}
+
 void System::move(const Eigen::VectorXd& d) {
   problem_.save();
   if (problem_.hasBounds()) {
     problem_.applyStep(structure_.offset_of_variable, withinBounds(d).data());
+    roundToBounds();
   } else {
     problem_.applyStep(structure_.offset_of_variable, d.data());
   }
@@ -111,10 +141,14 @@ double System::tryStep(const Eigen::VectorXd& d) {
   }
 }
 
-double System::tryLikelyStep(const Eigen::VectorXd& d) {
+bool System::hasNumericDerivatives() const {
   const auto& pools = problem_.pools();
-  const auto is_numeric = [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; };
-  if (std::any_of(pools.begin(), pools.end(), is_numeric)) return tryStep(d);
+  return std::any_of(pools.begin(), pools.end(),
+                     [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });
+}
+
+double System::tryLikelyStep(const Eigen::VectorXd& d) {
+  if (hasNumericDerivatives()) return tryStep(d);
   saved_is_linearized_ = false;
   move(d);
   try {
@@ -137,7 +171,8 @@ bool System::cameCloser(const Eigen::VectorXd& damping, double promised) {
     throw;
   }
   Eigen::VectorXd next;
-  return solver_->solve(damping, next).ok && predictedDecrease(next, damping) < promised;
+  return (damping.size() == 0 ? solveUndamped(next) : solveDamped(damping, next)).ok &&
+         predictedDecrease(next, damping) < promised;
 }
 
 void System::undo() {
@@ -148,6 +183,12 @@ void System::undo() {
 void System::setLossWidening(double widening) {
   linearizer_.setLossWidening(widening);
   linearized_at_ = ~std::uint64_t{0};
+}
+
+bool System::mayBeRounding(double change) const {
+  constexpr double most = 1e-8;
+  constexpr double steep = 0.1;  // there residuals change with a step much more than by rounding
+  return std::abs(change) <= kNoise * rss_ || (std::abs(change) <= most * rss_ && gradientCosine() <= steep);
 }
 
 double System::gradientCosine() const {
@@ -177,34 +218,115 @@ Eigen::VectorXd System::magnitudes() {
   return magnitude;
 }
 
-/// The unknown that d moves though it is not seen, -1 without one.
-int System::unseenUnknown(const Eigen::VectorXd& d) {
+/// The unknowns that d moves though they are not seen.
+std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
+  std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
-  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return -1;  // as nearly always
+  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
   const Eigen::VectorXd magnitude = magnitudes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
-  const double rounding = std::numeric_limits<double>::epsilon() * effect.maxCoeff();
+  const double rounding =
+      std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    if (magnitude[i] > 0 && effect[i] < rounding && std::abs(d[i]) > magnitude[i]) return static_cast<int>(i);
+    if (magnitude[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= magnitude[i]))
+      unseen.push_back(static_cast<int>(i));
   }
-  return -1;
+  return unseen;
+}
+
+/// Whether the careful solver finds the rank that the other does not.
+bool System::becomesCareful() {
+  if (careful_ != nullptr) return false;
+  std::unique_ptr<LinearSolver> careful = given_->careful();
+  if (careful == nullptr) return false;
+  careful->analyze(structure_.system);
+  linearizer_.linearize(problem_, *careful);
+  Eigen::VectorXd ignored;
+  if (!careful->solve({}, ignored).ok) return false;
+  careful_ = std::move(careful);
+  solver_ = careful_.get();
+  return true;
+}
+
+SolveStatus System::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
+  linearize();
+  const SolveStatus status = solver_->solveFor(B, X);
+  return status.ok || !becomesCareful() ? status : solver_->solveFor(B, X);
+}
+
+SolveStatus System::invertBlocks(std::unique_ptr<InverseBlocks>& blocks) {
+  linearize();
+  const SolveStatus status = solver_->invertBlocks(structure_.system, blocks);
+  return status.ok || !becomesCareful() ? status : solver_->invertBlocks(structure_.system, blocks);
 }
 
 SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
-  const SolveStatus status = solver_->solve({}, step);
-  const int unseen = status.ok ? unseenUnknown(step) : -1;
-  return unseen < 0 ? status : SolveStatus{false, unseen, 0};
+  SolveStatus status = solver_->solve({}, step);
+  if (!status.ok && becomesCareful()) status = solver_->solve({}, step);
+  if (!status.ok) return status;
+  clearHeld(step);
+  const std::vector<int> unseen = unseenUnknowns(step);
+  return unseen.empty() ? status : SolveStatus{false, unseen.front(), 0};
 }
 
 SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
   SolveStatus status = solver_->solve(damping, step);
-  int unseen = status.ok ? unseenUnknown(step) : -1;
-  if (unseen < 0) return status;
-  Eigen::VectorXd holding = damping;
-  for (; unseen >= 0; unseen = status.ok ? unseenUnknown(step) : -1) {
-    holding[unseen] = solver_->diagonal().maxCoeff();
+  Eigen::VectorXd holding;
+  for (int i = 0; status.ok && i < kMostHoldings; ++i) {
+    clearHeld(step);
+    const std::vector<int> unseen = unseenUnknowns(step);
+    if (unseen.empty()) return status;
+    if (holding.size() == 0) holding = damping;
+    // Each time firmer, for g may be large where H is not.
+    for (const int u : unseen) holding[u] = std::max(holding[u] * 1e6, solver_->diagonal().maxCoeff());
     status = solver_->solve(holding, step);
   }
+  if (status.ok) {
+    for (const int u : unseenUnknowns(step)) step[u] = 0;
+  }
   return status;
+}
+
+System::Promise System::promise() {
+  linearize();
+  Promise result;
+  const Eigen::VectorXd& H = solver_->diagonal();
+  const auto promised = [&](double damping, Eigen::VectorXd& step) {
+    Eigen::VectorXd D = damping * H;
+    for (Eigen::Index i = 0; i < H.size(); ++i) {
+      if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
+    }
+    if (!solveDamped(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error.
+    return std::max(std::abs(solver_->gradient().dot(step)), predictedDecrease(step));
+  };
+  for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {
+    result.decrease = promised(damping, result.step);
+    if (!std::isfinite(result.decrease)) continue;
+    // A promise that damping makes smaller is larger without.
+    constexpr double more = 100, similar = 1.1;
+    Eigen::VectorXd ignored;
+    result.is_known =
+        damping == 0 || result.decrease <= similar * promised(more * damping, ignored) + kRounding * rss_;
+    break;
+  }
+  return result;
+}
+
+double System::roundingOfPromises() {
+  constexpr double steps = 4;  // of the last digit
+  const double effect = solver_->diagonal().cwiseSqrt().dot(magnitudes());
+  return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);
+}
+
+/// Components that are held do not move by what rounding leaves of their equations.
+void System::clearHeld(Eigen::VectorXd& d) const {
+  for (const int v : problem_.constrained()) {
+    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
+    if (!record.optimize) continue;
+    for (int c = 0; c < record.dof; ++c) {
+      if (record.isHeld(c)) d[structure_.offset_of_variable[static_cast<std::size_t>(v)] + c] = 0;
+    }
+  }
 }
 
 bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
@@ -217,7 +339,8 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
     for (int c = 0; c < record.dof; ++c) {
       const int i = structure_.system.offset[b] + c;
       const double column = std::sqrt(solver_->diagonal()[i]);
-      const double limit = tolerance * (magnitude[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));
+      const double limit =
+          tolerance * (magnitude[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));
       if (!(std::abs(d[i]) <= limit)) return false;
     }
   }
@@ -235,7 +358,9 @@ double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd
 }
 
 PhaseSeconds System::seconds() const {
-  return {setup_seconds_, linearize_seconds_, solver_->seconds().factorize, solver_->seconds().solve};
+  const SolverSeconds other = careful_ != nullptr ? careful_->seconds() : SolverSeconds{};
+  return {setup_seconds_, linearize_seconds_, given_->seconds().factorize + other.factorize,
+          given_->seconds().solve + other.solve};
 }
 
 }  // namespace slom

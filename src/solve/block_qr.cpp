@@ -9,12 +9,8 @@ namespace slom {
 
 using Eigen::VectorXd;
 
-namespace {
-/// What is left of a column of unit length is rounding error below this.
-constexpr double kPivotTolerance = 1e-12;
-}  // namespace
-
 struct BlockQR::Implementation {
+  double pivot_tolerance = kPivotTolerance;
   BlockStructure structure;
   JacobianRows rows;
   MultifrontalQR factor;
@@ -28,14 +24,14 @@ struct BlockQR::Implementation {
     scale = diagonal;
     if (!is_undamped) scale += damping;
     for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
-    const SolveStatus status = factor.factorize(rows, scale, damping, kPivotTolerance);
+    const SolveStatus status = factor.factorize(rows, scale, damping, pivot_tolerance);
     has_undamped_factor = is_undamped;
     if (is_undamped) undamped_status = status;
     return status;
   }
 };
 
-BlockQR::BlockQR() : self_(new Implementation) {}
+BlockQR::BlockQR(double pivot_tolerance) : self_(new Implementation) { self_->pivot_tolerance = pivot_tolerance; }
 BlockQR::~BlockQR() = default;
 
 void BlockQR::analyze(const BlockStructure& structure) {

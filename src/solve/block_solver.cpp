@@ -3,6 +3,7 @@
 #include "block/block_method.hpp"
 #include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
+#include "slom/solve/block_qr.hpp"
 
 namespace slom {
 
@@ -83,6 +84,12 @@ SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const MatrixXd& B,
   }
   if (status.ok) X = std::move(all);
   return status;
+}
+
+std::unique_ptr<LinearSolver> BlockSolver::careful() const {
+  // Rounding errors of long chains of unknowns leave some digits less than it finds in short ones.
+  constexpr double surely_determined = 1e-10;
+  return isExact() ? std::make_unique<BlockQR>(surely_determined) : nullptr;
 }
 
 SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {

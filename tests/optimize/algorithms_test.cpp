@@ -133,7 +133,7 @@ TEST(GaussNewton, FitsALineInOneStepAndStops) {
   }
   const slom::Summary summary = est.optimize();
   EXPECT_TRUE(summary.converged);
-  EXPECT_LE(summary.iterations, 2);
+  EXPECT_LE(summary.iterations, 3) << "the first, one for what differences leave of it, and one that finds nothing more";
   EXPECT_EQ(summary.measurements, 10);
   EXPECT_EQ(summary.unknowns, 2);
   EXPECT_EQ(summary.redundancy, 8);
@@ -149,7 +149,8 @@ TEST(GaussNewton, ReportsTheStepThatWasTakenBack) {
   const slom::Summary summary = est.optimize();
   EXPECT_TRUE(summary.converged);
   EXPECT_NEAR(*x, 0, 1e-9);
-  EXPECT_EQ(summary.algorithm, "Levenberg-Marquardt");
+  EXPECT_EQ(summary.trace[1].algorithm, "Levenberg-Marquardt");
+  EXPECT_EQ(summary.algorithm, "Gauss-Newton") << "it returns";
   ASSERT_EQ(summary.warnings.size(), 1u);
   EXPECT_EQ(summary.warnings[0], "iteration 1: the Gauss-Newton step made the RSS grow; it was taken back and "
                                  "Levenberg-Marquardt went on from there");

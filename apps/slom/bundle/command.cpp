@@ -1,4 +1,5 @@
 // `slom bundle`: options, then read -> check -> fit -> report and files.
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bundle/output/output.hpp"
 #include "bundle/output/report.hpp"
 #include "bundle/settings.hpp"
+#include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 
@@ -36,7 +38,10 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   setup_seconds = setup.seconds();
   Options options;
   options.max_iterations = settings.fit.max_iterations;
+  const FitLimits limits(settings.fit.max_seconds);
+  FitLimits::applyTo(options);
   options.decrease_tolerance = settings.tolerance;
+  options.deviation_tolerance = std::numeric_limits<double>::infinity();  // nobody has said what a pixel is worth
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
   const Summary summary = fit.optimize(options);

@@ -1,6 +1,7 @@
 // `slom calibrate`: options, then read -> calibrate -> report and files.
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "calibrate/result_paths.hpp"
 #include "calibrate/settings.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "output_files.hpp"
 #include "printable.hpp"
@@ -126,7 +128,9 @@ void run(const RawOptions& raw) {
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));
+  std::optional<FitLimits> limits(std::in_place, settings.max_seconds);
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
+  limits.reset();
   result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
@@ -204,6 +208,7 @@ void addCalibrateCommand(CLI::App& app) {
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();
+  addTimeLimit(command, settings.max_seconds);
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
   command.add_option("--output", settings.yaml_file, "calibration as YAML for other programs; ROS wants '{name}' in it")
       ->type_name("FILE");

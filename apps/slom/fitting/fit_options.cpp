@@ -15,6 +15,7 @@
 #include <slom/solve/dense_qr.hpp>
 
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "text.hpp"
 
 namespace slom::app {
@@ -131,6 +132,7 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
   command.add_option("--max-iterations", raw.max_iterations, "of the fit")
       ->type_name("NUMBER")
       ->capture_default_str();
+  addTimeLimit(command, raw.max_seconds);
 }
 
 void addLossOption(CLI::App& command, RawFitOptions& raw) {
@@ -152,6 +154,7 @@ FitOptions parseFitOptions(const RawFitOptions& raw) {
   }
   options.threads = raw.threads;
   options.max_iterations = raw.max_iterations;
+  options.max_seconds = raw.max_seconds;
   return options;
 }
 

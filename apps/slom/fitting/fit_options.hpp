@@ -23,6 +23,7 @@ struct FitOptions {
   Loss loss;        ///< of all measurements
   int threads = 0;  ///< 0: as many as the machine has
   int max_iterations = 100;
+  double max_seconds = 0;  ///< 0: no limit
 };
 
 /// The options as text, as CLI11 hands them over.
@@ -32,9 +33,10 @@ struct RawFitOptions {
   std::string loss;
   int threads = 0;
   int max_iterations = 100;
+  double max_seconds = 0;  ///< 0: no limit
 };
 
-/// Adds --algorithm, --solver, --threads and --max-iterations; `raw` must live as long as `command`.
+/// Adds --algorithm, --solver, --threads, --max-iterations and --max-seconds; `raw` must live as long as `command`.
 void addFitOptions(CLI::App& command, RawFitOptions& raw);
 /// Adds --robust, for problems without losses of their own.
 void addLossOption(CLI::App& command, RawFitOptions& raw);

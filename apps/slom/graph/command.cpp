@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "graph/fit/fit.hpp"
@@ -57,6 +58,9 @@ Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& con
   setup_seconds = setup.seconds();
   Options options;
   options.max_iterations = settings.fit.max_iterations;
+  const FitLimits limits(settings.fit.max_seconds);
+  FitLimits::applyTo(options);
+  options.deviation_tolerance = 1e-4;  // a map has no use for more
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
   const Summary summary = fit.optimize(options);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "fitting/fit_options.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
@@ -74,7 +75,11 @@ void run(const Settings& settings) {
   options.max_iterations = fit.max_iterations;
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print(iterationHeader());
-  report.summary = asUserError([&] { return est.optimize(options); });
+  {
+    const FitLimits limits(fit.max_seconds);
+    FitLimits::applyTo(options);
+    report.summary = asUserError([&] { return est.optimize(options); });
+  }
   report.total_seconds = total.seconds();
   console.print("\n" + report.summary.report());
   ResultFiles files(report, settings.report);

@@ -21,7 +21,10 @@ class Linearizer {
   void setLossWidening(double widening) { widening_ = widening; }
   double lossWidening() const { return widening_; }
 
-  /// The RSS at the current values; NaN when a residual is not finite.
+  /// Beyond it products of what is linearised may overflow.
+  static constexpr double kLargestRss = 1e200;
+
+  /// The RSS at the current values; NaN when a residual is not finite or the sum beyond kLargestRss.
   double rss(Problem& problem);
   /// The same for each pool.
   std::vector<double> rssPerPool(Problem& problem);
@@ -33,6 +36,8 @@ class Linearizer {
   /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
   /// naming the measurement, its variables and their values.
   double linearize(Problem& problem, JacobianSink& sink);
+  /// Throws [slom.overflow], naming the measurement with the largest residual.
+  [[noreturn]] void raiseOverflow(Problem& problem);
   /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.
   double gradientOfHeld(int variable, int component) const;
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.

@@ -20,16 +20,19 @@ struct StepOutcome {
     taken,       ///< the values have moved
     singular,    ///< the linear system has no unique solution; nothing moved
     not_finite,  ///< the step led to where a residual is not finite, and was taken back
-    stuck        ///< no step that was tried made the RSS smaller; nothing moved
+    stuck,       ///< no step that was tried made the RSS smaller; nothing moved
+    stopped      ///< System::mustStop(), between two trials; nothing moved
   };
   Kind kind = Kind::taken;
   double rss_before = 0;
   double rss_after = 0;
   double predicted_decrease = 0;  ///< of the RSS, by the linear model
+  bool is_undamped = false;       ///< the step solves the linear system as it is, so that model promises no more than this
   double damping = 0;
   int trials = 0;
   Eigen::VectorXd step;
   SolveStatus status;             ///< of the linear solver when singular
+  std::string event;              ///< what the user should know: "the Gauss-Newton step made the RSS grow; ..."
 };
 
 /// One of your own implements this, with the System of slom/optimize/system.hpp.
@@ -42,14 +45,19 @@ class Algorithm {
   virtual void reset() {}
   /// Linearises at the current values and moves them by one step.
   virtual StepOutcome step(System& system, const Options& options) = 0;
+  /// The fit ends here: goes back to better values, where it knows some.
+  virtual void finish(System&) {}
+  /// What Options::fall_back takes in its place; null: itself.
+  virtual std::unique_ptr<Algorithm> safeguarded() const { return nullptr; }
 };
 
-/// d = -(J^T J)^-1 J^T r, taken whatever it does to the RSS.
+/// d = -(J^T J)^-1 J^T r, taken whatever it does to the RSS. Options::fall_back adds Levenberg-Marquardt where that leads uphill.
 class GaussNewton final : public Algorithm {
  public:
   std::string name() const override;
   std::unique_ptr<Algorithm> clone() const override;
   StepOutcome step(System& system, const Options& options) override;
+  std::unique_ptr<Algorithm> safeguarded() const override;
 };
 
 /// The scale of each unknown: the largest diagonal entry of J^T J that it has had in this fit (1 while that is 0), so

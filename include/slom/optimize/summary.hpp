@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,11 @@ enum class StopReason {
   step,            ///< converged: the last step moved nothing
   nothing_to_do,   ///< no unknowns, or no measurements
   max_iterations,  ///< not converged
-  no_progress,     ///< not converged: no step, however short, makes the RSS smaller
+  no_progress,     ///< not converged: no step, however short, makes the RSS smaller, though the linear model promises it
   rank_deficient,  ///< not converged: the measurements do not determine all unknowns
-  not_finite       ///< not converged: the step led to values where a residual is not finite
+  not_finite,      ///< not converged: the step led to values where a residual is not finite
+  time_limit,      ///< not converged: Options::max_seconds have passed
+  interrupted      ///< not converged: Options::should_stop said so
 };
 
 /// A few words: "relative decrease below tolerance".
@@ -39,9 +42,9 @@ struct IterationRecord {
 
 using Observer = std::function<void(const IterationRecord&)>;
 
-/// A fit stops when one of the three tests holds.
+/// A fit has converged when one of the first three tests holds, and the fourth with it. All look at what the linear model
+/// promises without damping: a short step is no convergence.
 struct Options {
-  int max_iterations = 100;
   /// Cosine of the angle between the residual and each column of J: max_i |g_i| / (|J_i| |r|). More, Garbow and
   /// Hillstrom, "User guide for MINPACK-1", 1980, `gtol`.
   double gradient_tolerance = 1e-10;
@@ -49,7 +52,19 @@ struct Options {
   double decrease_tolerance = 1e-12;
   /// |d_i| relative to |x_i| (1 for angles) plus the standard deviation of that unknown alone; cf. ibid., `xtol`.
   double step_tolerance = 1e-10;
-  /// When a Gauss-Newton step makes the RSS grow, take it back and go on with Levenberg-Marquardt.
+  /// How far it may still be to the solution in standard deviations, sqrt(g^T H^-1 g), H = J^T J, g = J^T r: beside a large
+  /// RSS of some measurements the others are not forgotten. With Sigma::estimated in those that chi2PerDof() gives.
+  /// Infinite, for residuals in units without known standard deviations: the other three alone, and decrease_tolerance looks at
+  /// damped steps, too, unless one was refused, as Ceres' function_tolerance does.
+  double deviation_tolerance = 1e-8;
+  /// kByTheSize: 100000 / unknowns, but at least 100 and at most 10000.
+  int max_iterations = kByTheSize;
+  static constexpr int kByTheSize = -1;
+  /// The fit ends after this time [s], within an iteration too, with the best values reached.
+  double max_seconds = std::numeric_limits<double>::infinity();
+  /// Asked before each trial of a step, by the thread that called optimize(); true ends the fit with the best values reached.
+  std::function<bool()> should_stop;
+  /// Where Gauss-Newton steps lead uphill, take them back, go on with Levenberg-Marquardt, and return when its steps succeed.
   bool fall_back = true;
   /// For bad starts and gross outliers: fits first with all losses widened, c sqrt(mu) for c, so that they are nearly
   /// squares for all residuals and the start hardly matters, then in stages of smaller and smaller mu, each from the

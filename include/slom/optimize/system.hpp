@@ -1,7 +1,12 @@
 /// The problem as an algorithm sees it: a point, its linearisation, and steps that can be taken back.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -14,6 +19,7 @@ namespace slom {
 class System {
  public:
   System(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
+  ~System();
 
   /// Uses this solver from now on. Not owned.
   void setSolver(LinearSolver& solver);
@@ -21,6 +27,7 @@ class System {
   const ProblemStructure& structure();
   /// Linearises at the current values unless that has been done; returns the RSS.
   double linearize();
+  /// The solver set, or its careful one where it has found no rank and that does: from then on until the structure changes.
   LinearSolver& solver() { return *solver_; }
   const LinearSolver& solver() const { return *solver_; }
 
@@ -51,11 +58,32 @@ class System {
   double stepInDeviations(const Eigen::VectorXd& d) const;
   /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
   bool isNegligible(const Eigen::VectorXd& d, double tolerance);
+  /// What the linear model promises without damping. Where the solver finds no unique solution, with as little damping as makes it
+  /// one: a direction in which no residual changes promises nothing.
+  struct Promise {
+    bool is_known = false;
+    double decrease = 0;   ///< of the RSS: g^T H^-1 g
+    Eigen::VectorXd step;
+  };
+  Promise promise();
+  /// Whether any derivatives are differences.
+  bool hasNumericDerivatives() const;
+  /// What rounding the values themselves does to the residuals, squared: a promise below it cannot be kept.
+  double roundingOfPromises();
+
+  /// Asked by mustStop(); none: never.
+  void setInterruption(std::function<bool()> must_stop) { must_stop_ = std::move(must_stop); }
+  /// Whether the fit is to end: an algorithm that tries several steps asks before each.
+  bool mustStop() const { return must_stop_ && must_stop_(); }
+
   /// The Gauss-Newton step. Fails also at an unknown that it would move by more than its magnitude though such a move changes
   /// the residuals by less than rounding does: then its column of J is rounding error, and no residual depends on it.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// The step with this damping, in which such unknowns stay where they are.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
+  /// LinearSolver::solveFor and invertBlocks at the current values, by the careful solver where the other finds no rank.
+  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
+  SolveStatus invertBlocks(std::unique_ptr<InverseBlocks>& blocks);
   /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
   /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
@@ -63,8 +91,15 @@ class System {
 
   /// Whether a change of the RSS may be rounding error, and that of the residuals is often many times larger than that of
   /// their sum of squares.
-  bool mayBeRounding(double change) const { return std::abs(change) <= 1e-8 * rss_; }
+  bool mayBeRounding(double change) const;
   static constexpr double kRounding = 1e-14;  ///< of a sum of squares, relative
+  static constexpr double kNoise = 1e-13;     ///< of a difference of two sums, relative to them
+  static constexpr double kNothing = 1e-30;   ///< of it, that a step still worth a trial promises
+  /// Whether a step nearly without damping promises so little that it is for Convergence to judge, not for shorter steps.
+  bool isNearlyNothing(double promised, const Options& options) const {
+    return promised <= std::min(std::max(options.decrease_tolerance, kRounding) * rss_,
+                                options.deviation_tolerance * options.deviation_tolerance);
+  }
 
   /// Where time went since construction.
   PhaseSeconds seconds() const;
@@ -77,19 +112,26 @@ class System {
   bool updateActiveBounds();
   Eigen::VectorXd withinBounds(const Eigen::VectorXd& d);
   void move(const Eigen::VectorXd& d);
-  int unseenUnknown(const Eigen::VectorXd& d);
+  std::vector<int> unseenUnknowns(const Eigen::VectorXd& d);
+  void clearHeld(Eigen::VectorXd& d) const;
+  void roundToBounds();
+  void requireRange();
+  bool becomesCareful();
   /// |x_i| of every unknown (1 for angles).
   Eigen::VectorXd magnitudes();
 
   Problem& problem_;
   Linearizer& linearizer_;
-  LinearSolver* solver_ = nullptr;
+  LinearSolver* given_ = nullptr;
+  std::unique_ptr<LinearSolver> careful_;
+  LinearSolver* solver_ = nullptr;  // one of the two
   ProblemStructure structure_;
   std::uint64_t structured_at_ = ~std::uint64_t{0};
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
+  std::function<bool()> must_stop_;
   bool saved_is_linearized_ = false;  // the linearisation is that of the values before the step that was tried last
   double setup_seconds_ = 0, linearize_seconds_ = 0;
 };

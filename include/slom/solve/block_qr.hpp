@@ -10,7 +10,9 @@ namespace slom {
 /// twice as many digits are left of what the data determine weakly. It takes several times as long as a BlockSolver.
 class BlockQR final : public LinearSolver {
  public:
-  BlockQR();
+  /// The rank runs out where less than this share is left of the length of a column.
+  static constexpr double kPivotTolerance = 1e-12;
+  explicit BlockQR(double pivot_tolerance = kPivotTolerance);
   ~BlockQR() override;
   void analyze(const BlockStructure& structure) override;
   void beginLinearization() override;

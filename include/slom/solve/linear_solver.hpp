@@ -58,6 +58,9 @@ class LinearSolver : public JacobianSink {
   /// solver knows better. The structure is that of the last `analyze`.
   virtual SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks);
 
+  /// One that keeps the digits which this one loses by forming J^T J, for where it finds no rank; null: this one keeps them.
+  virtual std::unique_ptr<LinearSolver> careful() const { return nullptr; }
+
   /// What it is, for the summary.
   virtual std::string description() const = 0;
   const SolverSeconds& seconds() const { return seconds_; }

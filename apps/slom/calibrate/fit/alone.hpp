@@ -1,6 +1,7 @@
 // One camera without the others: intrinsics and the pose of each of its views.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,14 @@
 #include "calibrate/start/intrinsics.hpp"
 #include "calibrate/start/rig.hpp"
 #include "calibrate/start/view_pose.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 
 /// Of fits whose results others start from: five digits of the RMS.
 inline constexpr double rough_tolerance = 1e-6;
+/// How near to the solution fits end, in standard deviations: what is printed has no more digits.
+inline constexpr double enough_deviations = 1e-4;
 
 template <class Camera>
 struct FitAlone {
@@ -51,6 +55,8 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
     Options options;
     options.most_parameters = 0;
     options.decrease_tolerance = rough_tolerance;
+    options.deviation_tolerance = std::numeric_limits<double>::infinity();
+    FitLimits::applyTo(options);
     est.optimize(options);
   } catch (const slom::Error&) {  // a corner on the camera's plane: the start is better
     return world2camera;
@@ -92,6 +98,8 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
   options.max_iterations = settings.max_iterations;
   options.most_parameters = 0;  // its statistics are not looked at
   options.decrease_tolerance = rough_tolerance;
+  options.deviation_tolerance = std::numeric_limits<double>::infinity();
+  FitLimits::applyTo(options);
   const Summary summary = est.optimize(options);
   fit.iterations += summary.iterations;
   ViewPoses world2camera;

@@ -8,12 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/fit/comparison.hpp"
 #include "calibrate/fit/cross_validation.hpp"
 #include "calibrate/fit/joint.hpp"
 #include "calibrate/start/parallel_views.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 
@@ -118,6 +120,8 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   JointProblem<Camera> problem(data, settings, cameras, rig, imu);
   Options options;
   options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  FitLimits::applyTo(options);
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
@@ -180,6 +184,8 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   JointProblem<Camera> problem(data, same, cameras, rig, {});
   Options options;
   options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  FitLimits::applyTo(options);
   options.most_parameters = 0;
   options.decrease_tolerance =
       rough_tolerance;  // from so near, what then is left is far below a standard deviation
@@ -195,6 +201,8 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     JointProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
     Options options;
     options.max_iterations = settings.max_iterations;
+    options.deviation_tolerance = enough_deviations;
+    FitLimits::applyTo(options);
     options.most_parameters = 0;
     const Summary summary = problem.optimize(options);
     trial.unknowns = summary.unknowns;

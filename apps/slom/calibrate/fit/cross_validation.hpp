@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/comparison.hpp"
 #include "calibrate/fit/joint.hpp"
 
@@ -24,6 +25,7 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
   }
   Options options;
   options.most_parameters = 0;
+  options.deviation_tolerance = enough_deviations;
   est.optimize(options);
   double sum = 0;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -58,6 +60,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
     Options options;
     options.max_iterations = settings.max_iterations;
     options.most_parameters = 0;
+    options.deviation_tolerance = enough_deviations;
     problem.optimize(options);
     RigStart fitted = problem.rig();
     fitted.left2world = rig.left2world;

@@ -1,0 +1,83 @@
+#include "optimize/convergence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slom {
+
+namespace {
+/// A promise that rounding does not let the values keep may be this part of a variance.
+constexpr double kMostRounding = 1e-4;
+/// An RSS that is rounding error, where the first one was not.
+constexpr double kPerfect = 1e-30, kLittleOfTheFirst = 1e-20;
+/// Central differences have some ten digits, and where no step leads downhill, gradients from them cannot be
+/// smaller.
+constexpr double kNumericGradient = 1e-8;
+}  // namespace
+
+/// That of residuals of unit weight.
+double Convergence::variance(double rss) const {
+  if (!sigma_is_estimated_) return 1;
+  const ProblemStructure& structure = system_.structure();
+  return rss / std::max(1, structure.residuals - structure.system.unknowns() + system_.problem().heldCount());
+}
+
+bool Convergence::isNear(double promised, double rss) const {
+  return promised <= options_.deviation_tolerance * options_.deviation_tolerance * variance(rss);
+}
+
+bool Convergence::isRounding(double promised, double rss) {
+  return promised <= kMostRounding * variance(rss) && promised <= system_.roundingOfPromises();
+}
+
+std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, double gradient,
+                                                 double decrease_tolerance) {
+  const double perfect = std::max(kPerfect, decrease_tolerance * decrease_tolerance);
+  if (outcome.rss_after <= perfect && outcome.rss_after <= kLittleOfTheFirst * first_rss_)
+    return StopReason::decrease;
+  const double little = decrease_tolerance * outcome.rss_before;
+  const bool has_gradient = gradient <= options_.gradient_tolerance;
+  bool has_decrease =
+      std::abs(outcome.rss_before - outcome.rss_after) <= little && outcome.predicted_decrease <= little;
+  bool has_step = system_.isNegligible(outcome.step, options_.step_tolerance);
+  if (!has_gradient && !has_decrease && !has_step) {
+    candidates_ = 0;
+    return std::nullopt;
+  }
+  double promised = outcome.predicted_decrease;
+  // Without a scale for residuals it is as peers do: a step that was not refused, and its decrease.
+  const bool is_relative = std::isinf(options_.deviation_tolerance);
+  if (is_relative && has_decrease && outcome.trials == 1) return StopReason::decrease;
+  if (!outcome.is_undamped) {
+    // Each answer costs a factorisation.
+    if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
+    const System::Promise promise = system_.promise();
+    if (!promise.is_known) return std::nullopt;
+    promised = promise.decrease;
+    has_decrease = has_decrease && promised <= little;
+    has_step = has_step && system_.isNegligible(promise.step, options_.step_tolerance);
+  }
+  if (!isNear(promised, outcome.rss_after)) return std::nullopt;
+  if (has_gradient) return StopReason::gradient;
+  if (has_decrease) return StopReason::decrease;
+  return has_step ? std::optional(StopReason::step) : std::nullopt;
+}
+
+std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance) {
+  const double rss = system_.linearize();
+  // Where J has lost its rank, promises of the linear model are never kept; the gradient tells, unknown by
+  // unknown.
+  const double tolerance =
+      std::max(options_.gradient_tolerance, system_.hasNumericDerivatives() ? kNumericGradient : 0);
+  if (gradient <= tolerance && gradient * gradient * rss <= kMostRounding * variance(rss))
+    return StopReason::gradient;
+  const System::Promise promise = system_.promise();
+  if (!promise.is_known) return std::nullopt;
+  if (isRounding(promise.decrease, rss)) return StopReason::decrease;
+  if (!isNear(promise.decrease, rss)) return std::nullopt;
+  if (promise.decrease <= std::max(decrease_tolerance, System::kRounding) * rss) return StopReason::decrease;
+  if (system_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
+  return std::nullopt;
+}
+
+}  // namespace slom

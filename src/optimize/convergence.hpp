@@ -1,0 +1,36 @@
+/// When a fit has converged. All tests look at what the linear model promises without damping: that a short
+/// step was refused, or promises little, says nothing.
+#pragma once
+
+#include <optional>
+
+#include "slom/optimize/algorithm.hpp"
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+class Convergence {
+ public:
+  Convergence(System& system, const Options& options, bool sigma_is_estimated)
+      : system_(system), options_(options), sigma_is_estimated_(sigma_is_estimated) {}
+
+  /// Tells it the RSS of the start.
+  void begin(double rss) { first_rss_ = rss; }
+  /// Behind a step that was taken from where the gradient's cosine was `gradient`.
+  std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
+  /// Where no step was taken.
+  std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance);
+
+ private:
+  double variance(double rss) const;
+  bool isNear(double promised, double rss) const;
+  bool isRounding(double promised, double rss);
+
+  System& system_;
+  const Options& options_;
+  bool sigma_is_estimated_;
+  double first_rss_ = 0;
+  int candidates_ = 0;  // since the last step that was none
+};
+
+}  // namespace slom

@@ -1,0 +1,41 @@
+/// What Gauss-Newton is where it may fall back: full steps as long as they lead downhill, Levenberg-Marquardt
+/// where they do not.
+#pragma once
+
+#include <memory>
+
+#include "problem/value_snapshot.hpp"
+#include "slom/optimize/algorithm.hpp"
+
+namespace slom {
+
+/// Large problems far from their solution, as graphs of poses are from odometry, need full steps that lead
+/// uphill for a moment: there the RSS must fall below that of the last good values within a few steps only,
+/// else those come back and Levenberg-Marquardt goes on. After steps of its that do what the model promises,
+/// a full step is tried again; each one refused doubles the number of such steps that must come first.
+///   source   Chamberlain, Powell, Lemarechal and Pedersen, "The watchdog technique for forcing convergence
+///   in algorithms for
+///            constrained optimization", Mathematical Programming Study 16, 1982
+class SafeguardedGaussNewton final : public Algorithm {
+ public:
+  std::string name() const override;
+  std::unique_ptr<Algorithm> clone() const override { return std::make_unique<SafeguardedGaussNewton>(); }
+  void reset() override;
+  StepOutcome step(System& system, const Options& options) override;
+  void finish(System& system) override;
+
+ private:
+  bool isAcceptable(System& system, const StepOutcome& outcome);
+  void takeBack(System& system);
+
+  GaussNewton newton_;
+  LevenbergMarquardt damped_;
+  bool is_newton_ = true, was_newton_ = true;
+  bool has_fallen_back_ = false;
+  int good_steps_ = 0, patience_ = 1;
+  std::unique_ptr<ValueSnapshot> best_;  // before the first uphill step
+  double best_rss_ = 0;
+  int uphill_ = 0;
+};
+
+}  // namespace slom

@@ -1,0 +1,58 @@
+// Warnings of a fit that does not fit: residuals far from their standard deviations, losses that let hardly
+// anything count.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
+
+namespace {
+
+using Texts = std::vector<std::string>;
+
+/// A mean of 20 data, which scatter by 1, with this standard deviation.
+slom::Summary fit(double stated) {
+  slom::Estimator est;
+  const auto x = est.insertRV(0.0, "x");
+  for (int i = 0; i < 20; ++i) {
+    est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, 5 + (i % 2 ? 1.0 : -1.0),
+                          slom::StandardDeviation(stated), slom::named("mean"));
+  }
+  return est.optimize();
+}
+
+TEST(Misfit, OfChiSquareIsAWarning) {
+  EXPECT_EQ(fit(1).warnings, Texts());
+  EXPECT_EQ(fit(0.4).warnings, Texts());
+  EXPECT_EQ(fit(0.01).warnings, Texts{"chi-square / dof is 1.05e+04, where the stated standard deviations "
+                                      "let expect about 1: the model or its derivatives do not "
+                                      "fit the data, some data are wrong, or the standard deviations are "
+                                      "1e+02 times too small; outliers() names the worst "
+                                      "data, Sigma::estimated takes the scale from the residuals"});
+  EXPECT_EQ(fit(100).warnings, Texts{"chi-square / dof is 0.000105, where the stated standard deviations let "
+                                     "expect about 1: the standard deviations are "
+                                     "97 times too large; outliers() names the worst data, Sigma::estimated "
+                                     "takes the scale from the residuals"});
+}
+
+TEST(Misfit, OfALossThatLetsHardlyAnythingCountIsAWarning) {
+  slom::Estimator est;
+  const auto x = est.insertRV(0.0, "x");
+  for (int i = 0; i < 20; ++i) {
+    est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, 100.0 * i,
+                          slom::StandardDeviation(1), slom::Cauchy(2), slom::named("far"));
+  }
+  const slom::Summary summary = est.optimize();
+  ASSERT_FALSE(summary.warnings.empty());
+  EXPECT_EQ(
+      summary.warnings.back().rfind(
+          "the loss Cauchy(2) gives weights below 1/2 to 19 of 20 measurements far, so that hardly any of "
+          "them counts: ",
+          0),
+      0u)
+      << summary.warnings.back();
+}
+
+}  // namespace
