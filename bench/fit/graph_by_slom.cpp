@@ -46,10 +46,10 @@ BlockStructure structureOf(const app::graph::PoseGraph<Pose>& graph) {
 
 template <class Pose>
 Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
-  app::graph::Settings settings;
-  settings.fit = fitOptions(limits, app::AlgorithmName::gn);
+  app::graph::GraphModel model;
+  model.options = fitOptions(limits, app::AlgorithmName::gn);
   std::unique_ptr<app::graph::GraphFit<Pose>> fit;
-  const double build = secondsOf([&] { fit = std::make_unique<app::graph::GraphFit<Pose>>(graph, settings); });
+  const double build = secondsOf([&] { fit = std::make_unique<app::graph::GraphFit<Pose>>(graph, model); });
   Run run = runOf(fit->optimize(stoppingRule(limits)));
   run.build_seconds = build;
   return run;

@@ -44,7 +44,7 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--max-iterations", comparison.limits.max_iterations)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--robust", arguments.robust, "loss of all measurements, huber:SCALE in standard deviations");
-  app.add_option("--init", arguments.problem.init, "of pose graphs: file, odometry, spanning-tree or chordal");
+  app.add_option("--init", arguments.problem.init, "of pose graphs: auto, file, odometry, spanning-tree, chordal or build-up");
   app.add_option("--deviations", arguments.problem.deviations,
                  "of all edges, as in 0.1,0.1,0.04, instead of what the files have")
       ->delimiter(',')

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -21,7 +22,6 @@ namespace slom::bench {
 namespace {
 
 using app::UserError;
-using app::graph::Init;
 using app::graph::Pose2;
 using app::graph::Pose3;
 
@@ -39,14 +39,6 @@ bool holdsGraph(const std::string& file) {
   return std::isalpha(static_cast<unsigned char>(first)) != 0 || first == '#';
 }
 
-Init initOf(const std::string& name, bool has_vertices) {
-  if (name.empty()) return has_vertices ? Init::file : Init::spanning_tree;
-  for (const Init init : {Init::file, Init::odometry, Init::spanning_tree, Init::chordal}) {
-    if (name == app::graph::toString(init)) return init;
-  }
-  throw UserError(fmt::format("--init {}: the starts are file, odometry, spanning-tree and chordal", name));
-}
-
 template <class Pose>
 void setDeviations(app::graph::PoseGraph<Pose>& graph, const std::vector<double>& deviations) {
   constexpr int dof = app::graph::dof<Pose>;
@@ -61,11 +53,13 @@ void setDeviations(app::graph::PoseGraph<Pose>& graph, const std::vector<double>
 template <class Pose>
 std::string prepare(app::graph::PoseGraph<Pose>& graph, const ProblemOptions& options) {
   if (!options.deviations.empty()) setDeviations(graph, options.deviations);
-  const Init init = initOf(options.init, graph.has_vertices);
   app::graph::checkInformation(graph, false);
   app::graph::holdGauge(graph, false);
-  app::graph::findStart(graph, init);
-  return app::graph::toString(init);
+  using app::graph::Start;
+  const std::optional<Start> start = !options.init.empty() ? app::graph::parseStart(options.init)
+                                     : graph.has_vertices  ? Start::given
+                                                           : Start::spanning_tree;
+  return app::graph::optionOf(app::graph::findStart(graph, start, {}).start);
 }
 
 Problem readFile(const std::string& file, const ProblemOptions& options) {

@@ -26,7 +26,7 @@ struct Problem {
 };
 
 struct ProblemOptions {
-  std::string init;                ///< as `slom graph --init`; empty: its default
+  std::string init;                ///< as `slom graph --init`; empty: the file's vertices, or a spanning tree where there are none
   std::vector<double> deviations;  ///< of all edges of a graph, instead of their information; empty: none
 };
 

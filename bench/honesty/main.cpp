@@ -1,7 +1,8 @@
 // Does "converged" hold? Fits from random starts, their claims checked in long double.
 //
 //   bench_honesty [--fits N] [--verbose]   N random starts of each set, 1000 without
-//   bench_honesty --print N                the same starts as JSON lines, for by_scipy.py
+//
+// by_scipy.py has the rows of SciPy.
 //
 // A false claim of SLoM ends the program with status 1.
 #include <cstdio>
@@ -45,16 +46,6 @@ void print(const char* set, const char* method, const Score& score) {
   std::fflush(stdout);
 }
 
-void printProblem(const char* set, const Problem& problem) {
-  std::printf("{\"set\": \"%s\", \"name\": \"%s\", \"classic\": %d, \"curve\": %d, \"start\": [", set,
-              problem.name.c_str(), problem.classic, static_cast<int>(problem.curve));
-  for (std::size_t i = 0; i < problem.start.size(); ++i)
-    std::printf("%s%.17g", i > 0 ? ", " : "", problem.start[i]);
-  std::printf("], \"y\": [");
-  for (std::size_t i = 0; i < problem.y.size(); ++i) std::printf("%s%.17g", i > 0 ? ", " : "", problem.y[i]);
-  std::printf("]}\n");
-}
-
 }  // namespace
 
 int main(int count, char** words) {
@@ -72,7 +63,6 @@ int main(int count, char** words) {
       return 2;
     }
   }
-  static_cast<void>(&printProblem);
   struct Row {
     const char* name;
     Fit fit;

@@ -35,9 +35,9 @@ Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids, const
 
 template <class Pose>
 Marginals marginalsBySlom(app::graph::PoseGraph<Pose>& graph) {
-  app::graph::Settings settings;
-  settings.fit.threads = 1;
-  app::graph::GraphFit<Pose> fit(graph, settings);
+  app::graph::GraphModel model;
+  model.options.threads = 1;
+  app::graph::GraphFit<Pose> fit(graph, model);
   fit.optimize({});
   fit.writeTo(graph);
   std::vector<char> is_held;

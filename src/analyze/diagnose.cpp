@@ -61,7 +61,7 @@ class Examination {
     if (result_.unknowns == 0) return std::move(result_);
     const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
     const LeastInfluence least = leastInfluence(jacobian, structure_.system, problem_, linearizer_, kWeak);
-    const Index none = least.countBelow(kNoInfluence);
+    const Index none = least.countBelow(system_.digitsOfDerivatives());
     result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
     const std::vector<Part> parts = connectedParts(structure_.system);
     findIdle(least);

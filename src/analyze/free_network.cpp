@@ -14,8 +14,9 @@ FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
     if (finding.is_fault && finding.kind != Finding::Kind::gauge) throw Error("slom.rank-deficient", finding.text);
   }
   const StoredJacobian jacobian(system.problem(), linearizer, structure_);
-  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, kNoInfluence);
-  const MatrixXd null_space = least.direction.leftCols(least.countBelow(kNoInfluence));
+  const double none = system.digitsOfDerivatives();
+  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, none);
+  const MatrixXd null_space = least.direction.leftCols(least.countBelow(none));
   damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
   N_ = MatrixXd(structure_.unknowns(), 0);
   if (null_space.cols() > 0) {

@@ -7,9 +7,6 @@
 
 namespace slom {
 
-/// Below this influence of a direction, in scaled unknowns, it is rounding error, of numeric derivatives too.
-inline constexpr double kNoInfluence = 1e-8;
-
 /// Unknowns are scaled by the lengths of their columns of J, so that units do not matter.
 struct LeastInfluence {
   Eigen::VectorXd scale;      ///< |J_i|, by unknown; 1 where it is 0

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "model/words.hpp"
+#include "slom/solve/block_qr.hpp"
+
 namespace slom {
 
 int blockOf(const ProblemStructure& structure, int unknown) {
@@ -27,11 +30,19 @@ Error singularError(const Problem& problem, const ProblemStructure& structure, c
   if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {
     return {"slom.unmeasured-variable", unmeasured(problem.variableName(variable))};
   }
-  return {"slom.rank-deficient",
-          "the measurements do not determine " + unknownName(problem, structure, status.unknown) +
-              ": it can move, alone or together with others, without changing any residual; add measurements or a "
-              "prior, fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many "
-              "solutions"};
+  const std::string limit = status.least > 0 ? "the others leave less than " + number(status.least) +
+                                                   " of its column of the Jacobian, so "
+                                             : "";
+  return {
+      "slom.rank-deficient",
+      "the measurements do not determine " + unknownName(problem, structure, status.unknown) + ": " + limit +
+          "it can move, alone or together with others, without changing any residual; add measurements or a "
+          "prior, fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the "
+          "many "
+          "solutions" +
+          (status.least > BlockQR::kPivotTolerance
+               ? ", or BlockQR, which needs " + number(BlockQR::kPivotTolerance)
+               : "")};
 }
 
 std::vector<std::string> unmeasuredVariables(const Problem& problem) {

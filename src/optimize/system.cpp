@@ -233,39 +233,51 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   return unseen;
 }
 
-/// Whether the careful solver finds the rank that the other does not.
-bool System::becomesCareful() {
-  if (careful_ != nullptr) return false;
-  std::unique_ptr<LinearSolver> careful = given_->careful();
-  if (careful == nullptr) return false;
+/// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
+/// last word, and sets `has_changed` where there is another solver to ask.
+SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
+  has_changed = false;
+  if (status.ok) return status;
+  status.least = solver_->leastOfColumn();
+  if (careful_ != nullptr) return status;
+  std::unique_ptr<LinearSolver> careful = given_->careful(digitsOfDerivatives());
+  if (careful == nullptr) return status;
   careful->analyze(structure_.system);
   linearizer_.linearize(problem_, *careful);
   Eigen::VectorXd ignored;
-  if (!careful->solve({}, ignored).ok) return false;
+  SolveStatus second = careful->solve({}, ignored);
+  second.least = careful->leastOfColumn();
+  if (!second.ok) return second;
   careful_ = std::move(careful);
   solver_ = careful_.get();
-  return true;
+  has_changed = true;
+  return second;
 }
+
+double System::digitsOfDerivatives() const { return hasNumericDerivatives() ? kNumericDigits : kExactDigits; }
 
 SolveStatus System::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
   linearize();
-  const SolveStatus status = solver_->solveFor(B, X);
-  return status.ok || !becomesCareful() ? status : solver_->solveFor(B, X);
+  bool has_changed = false;
+  const SolveStatus status = lookAgain(solver_->solveFor(B, X), has_changed);
+  return has_changed ? solver_->solveFor(B, X) : status;
 }
 
 SolveStatus System::invertBlocks(std::unique_ptr<InverseBlocks>& blocks) {
   linearize();
-  const SolveStatus status = solver_->invertBlocks(structure_.system, blocks);
-  return status.ok || !becomesCareful() ? status : solver_->invertBlocks(structure_.system, blocks);
+  bool has_changed = false;
+  const SolveStatus status = lookAgain(solver_->invertBlocks(structure_.system, blocks), has_changed);
+  return has_changed ? solver_->invertBlocks(structure_.system, blocks) : status;
 }
 
 SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
-  SolveStatus status = solver_->solve({}, step);
-  if (!status.ok && becomesCareful()) status = solver_->solve({}, step);
+  bool has_changed = false;
+  SolveStatus status = lookAgain(solver_->solve({}, step), has_changed);
+  if (has_changed) status = solver_->solve({}, step);
   if (!status.ok) return status;
   clearHeld(step);
   const std::vector<int> unseen = unseenUnknowns(step);
-  return unseen.empty() ? status : SolveStatus{false, unseen.front(), 0};
+  return unseen.empty() ? status : SolveStatus{false, unseen.front(), 0, 0};
 }
 
 SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {

@@ -34,6 +34,8 @@ struct BlockQR::Implementation {
 BlockQR::BlockQR(double pivot_tolerance) : self_(new Implementation) { self_->pivot_tolerance = pivot_tolerance; }
 BlockQR::~BlockQR() = default;
 
+double BlockQR::leastOfColumn() const { return self_->pivot_tolerance; }
+
 void BlockQR::analyze(const BlockStructure& structure) {
   self_->structure = structure;
   self_->has_undamped_factor = false;

@@ -1,5 +1,7 @@
 #include "slom/solve/block_solver.hpp"
 
+#include <cmath>
+
 #include "block/block_method.hpp"
 #include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
@@ -86,10 +88,10 @@ SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const MatrixXd& B,
   return status;
 }
 
-std::unique_ptr<LinearSolver> BlockSolver::careful() const {
-  // Rounding errors of long chains of unknowns leave some digits less than it finds in short ones.
-  constexpr double surely_determined = 1e-10;
-  return isExact() ? std::make_unique<BlockQR>(surely_determined) : nullptr;
+double BlockSolver::leastOfColumn() const { return isExact() ? std::sqrt(kPivotTolerance) : 0; }
+
+std::unique_ptr<LinearSolver> BlockSolver::careful(double least) const {
+  return isExact() ? std::make_unique<BlockQR>(least) : nullptr;
 }
 
 SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {

@@ -25,6 +25,7 @@ const Eigen::VectorXd& Cholmod::gradient() const { return self_->nothing; }
 const Eigen::VectorXd& Cholmod::diagonal() const { return self_->nothing; }
 double Cholmod::squaredImage(const Eigen::VectorXd&) const { return 0; }
 SolveStatus Cholmod::solveFor(const Eigen::MatrixXd&, Eigen::MatrixXd&) { return {}; }
+double Cholmod::leastOfColumn() const { return 0; }
 std::string Cholmod::description() const { return ""; }
 
 }  // namespace slom

@@ -152,6 +152,7 @@ bool Cholmod::isAvailable() { return true; }
 
 Cholmod::Cholmod() : self_(new Implementation) {}
 Cholmod::~Cholmod() = default;
+double Cholmod::leastOfColumn() const { return std::sqrt(kPivotTolerance); }
 
 void Cholmod::analyze(const BlockStructure& structure) {
   self_->structure = structure;

@@ -48,6 +48,8 @@ struct DenseQR::Implementation {
 DenseQR::DenseQR() : self_(new Implementation) {}
 DenseQR::~DenseQR() = default;
 
+double DenseQR::leastOfColumn() const { return kRankTolerance; }
+
 const VectorXd& DenseQR::gradient() const { return self_->gradient; }
 const VectorXd& DenseQR::diagonal() const { return self_->diagonal; }
 const MatrixXd& DenseQR::jacobian() const { return self_->J; }

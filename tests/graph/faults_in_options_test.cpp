@@ -17,9 +17,11 @@ TEST(GraphOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(GraphOptions, Names) {
-  expectRefused(graph, "--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr", {"--solver", "lu"});
+  expectRefused(graph, "--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr",
+                {"--solver", "lu"});
   expectRefused(graph, "--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
-  expectRefused(graph, "--init random: the starts are file, odometry, spanning-tree and chordal",
+  expectRefused(graph,
+                "--init random: the starts are auto, file, odometry, spanning-tree, chordal and build-up",
                 {"--init", "random"});
   expectRefused(graph, "--rotation-error euler: the errors are vector and quaternion",
                 {"--rotation-error", "euler"});
@@ -76,28 +78,33 @@ TEST(GraphOptions, OutputsThatCannotBeWritten) {
 TEST(GraphOptions, StartsThatCannotBeFound) {
   expectRefused(graph,
                 "--init file: map.g2o has no vertices; leave the option out, or choose odometry, "
-                "spanning-tree or chordal",
+                "spanning-tree, chordal or build-up",
                 {"--init", "file"});
   expectRefused(
       graph + "EDGE_SE2 2 7 1 0 0" + unit3,
       "--init odometry: no chain of edges i, i+1 leads from a held pose to pose 7 of map.g2o; use --init "
       "spanning-tree",
       {"--init", "odometry"});
-  expectRefused(graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
-                "--init spanning-tree: no edge between poses leads to pose 9 of map.g2o, which landmarks "
-                "alone connect with "
-                "the rest; add an edge, or vertices for all");
+  expectRefused(
+      graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
+      "--init auto: no edge between poses leads to pose 9 of map.g2o, which landmarks alone connect with "
+      "the rest; add an edge, or vertices for all");
+  expectRefused(
+      graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
+      "--init build-up: no edge between poses leads to pose 9 of map.g2o, which landmarks alone connect "
+      "with the rest; add an edge, or vertices for all",
+      {"--init", "build-up"});
 }
 
 TEST(GraphOptions, AFitThatDoesNotConvergeSaysSo) {
   const TemporaryFolder folder;
   slom::testing::writeFile(folder / "fitted.g2o", "the old one");
-  const auto result =
-      runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3,
-            {"--max-iterations", "1", "--json", "DIR/result.json", "--output", "DIR/fitted.g2o"});
+  const auto result = runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3,
+                            {"--max-iterations", "1", "--init", "odometry", "--json", "DIR/result.json",
+                             "--output", "DIR/fitted.g2o"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(result.errors,
-            "slom: the fit failed: iteration limit of 1 reached; --init chordal may find a better start\n");
+            "slom: the fit failed: iteration limit of 1 reached; --init auto may find a better start\n");
   EXPECT_NE(result.output.find("NOT CONVERGED after 1 iteration: iteration limit reached"),
             std::string::npos);
   EXPECT_NE(result.output.find("\nnot written, because the fit failed: fitted.g2o\nwritten: result.json\n"),

@@ -1,13 +1,22 @@
 // Start values and what is held.
+#include <cmath>
+#include <map>
+#include <random>
+#include <vector>
+
+#include <fmt/format.h>
+
 #include "graph/graph_command.hpp"
 #include "graph/output/g2o.hpp"
 #include "graph/simulated_graph.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::graph {
 namespace {
 
 using testing::fitted;
 using testing::fittedGraph;
+using testing::randomVector;
 using testing::runIn;
 using testing::scrambled;
 using testing::simulateGraph;
@@ -28,7 +37,7 @@ std::string withoutVertices(const std::string& content) {
 template <class Pose>
 void expectEveryStartFindsTheTruth() {
   const std::string content = toG2o(scrambled(simulateGraph<Pose>(12, 0, 1)));
-  for (const std::string init : {"odometry", "spanning-tree", "chordal"}) {
+  for (const std::string init : {"auto", "odometry", "spanning-tree", "chordal", "build-up"}) {
     EXPECT_LT(fitted(content, {"--init", init})["initial_rss"].template get<double>(), 1e-15) << init;
     EXPECT_LT(fitted(withoutVertices(content), {"--init", init})["initial_rss"].template get<double>(), 1e-15)
         << init;
@@ -48,9 +57,10 @@ TEST(GraphStart, ChordalRelaxationIsNearTheMinimum) {
   EXPECT_NEAR(tree["final_rss"].get<double>(), minimum, 1e-6 * minimum);
 }
 
-TEST(GraphStart, FileIsTheDefaultWithVertices) {
+TEST(GraphStart, TheLowestRssIsTheDefault) {
   const std::string content = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 3 0 0\nEDGE_SE2 0 1 1 0 0" + unit3;
-  EXPECT_NEAR(fitted(content)["initial_rss"].get<double>(), 4, 1e-12);
+  EXPECT_NEAR(fitted(content)["initial_rss"].get<double>(), 0, 1e-12);
+  EXPECT_NEAR(fitted(content, {"--init", "auto"})["initial_rss"].get<double>(), 0, 1e-12);
   EXPECT_NEAR(fitted(content, {"--init", "file"})["initial_rss"].get<double>(), 4, 1e-12);
   EXPECT_NEAR(fitted(content, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 0, 1e-12);
 }
@@ -100,12 +110,46 @@ TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
             "spanning-tree");
 }
 
+/// A walk through a building of corridors: thousands of poses, few of them seen again, directions that drift.
+std::string corridors(int count) {
+  std::mt19937_64 random(5);
+  std::map<std::pair<int, int>, int> last_at;
+  std::string text;
+  const auto edge = [&](int i, int j, const Pose2& motion) {
+    const Pose2 z = mtk::moved(
+        motion, Eigen::Vector3d(randomVector<3>(random, 1).cwiseProduct(mtk::vect<3>(0.05, 0.05, 0.02))));
+    text += fmt::format("EDGE_SE2 {} {} {:.17g} {:.17g} {:.17g} 400 0 0 400 0 2500\n", i, j, z.pos[0],
+                        z.pos[1], z.orient.angle());
+  };
+  std::vector<Pose2> poses{Pose2()};
+  for (int i = 1; i < count; ++i) {
+    const int turn = i % 15 == 0 ? int(random() % 3) - 1 : 0;
+    const Pose2 motion(mtk::SO2<>(turn * M_PI / 2), mtk::vect<2>(1, 0));
+    poses.push_back(poses.back() * motion);
+    edge(i - 1, i, motion);
+    const auto here = std::pair(int(std::lround(poses.back().pos[0])), int(std::lround(poses.back().pos[1])));
+    const auto [seen, is_new] = last_at.try_emplace(here, i);
+    if (!is_new && i - seen->second > 100 && random() % 4 == 0)
+      edge(seen->second, i, poses[std::size_t(seen->second)].inverse() * poses.back());
+    seen->second = i;
+  }
+  return text;
+}
+
+TEST(GraphStart, LongWaysTakeFewIterationsFromTheDefaultStart) {
+  const std::string content = corridors(slom::testing::has_sanitizers ? 500 : 4000);
+  const auto automatic = fitted(content);
+  EXPECT_LE(automatic["iterations"].get<int>(), 10);
+  const double redundancy = automatic["redundancy"];
+  EXPECT_NEAR(automatic["final_rss"].get<double>(), redundancy, 6 * std::sqrt(2 * redundancy));
+}
+
 TEST(GraphStart, FixedPosesStayWhereTheyAre) {
   const std::string content =
       "VERTEX_SE2 0 1 2 0\nVERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 5 2 0\nFIX 0 2\n"
       "EDGE_SE2 0 1 1 0 0" +
       unit3 + "EDGE_SE2 1 2 1 0 0" + unit3;
-  for (const std::string init : {"file", "spanning-tree", "chordal"}) {
+  for (const std::string init : {"auto", "file", "spanning-tree", "chordal", "build-up"}) {
     const auto graph = testing::parsed<Pose2>(fittedGraph(content, {"--init", init}));
     EXPECT_EQ(graph.poses[0].value.pos, (mtk::vect<2>(1, 2)));
     EXPECT_EQ(graph.poses[2].value.pos, (mtk::vect<2>(5, 2)));

@@ -12,19 +12,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Levels: mtk, then the steps in the order of the data flow, then the facade.
+// Levels: mtk, then the steps in the order of the data flow, then the facade, then rooms that stand on it.
 constexpr std::array<const char*, 8> kLevels{"mtk",       "model", "measurements", "problem",
                                              "linearize", "solve", "optimize",     "analyze"};
 constexpr int kMtk = 0;
 constexpr int kMeasurements = 2;
 constexpr int kFacade = static_cast<int>(kLevels.size());
+constexpr int kInitialize = kFacade + 1;
 
 std::string levelName(int level) {
-  return level == kFacade ? "the facade" : kLevels[static_cast<std::size_t>(level)];
+  return level == kFacade       ? "the facade"
+         : level == kInitialize ? "initialize"
+                                : kLevels[static_cast<std::size_t>(level)];
 }
 
 /// Level of the file `<step>/...` or, for a name without folder, the facade.
 std::optional<int> levelBelowSlom(const fs::path& path) {
+  if (path.begin()->stem() == "initialize") return kInitialize;
   if (std::next(path.begin()) == path.end()) return kFacade;
   const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());
   if (step == kLevels.end()) return std::nullopt;
@@ -92,7 +96,7 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
       return levelName(level) + " may include only what stands above it, " + levelName(*target_level) +
              " stands below";
     }
-    if (*target_level == kMeasurements && level != kMeasurements && level != kFacade)
+    if (*target_level == kMeasurements && level != kMeasurements && level < kFacade)
       return "only the facade and users include measurements";
     if (is_public && startsWith(target->generic_string(), "src/"))
       return "a public header includes public headers";

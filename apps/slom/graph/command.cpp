@@ -46,15 +46,14 @@ Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   Preparation preparation;
   preparation.repaired = checkInformation(graph, settings.repair_information);
   preparation.held = holdGauge(graph, settings.hold_parts);
-  preparation.init = settings.init.value_or(graph.has_vertices ? Init::file : Init::spanning_tree);
-  findStart(graph, preparation.init);
+  preparation.start = findStart(graph, settings.init, settings.model());
   return preparation;
 }
 
 template <class Pose>
 Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console, double& setup_seconds) {
   const Stopwatch setup;
-  GraphFit<Pose> fit(graph, settings);
+  GraphFit<Pose> fit(graph, settings.model());
   setup_seconds = setup.seconds();
   Options options;
   options.max_iterations = settings.fit.max_iterations;
@@ -97,9 +96,9 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(graph, report, settings, console);
-  const bool start_may_be_at_fault =
-      report.summary.stop_reason != StopReason::rank_deficient && preparation.init != Init::chordal;
-  requireConverged(report.summary, start_may_be_at_fault ? "; --init chordal may find a better start" : "");
+  const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal &&
+                                     report.summary.stop_reason != StopReason::rank_deficient;
+  requireConverged(report.summary, start_may_be_at_fault ? "; --init auto may find a better start" : "");
 }
 
 void run(const RawOptions& raw) {
@@ -123,9 +122,11 @@ void addGraphCommand(CLI::App& app) {
   command
       .add_option("--init", raw->init,
                   "where the fit starts: at the vertices of the file, at the chain of edges i, i+1,\n"
-                  "at a breadth-first tree of edges, or at a chordal relaxation of all edges;\n"
-                  "without it at the vertices where the file has them, at the tree otherwise")
-      ->type_name("file|odometry|spanning-tree|chordal");
+                  "at a breadth-first tree of edges, at a chordal relaxation of all edges, or where\n"
+                  "short fits lead that add pose after pose; auto: the one with the lowest RSS, of the\n"
+                  "last only with landmarks")
+      ->type_name("auto|file|odometry|spanning-tree|chordal|build-up")
+      ->capture_default_str();
   command
       .add_option(
           "--rotation-error", raw->rotation_error,

@@ -11,14 +11,6 @@ namespace slom::app::graph {
 
 namespace {
 
-std::optional<Init> parseInit(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  for (const Init init : {Init::file, Init::odometry, Init::spanning_tree, Init::chordal}) {
-    if (text == toString(init)) return init;
-  }
-  throw UserError(fmt::format("--init {}: the starts are file, odometry, spanning-tree and chordal", text));
-}
-
 RotationError parseRotationError(const std::string& text) {
   if (text == "vector") return RotationError::vector;
   if (text == "quaternion") return RotationError::quaternion;
@@ -37,7 +29,7 @@ void checkPlot(const std::string& file) {
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;
   settings.fit = parseFitOptions(raw.fit);
-  settings.init = parseInit(raw.init);
+  settings.init = parseStart(raw.init);
   settings.rotation_error = parseRotationError(raw.rotation_error);
   checkPlot(settings.plot_file);
   checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file},

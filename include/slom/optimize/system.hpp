@@ -68,6 +68,9 @@ class System {
   Promise promise();
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
+  /// What of a column of J, relative to its length, is more than errors of the derivatives and rounding in long chains of unknowns.
+  double digitsOfDerivatives() const;
+  static constexpr double kExactDigits = 1e-10, kNumericDigits = 1e-8;
   /// What rounding the values themselves does to the residuals, squared: a promise below it cannot be kept.
   double roundingOfPromises();
 
@@ -116,7 +119,7 @@ class System {
   void clearHeld(Eigen::VectorXd& d) const;
   void roundToBounds();
   void requireRange();
-  bool becomesCareful();
+  SolveStatus lookAgain(SolveStatus status, bool& has_changed);
   /// |x_i| of every unknown (1 for angles).
   Eigen::VectorXd magnitudes();
 

@@ -62,8 +62,9 @@ class BlockSolver final : public LinearSolver {
   SolveStatus solveDamped(const Eigen::VectorXd& damping, const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
   /// Blocks of (H + damping)^-1, for exact methods.
   SolveStatus invertDamped(const Eigen::VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks);
+  double leastOfColumn() const override;
   /// A BlockQR, for exact methods.
-  std::unique_ptr<LinearSolver> careful() const override;
+  std::unique_ptr<LinearSolver> careful(double least) const override;
   /// What was chosen, as "reduced system 49 x 9 after elimination of 7776 x 3, dense Cholesky, minimum degree order".
   std::string description() const override;
 

@@ -23,6 +23,7 @@ class Cholmod final : public LinearSolver {
   const Eigen::VectorXd& diagonal() const override;
   double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
+  double leastOfColumn() const override;
   std::string description() const override;
 
   static bool isAvailable();

@@ -20,6 +20,7 @@ class DenseQR final : public LinearSolver {
   const Eigen::VectorXd& diagonal() const override;
   double squaredImage(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
+  double leastOfColumn() const override;
   std::string description() const override;
 
   /// The whitened Jacobian (residuals x unknowns) and residual of the last linearisation.

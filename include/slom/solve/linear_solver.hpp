@@ -17,6 +17,7 @@ struct [[nodiscard]] SolveStatus {
   bool ok = true;
   int unknown = -1;      ///< index of the unknown that the others already determine, or that nothing determines
   double pivot = 0;      ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
+  double least = 0;      ///< what must be left of a column of J, relative to its length; 0: not known
 };
 
 /// Time spent since construction [s].
@@ -58,8 +59,14 @@ class LinearSolver : public JacobianSink {
   /// solver knows better. The structure is that of the last `analyze`.
   virtual SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks);
 
+  /// What the others must leave of a column of J, relative to its length, for a rank to be found; 0: it does not find out.
+  virtual double leastOfColumn() const { return 0; }
   /// One that keeps the digits which this one loses by forming J^T J, for where it finds no rank; null: this one keeps them.
-  virtual std::unique_ptr<LinearSolver> careful() const { return nullptr; }
+  /// `least` is that solver's leastOfColumn().
+  virtual std::unique_ptr<LinearSolver> careful(double least) const {
+    static_cast<void>(least);
+    return nullptr;
+  }
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;

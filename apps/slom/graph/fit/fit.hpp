@@ -3,20 +3,17 @@
 
 #include <slom/estimator.hpp>
 
+#include "graph/fit/model.hpp"
 #include "graph/pose_graph.hpp"
-#include "graph/settings.hpp"
 
 namespace slom::app::graph {
 
 /// Poses and landmarks as variables, named by their ids (`pose 17`), edges and sightings as measurements.
-///   residual of an edge       z^-1 (a^-1 b): its translation, then its rotation as Settings::rotation_error
-///   says residual of a sighting    a^-1 p - z whitened by W with W^T W = information, so that the RSS is the
-///   sum of e^T information e
 template <class Pose>
 class GraphFit {
  public:
   /// Takes start values and what is held from `graph`.
-  GraphFit(const PoseGraph<Pose>& graph, const Settings& settings);
+  GraphFit(const PoseGraph<Pose>& graph, const GraphModel& model);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
@@ -26,9 +23,6 @@ class GraphFit {
   void writeTo(PoseGraph<Pose>& graph) const;
 
  private:
-  void insertEdge(const Edge<Pose>& edge, const Settings& settings);
-  void insertSighting(const Edge<Point<Pose>>& sighting, const Loss& loss);
-
   Estimator est_;
   std::vector<VarID<Pose>> poses_;
   std::vector<VarID<Point<Pose>>> landmarks_;

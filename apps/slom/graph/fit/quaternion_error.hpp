@@ -6,8 +6,8 @@
 namespace slom::app::graph {
 
 /// Poses a, b and the measurement z of a^-1 b, all mtk::trafo<mtk::SO3<>>.
-///   residual  t_ab - t_z, as slom::RelativePoseInFrameOfA has it; then the vector part of the unit quaternion of z^-1
-///   (a^-1 b)
+///   residual  t_ab - t_z, as slom::RelativePoseInFrameOfA has it; then the vector part of the unit
+///   quaternion of z^-1 (a^-1 b)
 ///             with w >= 0, which is half the rotation vector for small errors
 ///   source    Kuemmerle, Grisetti, Strasdat, Konolige and Burgard, "g2o: a general framework for graph
 ///   optimization",

@@ -30,6 +30,16 @@ std::string heldText(const PoseGraph<Pose>& graph, const std::string& held) {
   return text;
 }
 
+/// `chordal, of the lowest RSS among file, odometry and chordal`
+std::string startText(const StartFound& found) {
+  std::string text = optionOf(found.start);
+  for (std::size_t i = 0; found.tried.size() > 1 && i < found.tried.size(); ++i) {
+    text += i == 0 ? ", of the lowest RSS among " : i + 1 == found.tried.size() ? " and " : ", ";
+    text += optionOf(found.tried[i]);
+  }
+  return text;
+}
+
 }  // namespace
 
 template <class Pose>
@@ -41,8 +51,8 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
                         plural(graph.sightings.size(), "sighting"));
   }
-  text +=
-      fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held), toString(preparation.init));
+  text += fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held),
+                      startText(preparation.start));
   if (preparation.repaired > 0) {
     text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"
                                                                       : fmt::format("{} information matrices",

@@ -12,7 +12,7 @@ namespace slom::app::graph {
 struct Preparation {
   int repaired = 0;  ///< information matrices
   std::string held;  ///< what holdGauge says
-  Init init = Init::file;
+  StartFound start;
 };
 
 /// What was read, what is held, where the fit starts, warnings.

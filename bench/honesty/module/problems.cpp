@@ -1,0 +1,53 @@
+// The starts of bench_honesty and the check of its claims, for by_scipy.py: plain functions of a shared
+// library.
+#include <cstdint>
+
+#include <mtk/dual.hpp>
+
+#include "support/classics/problem.hpp"
+
+using namespace slom::testing::classics;
+
+namespace {
+
+Problem problemOf(int set, std::uint64_t number) {
+  return set == 0 ? publishedStarts()[number] : set == 1 ? randomClassic(number) : randomCurve(number);
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Sets: 0 published starts, 1 classics, 2 curves.
+int honesty_published() { return static_cast<int>(publishedStarts().size()); }
+
+/// The problem stays valid until honesty_close.
+Problem* honesty_open(int set, std::uint64_t number) { return new Problem(problemOf(set, number)); }
+void honesty_close(Problem* problem) { delete problem; }
+
+int honesty_unknowns(const Problem* problem) { return static_cast<int>(problem->start.size()); }
+int honesty_residuals(const Problem* problem) { return problem->residuals; }
+const double* honesty_start(const Problem* problem) { return problem->start.data(); }
+
+void honesty_evaluate(const Problem* problem, const double* x, double* r) {
+  evaluate<double>(*problem, x, r);
+}
+
+/// residuals x unknowns, row-major, by dual numbers
+void honesty_jacobian(const Problem* problem, const double* x, double* J) {
+  using Dual = mtk::Dual<double, 1>;
+  const int n = honesty_unknowns(problem);
+  std::vector<Dual> arguments(problem->start.size()), r(static_cast<std::size_t>(problem->residuals));
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < n; ++i) arguments[static_cast<std::size_t>(i)].seed(x[i], i == k ? 0 : -1);
+    evaluate<Dual>(*problem, arguments.data(), r.data());
+    for (std::size_t m = 0; m < r.size(); ++m)
+      J[m * static_cast<std::size_t>(n) + static_cast<std::size_t>(k)] = r[m].partial(0);
+  }
+}
+
+int honesty_is_false(const Problem* problem, const double* x) {
+  return isFalse(*problem, std::vector<double>(x, x + honesty_unknowns(problem))) ? 1 : 0;
+}
+int honesty_is_optimum(const Problem* problem, double rss) { return isOptimum(*problem, rss) ? 1 : 0; }
+}

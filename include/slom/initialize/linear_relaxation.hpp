@@ -1,0 +1,44 @@
+/// Linear least squares between blocks that differ by rotations and offsets: what chordal relaxation solves.
+#pragma once
+
+#include <vector>
+
+namespace slom::initialize {
+
+/// Finds the blocks X_k, each rows x columns, that minimise sum w |X_j - M X_i - C|^2, with orthogonal M;
+/// blocks that are held keep their value. The columns share one factorisation, by slom::BlockSolver. Matrices
+/// are column-major.
+class LinearRelaxation {
+ public:
+  LinearRelaxation(int rows, int columns) : rows_(rows), columns_(columns) {}
+
+  /// Blocks are numbered from 0 on. One with a `value` keeps it.
+  void addBlock(const double* value = nullptr);
+  /// Adds w |X_j - M X_i - C|^2. Throws [slom.bad-information] when w is not positive and finite.
+  void add(double w, int i, int j, const double* M, const double* C);
+  /// False, with the blocks unchanged, where they are not determined.
+  bool solve();
+  const double* value(int block) const;
+
+ private:
+  struct Term {
+    double w;
+    int i, j;
+  };
+  double* valueAt(int block);
+
+  int rows_, columns_;
+  std::vector<char> is_held_;
+  std::vector<double> values_;
+  std::vector<Term> terms_;
+  std::vector<double> M_, C_;  // of each term
+};
+
+namespace detail {
+/// Replaces an N x N matrix, N = 2 or 3, by the rotation nearest to it in the Frobenius norm.
+void nearestRotation(int N, double* M);
+/// [slom.undetermined-start]
+[[noreturn]] void raiseUndetermined();
+}  // namespace detail
+
+}  // namespace slom::initialize

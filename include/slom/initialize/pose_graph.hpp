@@ -1,0 +1,73 @@
+/// A map before it is fitted: poses, landmarks, and measurements of where one was seen from another.
+///
+///     slom::initialize::PoseGraph<Pose, mtk::vect<2>> graph;
+///     const int a = graph.addPose(Pose(), true), b = graph.addPose();
+///     graph.addEdge(a, b, a_T_b, information);
+///     const int l = graph.addLandmark();
+///     graph.addSighting(b, l, l_in_b);
+///
+/// The functions of this folder find start values for it (slom/initialize.hpp). They take any structure with
+/// these members: `poses` and `landmarks`, whose elements have `value` and `held`; `edges` and `sightings`,
+/// whose elements have `from`, `to`, `measured` and `information`.
+///
+/// A pose is world_T_body: the datum of an edge is a^-1 b, that of a sighting a^-1 l. A pose type offers `a *
+/// b`, `a.inverse()` and, where there are landmarks, `a * landmark`. mtk::trafo does; a user's own type may.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mtk/manifold.hpp"
+#include "mtk/types/vect.hpp"
+
+namespace slom::initialize {
+
+template <class Value>
+struct Node {
+  Value value = Value();
+  bool held = false;  ///< it keeps its value, so that the map cannot float
+};
+
+template <class Datum>
+struct Edge {
+  using Information = Eigen::Matrix<double, mtk::DOF_v<Datum>, mtk::DOF_v<Datum>, Eigen::DontAlign>;
+
+  int from = 0;  ///< index of the pose that sees
+  int to = 0;    ///< index of the pose or landmark that is seen
+  Datum measured;
+  Information information =
+      Information::Identity();  ///< inverse of the datum's covariance, in the order of its tangent space
+};
+
+template <class PoseType, class LandmarkType = mtk::vect<2>>
+struct PoseGraph {
+  using Pose = PoseType;
+  using Landmark = LandmarkType;
+
+  std::vector<Node<Pose>> poses;
+  std::vector<Node<Landmark>> landmarks;
+  std::vector<Edge<Pose>> edges;
+  std::vector<Edge<Landmark>> sightings;
+
+  /// Returns its index. Where no pose is held, the first one keeps its value.
+  int addPose(const Pose& value = Pose(), bool held = false) {
+    poses.push_back({value, held});
+    return static_cast<int>(poses.size()) - 1;
+  }
+  int addLandmark(const Landmark& value = Landmark(), bool held = false) {
+    landmarks.push_back({value, held});
+    return static_cast<int>(landmarks.size()) - 1;
+  }
+  void addEdge(int from, int to, const Pose& measured,
+               const typename Edge<Pose>::Information& information = Edge<Pose>::Information::Identity()) {
+    edges.push_back({from, to, measured, information});
+  }
+  void addSighting(
+      int from, int to, const Landmark& measured,
+      const typename Edge<Landmark>::Information& information = Edge<Landmark>::Information::Identity()) {
+    sightings.push_back({from, to, measured, information});
+  }
+};
+
+}  // namespace slom::initialize

@@ -1,0 +1,117 @@
+/// Poses by composing one edge after the other.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "mtk/error.hpp"
+
+namespace slom::initialize {
+
+/// No edge leads to a pose.
+class Unreached : public mtk::Error {
+ public:
+  explicit Unreached(int pose);
+  int pose() const { return pose_; }
+
+ private:
+  int pose_;
+};
+
+/// The two poses of an edge, or the pose and the landmark of a sighting.
+struct Ends {
+  int from = 0, to = 0;
+};
+
+/// An edge that is followed from a pose that is known to one that is not.
+struct TreeStep {
+  int edge = 0;
+  int parent = 0, child = 0;  ///< poses
+  bool is_forward = true;     ///< parent is where the edge comes from
+};
+
+/// Breadth first from all held poses (from pose 0 if there is none), so that as few edges as possible lead to
+/// each pose. Throws Unreached.
+std::vector<TreeStep> spanningTree(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+/// The same along edges between i and i + 1 alone.
+std::vector<TreeStep> odometryChain(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+/// The order in which a map grows: always the pose of the smallest index that an edge connects with one that
+/// is there, by the edge from the nearest index. Throws Unreached.
+std::vector<TreeStep> growth(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+
+namespace detail {
+
+/// Throws [slom.no-such-node] where an end is not below the number of nodes.
+void requireNodes(const std::vector<Ends>& ends, std::size_t sources, std::size_t targets, const char* kind);
+
+template <class Edges>
+std::vector<Ends> endsOf(const Edges& edges) {
+  std::vector<Ends> ends;
+  ends.reserve(edges.size());
+  for (const auto& edge : edges) ends.push_back({edge.from, edge.to});
+  return ends;
+}
+
+/// The ends of all edges, checked.
+template <class Graph>
+std::vector<Ends> edgesOf(const Graph& graph) {
+  std::vector<Ends> edges = endsOf(graph.edges);
+  requireNodes(edges, graph.poses.size(), graph.poses.size(), "edge");
+  requireNodes(endsOf(graph.sightings), graph.poses.size(), graph.landmarks.size(), "sighting");
+  return edges;
+}
+
+/// Which poses keep their value: the first one where none is held.
+template <class Graph>
+std::vector<char> heldPoses(const Graph& graph) {
+  std::vector<char> held;
+  held.reserve(graph.poses.size());
+  bool has_held = false;
+  for (const auto& pose : graph.poses) {
+    held.push_back(pose.held ? 1 : 0);
+    has_held = has_held || pose.held;
+  }
+  if (!has_held && !held.empty()) held.front() = 1;
+  return held;
+}
+
+/// parent * edge, or parent * edge^-1
+template <class Graph>
+void compose(Graph& graph, const std::vector<TreeStep>& tree) {
+  for (const TreeStep& step : tree) {
+    const auto& z = graph.edges[static_cast<std::size_t>(step.edge)].measured;
+    const auto& parent = graph.poses[static_cast<std::size_t>(step.parent)].value;
+    graph.poses[static_cast<std::size_t>(step.child)].value =
+        step.is_forward ? parent * z : parent * z.inverse();
+  }
+}
+
+}  // namespace detail
+
+/// Each landmark where the first pose that sees it puts it.
+template <class Graph>
+void placeLandmarks(Graph& graph) {
+  std::vector<char> is_placed(graph.landmarks.size(), 0);
+  for (const auto& sighting : graph.sightings) {
+    const auto l = static_cast<std::size_t>(sighting.to);
+    auto& landmark = graph.landmarks[l];
+    if (landmark.held || is_placed[l]++ != 0) continue;
+    landmark.value = graph.poses[static_cast<std::size_t>(sighting.from)].value * sighting.measured;
+  }
+}
+
+/// All poses along the fewest edges from the held ones, then the landmarks. Throws Unreached.
+template <class Graph>
+void alongSpanningTree(Graph& graph) {
+  detail::compose(graph, spanningTree(detail::heldPoses(graph), detail::edgesOf(graph)));
+  placeLandmarks(graph);
+}
+
+/// All poses along the edges between pose i and pose i + 1, then the landmarks. Throws Unreached.
+template <class Graph>
+void alongOdometry(Graph& graph) {
+  detail::compose(graph, odometryChain(detail::heldPoses(graph), detail::edgesOf(graph)));
+  placeLandmarks(graph);
+}
+
+}  // namespace slom::initialize
