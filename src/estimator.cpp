@@ -140,7 +140,8 @@ Summary Estimator::optimize(const Options& options) {
     std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
     const bool is_explained = !weightless.empty();
     for (std::string& text : weightless) summary.warnings.push_back(std::move(text));
-    for (Finding& finding : is_explained ? std::vector<Finding>() : diagnose().findings) {
+    const bool has_time = summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
+    for (Finding& finding : is_explained || !has_time ? std::vector<Finding>() : diagnose().findings) {
       if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
     }
   }
@@ -157,12 +158,12 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
   if (summary.stop_reason == StopReason::max_iterations) {
     const double widening = summary.trace.back().widening;
     return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
-           (widening > 1 ? " while the losses were still widened, mu = " + std::to_string(widening) +
+           (widening > 1 ? " while the losses were still widened, mu = " + number(widening, 6) +
                                "; raise max_iterations"
                          : "");
   }
   if (summary.stop_reason == StopReason::no_progress) {
-    const System::Promise promise = run([&] { return system.promise(); });
+    const System::Promise promise = run([&] { return system.promise(false); });
     return std::string(toString(summary.stop_reason)) +
            (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3) : "") +
            ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
@@ -216,6 +217,10 @@ void Estimator::State::fillParameters(Summary& summary) {
     return std::abs(a.correlation) > std::abs(b.correlation);
   });
   if (summary.correlations.size() > most) summary.correlations.resize(most);
+  // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
+  double sum = 0;
+  for (const GroupCheck& check : checks.groups) sum += check.redundancy;
+  if (std::abs(sum - summary.redundancy) > 1e-3 * std::max(1, summary.redundancy)) return;
   for (GroupSummary& group : summary.groups) {
     for (const GroupCheck& check : checks.groups) {
       if (check.name == group.name) group.redundancy = check.redundancy;

@@ -39,10 +39,7 @@ Method bySlom(std::string name, std::string what, const A& algorithm) {
 }
 
 Method asItComes() {
-  return {"SLoM, as it comes", "`LevenbergMarquardt()` with the default options and the default solver",
-          [](const Problem& problem, const Eigen::VectorXd& start) {
-            return testing::nist::fitBySlom(problem, start, LevenbergMarquardt(), Options(), std::make_unique<BlockSolver>());
-          }};
+  return {"SLoM, as it comes", "`est.optimize()`: default algorithm, options and solver", testing::nist::fitAsItComes};
 }
 
 #ifdef SLOM_BENCH_CERES

@@ -364,7 +364,7 @@ class Estimator {
   }
 
   /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
-  /// and what to do about it. Takes about as long as five iterations of the fit
+  /// and what to do about it. Takes about as long as five to fifteen iterations of the fit
   /// (bench_growth) where all is determined, more where much is hardly so.
   Diagnosis diagnose() const;
 

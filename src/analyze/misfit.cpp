@@ -4,17 +4,23 @@
 #include <cmath>
 
 #include "model/words.hpp"
+#include "problem/stated_noise.hpp"
 
 namespace slom {
 
 namespace {
 constexpr double kFar = 10;        // times what is expected
 constexpr double kNoNoise = 1e-9;  // times it: data that were simulated without noise
-constexpr double kLeastRedundancy = 5;
-constexpr int kLeastMeasurements = 10;
+constexpr double kLeastRedundancy = 5, kFarOfFew = 100;
+constexpr int kLeastMeasurements = 5;
 constexpr double kNearlyAll = 0.9;
 
-bool isFar(double ratio) { return ratio > kFar || (ratio < 1 / kFar && ratio > kNoNoise); }
+/// Whether chi-square is far from its degrees of freedom, which are at least `least` and at most `most`.
+bool isFar(double chi2, double least, double most) {
+  if (!(most > 0)) return false;
+  if (chi2 > most * (most < kLeastRedundancy ? kFarOfFew : kFar)) return true;
+  return least >= kLeastRedundancy && chi2 < least / kFar && chi2 > least * kNoNoise;
+}
 
 std::string sentence(const std::string& what, double ratio) {
   return what + number(ratio, 3) + ", where the stated standard deviations let expect about 1: " +
@@ -25,39 +31,46 @@ std::string sentence(const std::string& what, double ratio) {
          "; outliers() names the worst data, Sigma::estimated takes the scale from the residuals";
 }
 
-/// Whether someone has said how uncertain its measurements are.
-bool hasStatedNoise(const MeasurementPool& pool) {
-  return pool.size() > 0 && pool.whitening(0).first != WhiteningKind::unit;
+/// `Huber(1.345)`, or `losses such as Huber(1.345)` where there are several.
+std::string nameOf(const std::vector<LossSummary>& losses) {
+  return losses.size() == 1 ? "the loss " + losses.front().loss + " gives"
+                            : "losses such as " + losses.front().loss + " give";
+}
+
+void addDownWeighted(const GroupSummary& group, std::vector<std::string>& result) {
+  int measurements = 0, down_weighted = 0;
+  for (const LossSummary& loss : group.losses) {
+    measurements += loss.measurements;
+    down_weighted += loss.down_weighted;
+  }
+  if (measurements < kLeastMeasurements || down_weighted < kNearlyAll * measurements) return;
+  result.push_back(nameOf(group.losses) + " weights below 1/2 to " + std::to_string(down_weighted) + " of " +
+                   std::to_string(measurements) + " measurements " + group.name +
+                   ", so that hardly any of them counts: outliers are few by nature; start nearer to the "
+                   "solution, pass a larger scale, or set Options::graduated_non_convexity");
 }
 }  // namespace
 
 std::vector<std::string> misfits(const Problem& problem, const Summary& summary) {
   std::vector<std::string> result;
-  for (const GroupSummary& group : summary.groups) {
-    for (const LossSummary& loss : group.losses) {
-      if (loss.measurements < kLeastMeasurements || loss.down_weighted < kNearlyAll * loss.measurements)
-        continue;
-      result.push_back("the loss " + loss.loss + " gives weights below 1/2 to " +
-                       std::to_string(loss.down_weighted) + " of " + std::to_string(loss.measurements) +
-                       " measurements " + group.name +
-                       ", so that hardly any of them counts: outliers are few by nature; start nearer to the "
-                       "solution, pass a larger "
-                       "scale, or set Options::graduated_non_convexity");
-    }
-  }
-  const bool has_stated = std::all_of(problem.pools().begin(), problem.pools().end(),
-                                      [](const auto& pool) { return hasStatedNoise(*pool); });
-  if (summary.sigma_is_estimated || !summary.converged || summary.hasLosses()) return result;
-  if (has_stated && summary.redundancy >= kLeastRedundancy && isFar(summary.chi2PerDof())) {
+  for (const GroupSummary& group : summary.groups) addDownWeighted(group, result);
+  if (summary.sigma_is_estimated || !summary.converged) return result;
+  if (statesAllNoise(problem) && !summary.hasLosses() &&
+      isFar(summary.final_rss, summary.redundancy, summary.redundancy)) {
     result.push_back(sentence("chi-square / dof is ", summary.chi2PerDof()));
     return result;
   }
   for (std::size_t g = 0; g < summary.groups.size() && g < problem.pools().size(); ++g) {
     const GroupSummary& group = summary.groups[g];
-    if (group.redundancy < kLeastRedundancy || !hasStatedNoise(*problem.pools()[g])) continue;
-    if (isFar(group.final_rss / group.redundancy)) {
-      result.push_back(sentence("chi-square / dof of measurements " + group.name + " is ",
-                                group.final_rss / group.redundancy));
+    if (!group.losses.empty() || !statesNoise(*problem.pools()[g])) continue;
+    // Where the group's share of the redundancy was not computed, bounds of it will do.
+    const bool is_known = group.redundancy >= 0;
+    const double least = is_known ? group.redundancy : group.residuals - summary.unknowns;
+    const double most = is_known ? group.redundancy : std::min(group.residuals, summary.redundancy);
+    if (isFar(group.final_rss, least, most)) {
+      const double dof = group.final_rss > most ? most : least;
+      result.push_back(
+          sentence("chi-square / dof of measurements " + group.name + " is ", group.final_rss / dof));
     }
   }
   return result;

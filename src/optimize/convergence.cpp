@@ -10,16 +10,22 @@ namespace {
 constexpr double kMostRounding = 1e-4;
 /// An RSS that is rounding error, where the first one was not.
 constexpr double kPerfect = 1e-30, kLittleOfTheFirst = 1e-20;
+/// Where residuals have no scale, the cosine of residual and columns below which a small decrease by a damped
+/// step is the end.
+constexpr double kFlat = 1e-2;
 /// Central differences have some ten digits, and where no step leads downhill, gradients from them cannot be
 /// smaller.
 constexpr double kNumericGradient = 1e-8;
 }  // namespace
 
-/// That of residuals of unit weight.
+/// That of residuals of unit weight. Where nobody has stated it, the residuals may show that it is smaller
+/// than 1.
 double Convergence::variance(double rss) const {
-  if (!sigma_is_estimated_) return 1;
+  if (!sigma_is_estimated_ && is_stated_) return 1;
   const ProblemStructure& structure = system_.structure();
-  return rss / std::max(1, structure.residuals - structure.system.unknowns() + system_.problem().heldCount());
+  const double estimated =
+      rss / std::max(1, structure.residuals - structure.system.unknowns() + system_.problem().heldCount());
+  return sigma_is_estimated_ ? estimated : std::min(1.0, estimated);
 }
 
 bool Convergence::isNear(double promised, double rss) const {
@@ -47,11 +53,11 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   double promised = outcome.predicted_decrease;
   // Without a scale for residuals it is as peers do: a step that was not refused, and its decrease.
   const bool is_relative = std::isinf(options_.deviation_tolerance);
-  if (is_relative && has_decrease && outcome.trials == 1) return StopReason::decrease;
+  if (is_relative && has_decrease && outcome.trials == 1 && gradient <= kFlat) return StopReason::decrease;
   if (!outcome.is_undamped) {
     // Each answer costs a factorisation.
     if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
-    const System::Promise promise = system_.promise();
+    const System::Promise promise = system_.promise(!is_relative);
     if (!promise.is_known) return std::nullopt;
     promised = promise.decrease;
     has_decrease = has_decrease && promised <= little;
@@ -64,20 +70,25 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
 }
 
 std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance) {
+  has_advanced_ = false;
   const double rss = system_.linearize();
-  // Where J has lost its rank, promises of the linear model are never kept; the gradient tells, unknown by
-  // unknown.
+  const System::Promise promise = system_.promise(std::isfinite(options_.deviation_tolerance));
+  if (promise.is_known) {
+    if (isRounding(promise.decrease, rss)) return StopReason::decrease;
+    if (isNear(promise.decrease, rss)) {
+      if (promise.decrease <= std::max(decrease_tolerance, System::kRounding) * rss)
+        return StopReason::decrease;
+      if (system_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
+    }
+  }
   const double tolerance =
       std::max(options_.gradient_tolerance, system_.hasNumericDerivatives() ? kNumericGradient : 0);
-  if (gradient <= tolerance && gradient * gradient * rss <= kMostRounding * variance(rss))
-    return StopReason::gradient;
-  const System::Promise promise = system_.promise();
-  if (!promise.is_known) return std::nullopt;
-  if (isRounding(promise.decrease, rss)) return StopReason::decrease;
-  if (!isNear(promise.decrease, rss)) return std::nullopt;
-  if (promise.decrease <= std::max(decrease_tolerance, System::kRounding) * rss) return StopReason::decrease;
-  if (system_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
-  return std::nullopt;
+  if (gradient > tolerance || gradient * gradient * rss > kMostRounding * variance(rss)) return std::nullopt;
+  // Where J loses its rank at the solution, the linear model promises what no step keeps, and the gradient
+  // tells, unknown by unknown. Where columns of J are nearly dependent, it does so too; but then the promise
+  // is kept.
+  has_advanced_ = system_.advance(promise);
+  return has_advanced_ ? std::nullopt : std::optional(StopReason::gradient);
 }
 
 }  // namespace slom

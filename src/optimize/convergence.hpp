@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "problem/stated_noise.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
 
@@ -12,7 +13,10 @@ namespace slom {
 class Convergence {
  public:
   Convergence(System& system, const Options& options, bool sigma_is_estimated)
-      : system_(system), options_(options), sigma_is_estimated_(sigma_is_estimated) {}
+      : system_(system),
+        options_(options),
+        sigma_is_estimated_(sigma_is_estimated),
+        is_stated_(statesAllNoise(system.problem())) {}
 
   /// Tells it the RSS of the start.
   void begin(double rss) { first_rss_ = rss; }
@@ -20,6 +24,8 @@ class Convergence {
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
   /// Where no step was taken.
   std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance);
+  /// Whether whenStuck has found no reason to stop but a step of its own, and taken it.
+  bool hasAdvanced() const { return has_advanced_; }
 
  private:
   double variance(double rss) const;
@@ -28,9 +34,10 @@ class Convergence {
 
   System& system_;
   const Options& options_;
-  bool sigma_is_estimated_;
+  bool sigma_is_estimated_, is_stated_;
   double first_rss_ = 0;
   int candidates_ = 0;  // since the last step that was none
+  bool has_advanced_ = false;
 };
 
 }  // namespace slom

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/words.hpp"
 #include "mtk/error.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
@@ -32,7 +33,7 @@ VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radi
 DogLeg::DogLeg(double initial_radius) : initial_radius_(initial_radius), radius_(initial_radius) {
   if (initial_radius >= 0 && std::isfinite(initial_radius)) return;
   throw mtk::Error("slom.bad-option",
-                   "the initial radius of DogLeg is " + std::to_string(initial_radius) +
+                   "the initial radius of DogLeg is " + number(initial_radius, 6) +
                        "; pass a positive number, or 0 for the length of the first Gauss-Newton step");
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "model/words.hpp"
 #include "mtk/error.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
@@ -36,11 +37,11 @@ LevenbergMarquardt::LevenbergMarquardt(double initial_damping, double memory)
     : initial_damping_(initial_damping), memory_(memory), mu_(initial_damping) {
   if (!(initial_damping > 0 && std::isfinite(initial_damping))) {
     throw mtk::Error("slom.bad-option", "the initial damping of LevenbergMarquardt is " +
-                                            std::to_string(initial_damping) + "; pass a positive number");
+                                            number(initial_damping, 6) + "; pass a positive number");
   }
   if (!(memory >= 0 && memory <= 1)) {
     throw mtk::Error("slom.bad-option",
-                     "the memory of LevenbergMarquardt is " + std::to_string(memory) +
+                     "the memory of LevenbergMarquardt is " + number(memory, 6) +
                          "; pass a number from 0 (scales of the present linearisation) to 1 (the "
                          "largest so far)");
   }

@@ -79,7 +79,7 @@ struct Widening {
 
 void checkGraduation(const Options& options) {
   if (!(options.graduation_factor > 1 && std::isfinite(options.graduation_factor))) {
-    throw Error("slom.bad-option", "graduation_factor is " + std::to_string(options.graduation_factor) +
+    throw Error("slom.bad-option", "graduation_factor is " + number(options.graduation_factor, 6) +
                                        "; pass a finite number above 1, such as 1.4");
   }
   if (options.stage_iterations < 1) {
@@ -192,10 +192,8 @@ class Run {
   }
 
   void warnOfRise() {
-    char text[64];
-    std::snprintf(text, sizeof text, "at the RSS %g, above that of the start, %g", summary_.final_rss,
-                  summary_.initial_rss);
-    summary_.warnings.push_back(std::string("graduated non-convexity ended ") + text +
+    summary_.warnings.push_back("graduated non-convexity ended at the RSS " + number(summary_.final_rss, 6) +
+                                ", above that of the start, " + number(summary_.initial_rss, 6) +
                                 "; if the start was a good one, fit from it without graduated_non_convexity");
   }
 
@@ -223,15 +221,29 @@ class Run {
     start.restore();
     const StopReason second = iterate();
     algorithm_ = first;
-    if (isConverged(second) && hasFullRank()) {
+    const double second_rss = summary_.final_rss;
+    const bool is_better = second_rss < rss;
+    const bool is_worse = second_rss > rss + System::kNoise * rss;
+    if (isConverged(second) && !is_worse && hasFullRank()) {
       summary_.warnings.push_back(
           "iteration " + std::to_string(failed_at) + ": " + toString(reason) +
           "; the fit began again from the start by short steps of Levenberg-Marquardt");
       return second;
     }
-    end.restore();
+    if (mustStop()) {
+      if (!is_better) keep(end, rss);
+      return *interruption();
+    }
+    if (!is_better) {
+      keep(end, rss);
+      return reason;
+    }
+    return isConverged(second) ? reason : second;  // better values, but without full rank
+  }
+
+  void keep(ValueSnapshot& values, double rss) {
+    values.restore();
     summary_.final_rss = rss;
-    return mustStop() ? *interruption() : reason;
   }
 
   /// Whether many steps one after the other have changed the RSS by rounding alone, and the promise hardly.
@@ -283,6 +295,11 @@ class Run {
           case StepOutcome::Kind::stuck:
             if (const auto reason = convergence_.whenStuck(gradient, limits_.decrease_tolerance))
               return *reason;
+            if (convergence_.hasAdvanced()) {
+              summary_.final_rss = system_.linearize();
+              record({}, gradient);
+              continue;
+            }
             // What earlier steps taught may be what holds it, or that the algorithm took small promises for
             // none.
             if (is_fresh) return StopReason::no_progress;
@@ -298,7 +315,8 @@ class Run {
           return *reason;
         if (creeps(outcome)) {
           const auto reason = convergence_.whenStuck(system_.gradientCosine(), limits_.decrease_tolerance);
-          return reason.value_or(StopReason::no_progress);
+          if (reason || !convergence_.hasAdvanced()) return reason.value_or(StopReason::no_progress);
+          summary_.final_rss = system_.linearize();
         }
       }
       return StopReason::max_iterations;

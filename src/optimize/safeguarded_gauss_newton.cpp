@@ -8,7 +8,7 @@
 namespace slom {
 
 namespace {
-constexpr int kLarge = 1000;     // unknowns
+constexpr int kLarge = 60;       // unknowns
 constexpr int kUphillSteps = 2;  // one after the other, in large problems
 constexpr int kMostPatience = 16;
 constexpr double kGoodGain = 0.75;  // actual / predicted decrease

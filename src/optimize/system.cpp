@@ -239,7 +239,7 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
   has_changed = false;
   if (status.ok) return status;
   status.least = solver_->leastOfColumn();
-  if (careful_ != nullptr) return status;
+  if (careful_ != nullptr || mustStop()) return status;
   std::unique_ptr<LinearSolver> careful = given_->careful(digitsOfDerivatives());
   if (careful == nullptr) return status;
   careful->analyze(structure_.system);
@@ -247,7 +247,10 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
   Eigen::VectorXd ignored;
   SolveStatus second = careful->solve({}, ignored);
   second.least = careful->leastOfColumn();
-  if (!second.ok) return second;
+  if (!second.ok) {
+    careful_failed_at_ = structured_at_;
+    return second;
+  }
   careful_ = std::move(careful);
   solver_ = careful_.get();
   has_changed = true;
@@ -298,18 +301,30 @@ SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd&
   return status;
 }
 
-System::Promise System::promise() {
+System::Promise System::promise(bool carefully) {
   linearize();
   Promise result;
+  const auto decreaseBy = [&](const Eigen::VectorXd& step) {
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error.
+    return std::max(std::abs(solver_->gradient().dot(step)), predictedDecrease(step));
+  };
+  if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
+      solveUndamped(result.step).ok) {
+    result.decrease = decreaseBy(result.step);
+    result.is_known = std::isfinite(result.decrease);
+    return result;
+  }
+  bool sees_all = true;
   const Eigen::VectorXd& H = solver_->diagonal();
   const auto promised = [&](double damping, Eigen::VectorXd& step) {
     Eigen::VectorXd D = damping * H;
     for (Eigen::Index i = 0; i < H.size(); ++i) {
       if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
     }
-    if (!solveDamped(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
-    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error.
-    return std::max(std::abs(solver_->gradient().dot(step)), predictedDecrease(step));
+    if (!solver_->solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
+    clearHeld(step);
+    sees_all = sees_all && unseenUnknowns(step).empty();
+    return decreaseBy(step);
   };
   for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {
     result.decrease = promised(damping, result.step);
@@ -317,11 +332,22 @@ System::Promise System::promise() {
     // A promise that damping makes smaller is larger without.
     constexpr double more = 100, similar = 1.1;
     Eigen::VectorXd ignored;
-    result.is_known =
+    const bool is_similar =
         damping == 0 || result.decrease <= similar * promised(more * damping, ignored) + kRounding * rss_;
+    result.is_known = is_similar && sees_all;
     break;
   }
   return result;
+}
+
+bool System::advance(const Promise& promise) {
+  constexpr double kept = 0.25;  // of what is promised
+  if (!promise.is_known || promise.step.size() == 0) return false;
+  const double before = rss_, after = tryStep(promise.step);
+  if (std::isfinite(after) && before - after >= kept * promise.decrease && after < before) return true;
+  undo();
+  linearize();
+  return false;
 }
 
 double System::roundingOfPromises() {

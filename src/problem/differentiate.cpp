@@ -17,6 +17,8 @@ namespace slom {
 
 namespace {
 
+/// Width of the narrowest functions that extrapolated differences follow, relative to the argument: rounding leaves half the digits.
+constexpr double kNarrowest = 1e-9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Points a measurement's variable to a copy of its value, which can be moved, for as long as this object lives.
@@ -92,7 +94,7 @@ class CentralDifferences {
     constexpr double cube_root_of_epsilon = 6.0554544523933395e-06;
     if (kind_ == Differences::forward) return forward(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
     if (size >= 0.1 && kind_ == Differences::extrapolated) {
-      return extrapolated(c, 7.4e-4 * std::max(size, 1.0), cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
+      return extrapolated(c, 7.4e-4 * std::max(size, 1.0), kNarrowest * std::max(size, 1.0), out);
     }
     if (size >= 0.1) return difference(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
     return refined(c, cube_root_of_epsilon, cube_root_of_epsilon * size, out);
@@ -113,11 +115,10 @@ class CentralDifferences {
   }
 
   /// Steps from `h` down to `smallest`, each a quarter of the last, until differences of several steps agree; otherwise those that
-  /// agree best. A function of a large argument need not be as wide as that, as a sine of 10^6, whose differences over whole
-  /// periods may agree by chance.
+  /// agree best. A function may be narrow beside its argument, as sin(x) at 10^6 or sin(10^6 x) at 1; differences over whole periods
+  /// of it may agree by chance, so that a third step must agree as well.
   int extrapolated(int c, double h, double smallest, double* best) {
     constexpr double agreeing = 1e-3;  // then the error of the extrapolation is about its square
-    const bool may_be_periods = h > 0.1;
     for (double best_gap = kInfinity;; h = std::max(h / 4, smallest)) {
       if (const int got = difference(c, h, coarse_); got != rows_) return got;
       if (const int got = difference(c, h / 2, fine_); got != rows_) return got;
@@ -125,7 +126,7 @@ class CentralDifferences {
       if (!(gap >= best_gap)) {
         for (int i = 0; i < rows_; ++i) best[i] = (4 * fine_[i] - coarse_[i]) / 3;
       }
-      if (may_be_periods && gap <= agreeing) {
+      if (gap <= agreeing) {
         if (const int got = difference(c, h / 5.3, coarse_); got != rows_) return got;
         gap = std::max(gap, relativeGap());
       }

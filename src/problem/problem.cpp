@@ -214,13 +214,15 @@ int Problem::heldCount() const {
 }
 
 int Problem::freeCount() const {
+  if (counted_at_ == structure_revision_) return free_count_;
   int count = 0;
   for (const VariableRecord& record : table_) count += record.store != nullptr && record.optimize ? record.dof : 0;
   for (const int v : constrained_) {
     const VariableRecord& record = table_[at(v)];
     if (record.optimize) count -= static_cast<int>(std::count_if(record.fixed.begin(), record.fixed.end(), [](char fixed) { return fixed != 0; }));
   }
-  return count;
+  counted_at_ = structure_revision_;
+  return free_count_ = count;
 }
 
 void Problem::setOptimized(int variable, bool optimize) {

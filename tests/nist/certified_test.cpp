@@ -51,4 +51,16 @@ TEST(Nist, LevenbergMarquardtFindsTheCertifiedValuesFromBothStarts) {
   }
 }
 
+TEST(Nist, TheDefaultsFindEightDigitsFromBothStarts) {
+  SLOM_SKIP_WITHOUT_SHARED_DATA("nist");
+  for (const Problem& problem : problems()) {
+    for (const Eigen::VectorXd& start : problem.starts) {
+      SCOPED_TRACE(::testing::Message() << problem.name << " from " << start.transpose());
+      const Fit fit = fitAsItComes(problem, start);
+      EXPECT_TRUE(fit.converged);
+      EXPECT_GE(digits(fit.parameters, problem.parameters), 8) << fit.parameters.transpose();
+    }
+  }
+}
+
 }  // namespace

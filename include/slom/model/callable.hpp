@@ -289,6 +289,40 @@ constexpr bool acceptsDuals() {
   }
 }
 
+/// Whether a parameter would round the value of a variable that is a number.
+template <class Arg, class Parameter>
+constexpr bool roundsVariable() {
+  using P = std::remove_cvref_t<Parameter>;
+  return std::is_same_v<Arg, VarID<double>> && (std::is_integral_v<P> || std::is_same_v<P, float>);
+}
+/// `Wanted`: the parameters; of `Args` the function gets those that are not marked by slom::measured.
+template <class Wanted, class... Args>
+constexpr bool roundsVariables() {
+  constexpr std::size_t count = (std::size_t{!is_measured<Args>} + ... + 0);
+  if constexpr (std::tuple_size_v<Wanted> == count) {
+    bool any = false;
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      std::size_t next = 0;
+      const auto check = [&]<class Arg>(std::type_identity<Arg>) {
+        const std::size_t here = is_measured<Arg> ? count : next++;
+        ((I == here ? any = any || roundsVariable<Arg, std::tuple_element_t<I, Wanted>>() : false), ...);
+      };
+      (check(std::type_identity<Args>()), ...);
+    }(std::make_index_sequence<count>());
+    return any;
+  } else {
+    return false;
+  }
+}
+template <class F, class... Args>
+constexpr bool parametersRoundVariables() {
+  if constexpr (Parameters<F>::known) {
+    return roundsVariables<typename Parameters<F>::type, Args...>();
+  } else {
+    return false;
+  }
+}
+
 /// One block of a hand-written Jacobian: rows x dof, filled with NaN before.
 template <int Rows, int Dof>
 using JacobianBlock =
@@ -331,6 +365,9 @@ class CallableMeasurement {
   static_assert((int{detail::is_measured<Args>} + ... + 0) <= 1,
                 "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
   static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
+  static_assert(!detail::parametersRoundVariables<Function, Args...>(),
+                "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "
+                "its value so that there are no derivatives: declare it as double or const auto&");
   using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;

@@ -34,7 +34,8 @@ constexpr const char* toString(DerivativeSource source) {
   return "unknown";
 }
 
-/// Central differences at two step widths, extrapolated: four times the evaluations, error of order h^4.
+/// Central differences at several step widths, extrapolated: three times the evaluations or more, error of order h^4; the step follows
+/// functions that are narrow beside their argument.
 struct Richardson {};
 
 namespace detail {

@@ -65,7 +65,10 @@ class System {
     double decrease = 0;   ///< of the RSS: g^T H^-1 g
     Eigen::VectorXd step;
   };
-  Promise promise();
+  /// `carefully`: by the careful solver, where the other finds no rank.
+  Promise promise(bool carefully = true);
+  /// Takes the step of a promise where the RSS falls by at least a quarter of what it says. Returns whether it has.
+  bool advance(const Promise& promise);
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
   /// What of a column of J, relative to its length, is more than errors of the derivatives and rounding in long chains of unknowns.
@@ -127,6 +130,7 @@ class System {
   Linearizer& linearizer_;
   LinearSolver* given_ = nullptr;
   std::unique_ptr<LinearSolver> careful_;
+  std::uint64_t careful_failed_at_ = ~std::uint64_t{0};  // revision of the structure
   LinearSolver* solver_ = nullptr;  // one of the two
   ProblemStructure structure_;
   std::uint64_t structured_at_ = ~std::uint64_t{0};

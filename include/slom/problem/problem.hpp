@@ -167,6 +167,8 @@ class Problem {
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;
+  mutable std::uint64_t counted_at_ = ~std::uint64_t{0};  // structure revision of free_count_
+  mutable int free_count_ = 0;
   std::uint64_t value_revision_ = 0;
 };
 

@@ -33,26 +33,43 @@ inline Options toTheLastDigit() {
 /// The damping that goes with it: some starts are so far off that the first steps must be short.
 inline constexpr double kCautiousDamping = 1e3;
 
-/// By the library: one variable, a measurement for each datum, sigma unknown.
-inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const Algorithm& algorithm, const Options& options,
-                     std::unique_ptr<LinearSolver> solver = std::make_unique<DenseQR>()) {
-  Estimator est;
-  est.setThreads(1);
+/// One variable, a measurement for each datum.
+inline VarID<Eigen::VectorXd> insert(const Problem& problem, const Eigen::VectorXd& start, Estimator& est) {
   const auto b = est.insertRV(start, "b");
   for (const Datum& datum : problem.data) {
     est.insertMeasurement([](const auto& p, Model model, const Predictors& x, double y) { return predict(model, p, x) - y; }, b,
                           problem.model, datum.x, datum.y);
   }
-  est.changeAlgorithm(algorithm.clone().release());
-  est.changeSolver(std::move(solver));
+  return b;
+}
+
+/// What `summary` ended at; sigma is unknown.
+inline Fit fitted(Estimator& est, const VarID<Eigen::VectorXd>& b, const Summary& summary) {
   est.setSigma(Sigma::estimated);
-  const Summary summary = est.optimize(options);
   Fit fit{*b, {}, est.getRSS(), summary.iterations, summary.converged};
   try {
     fit.deviations = est.standardDeviation(b);
   } catch (const Error&) {  // it ended where J has not full rank
   }
   return fit;
+}
+
+/// By the library, to the last digit.
+inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const Algorithm& algorithm, const Options& options) {
+  Estimator est;
+  est.setThreads(1);
+  const auto b = insert(problem, start, est);
+  est.changeAlgorithm(algorithm.clone().release());
+  est.changeSolver(std::make_unique<DenseQR>());
+  est.setSigma(Sigma::estimated);
+  return fitted(est, b, est.optimize(options));
+}
+
+/// By the library with nothing chosen: neither algorithm nor solver nor options.
+inline Fit fitAsItComes(const Problem& problem, const Eigen::VectorXd& start) {
+  Estimator est;
+  const auto b = insert(problem, start, est);
+  return fitted(est, b, est.optimize());
 }
 
 /// NIST gives 11 digits.

@@ -1,0 +1,19 @@
+/// Whether someone has said how uncertain measurements are; without it they have unit covariance.
+#pragma once
+
+#include <algorithm>
+
+#include "slom/problem/problem.hpp"
+
+namespace slom {
+
+/// Of the first measurement of a pool, which stands for all.
+inline bool statesNoise(const MeasurementPool& pool) {
+  return pool.size() > 0 && pool.whitening(0).first != WhiteningKind::unit;
+}
+inline bool statesAllNoise(const Problem& problem) {
+  return std::all_of(problem.pools().begin(), problem.pools().end(),
+                     [](const auto& pool) { return pool->size() == 0 || statesNoise(*pool); });
+}
+
+}  // namespace slom
