@@ -201,6 +201,8 @@ double System::gradientCosine() const {
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
 }
 
+double System::promiseOfOneUnknown() const { return std::pow(gradientCosine(), 2) * squared_norm_; }
+
 double System::stepInDeviations(const Eigen::VectorXd& d) const {
   const auto h = solver_->diagonal().array();
   if (d.size() == 0) return 0;
@@ -296,8 +298,8 @@ System::Promise System::promise() {
       if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
     }
     if (!solveDamped(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
-    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error.
-    return std::max(std::abs(solver_->gradient().dot(step)), predictedDecrease(step));
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find less, even nothing.
+    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step), promiseOfOneUnknown()});
   };
   for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {
     result.decrease = promised(damping, result.step);
