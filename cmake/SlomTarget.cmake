@@ -8,6 +8,13 @@ function(slom_own_target target)
   endif()
 endfunction()
 
+# slom_fuzzed(<target>): counts for the fuzzer which of its branches an input takes, where the fuzzer is built.
+function(slom_fuzzed target)
+  if(SLOM_BUILD_FUZZERS)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
+endfunction()
+
 # For sources that take longer to compile than they run: with less optimisation, without flattening, and by clang, which compiles for
 # the sanitizers, with no optimisation at all.
 set(slom_unoptimised_by_sanitizers $<$<AND:$<CXX_COMPILER_ID:Clang>,$<CONFIG:Debug>>:-O0>)

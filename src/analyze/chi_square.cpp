@@ -11,6 +11,16 @@ namespace {
 constexpr int kMostTerms = 100000;
 constexpr double kEpsilon = 1e-16;
 
+/// The logarithm of the gamma function at a > 0. In C libraries with lgamma_r, lgamma writes to a variable that all threads share.
+double logGamma(double a) {
+#ifdef _WIN32
+  return std::lgamma(a);
+#else
+  int sign = 0;
+  return ::lgamma_r(a, &sign);
+#endif
+}
+
 /// P(a, x) by its power series, for x < a + 1.
 double lowerBySeries(double a, double x) {
   double term = 1 / a, sum = term;
@@ -18,7 +28,7 @@ double lowerBySeries(double a, double x) {
     term *= x / (a + n);
     sum += term;
   }
-  return sum * std::exp(a * std::log(x) - x - std::lgamma(a));
+  return sum * std::exp(a * std::log(x) - x - logGamma(a));
 }
 
 /// Q(a, x) by its continued fraction (Lentz's evaluation), for x >= a + 1.
@@ -35,7 +45,7 @@ double upperByFraction(double a, double x) {
     product *= d * c;
     if (std::abs(d * c - 1) < kEpsilon * 10) break;
   }
-  return product * std::exp(a * std::log(x) - x - std::lgamma(a));
+  return product * std::exp(a * std::log(x) - x - logGamma(a));
 }
 
 }  // namespace

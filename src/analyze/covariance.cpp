@@ -23,6 +23,9 @@ Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGaug
     unit.middleRows(b, dof_b).setIdentity();
     const SolveStatus status = system.solveFor(unit, columns);
     if (!status.ok) throw undeterminedError(system, linearizer, status);
+    for (int i = 0; i < dof_b; ++i) {  // conjugate gradients do not notice a loss of rank
+      if (!(columns(b + i, i) >= 0)) throw undeterminedError(system, linearizer, SolveStatus{false, b + i, 0, 0});
+    }
   }
   const Eigen::MatrixXd block = columns.middleRows(a, dof_a);
   return variable_a == variable_b ? Eigen::MatrixXd((block + block.transpose()) / 2) : block;

@@ -201,6 +201,8 @@ double System::gradientCosine() const {
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
 }
 
+double System::promiseOfOneUnknown() const { return std::pow(gradientCosine(), 2) * squared_norm_; }
+
 double System::stepInDeviations(const Eigen::VectorXd& d) const {
   const auto h = solver_->diagonal().array();
   if (d.size() == 0) return 0;
@@ -305,8 +307,8 @@ System::Promise System::promise(bool carefully) {
   linearize();
   Promise result;
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
-    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error.
-    return std::max(std::abs(solver_->gradient().dot(step)), predictedDecrease(step));
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find less, even nothing.
+    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step), promiseOfOneUnknown()});
   };
   if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
       solveUndamped(result.step).ok) {

@@ -24,6 +24,7 @@ SolveStatus factorize(MatrixXd A, Scaled& result) {
   for (double& s : result.scale) s = s > 0 ? 1 / s : 1;
   A = A * result.scale.asDiagonal();
   const Eigen::Index n = A.cols();
+  if (n == 0) return {};  // Eigen looks for the largest of the columns
   if (A.rows() < n) A.conservativeResizeLike(MatrixXd::Zero(n, n));
   result.qr = pivotedQrOf(A);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -108,6 +109,10 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   Scaled scaled;
   const SolveStatus status = factorize(A, scaled);
   if (!status.ok) return status;
+  if (n == 0) {
+    step.resize(0);
+    return {};
+  }
   if (b.size() < n) b.conservativeResizeLike(VectorXd::Zero(n));
   step = scaled.scale.asDiagonal() * leastSquares(scaled.qr, b);
   return {};
@@ -119,7 +124,7 @@ SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
   Scaled scaled;
   const SolveStatus status = factorize(self_->J, scaled);
   if (!status.ok) return status;
-  if (B.cols() == 0) {  // where Eigen's permutations go beyond a null pointer
+  if (B.size() == 0) {  // where Eigen's permutations go beyond a null pointer
     X = B;
     return {};
   }

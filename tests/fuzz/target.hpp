@@ -1,5 +1,5 @@
-// What is fuzzed: functions of any bytes. Each is a fuzzer of its own where SLOM_BUILD_FUZZERS is on, and all
-// of them are run on the cases of the repository by an ordinary test.
+// What is fuzzed: functions of any bytes. The program `fuzzer` finds inputs for one of them, and all of them are
+// run on the cases of the repository by an ordinary test.
 #pragma once
 
 #include <cstddef>
@@ -47,21 +47,10 @@ class MemoryFile {
 
 }  // namespace slom::fuzz
 
-#ifdef SLOM_FUZZER
-#define SLOM_FUZZER_ENTRY(function)                                                    \
-  extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) { \
-    function(std::string_view(reinterpret_cast<const char*>(data), size));             \
-    return 0;                                                                          \
-  }
-#else
-#define SLOM_FUZZER_ENTRY(function)
-#endif
-
 /// SLOM_FUZZ_TARGET(graph) { ... input ... }
 #define SLOM_FUZZ_TARGET(name)                                                            \
   namespace slom::fuzz {                                                                  \
   static void name##Target(std::string_view input);                                       \
   static const bool name##_is_known = (targets().push_back({#name, name##Target}), true); \
   }                                                                                       \
-  SLOM_FUZZER_ENTRY(slom::fuzz::name##Target)                                             \
   void slom::fuzz::name##Target([[maybe_unused]] std::string_view input)

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace slom::testing {
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool has_sanitizers = true;
 #else
 inline constexpr bool has_sanitizers = false;

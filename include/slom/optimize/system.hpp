@@ -54,6 +54,8 @@ class System {
 
   /// max_i |g_i| / (|J_i| |r|) of the linearisation, where losses have reweighted r and J; 0 for a perfect fit.
   double gradientCosine() const;
+  /// max_i g_i^2 / H_ii: what the best step of a single unknown promises, no more than that of all.
+  double promiseOfOneUnknown() const;
   /// max_i |d_i| |J_i|
   double stepInDeviations(const Eigen::VectorXd& d) const;
   /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.

@@ -4,10 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -106,9 +107,16 @@ TEST(Threads, MayAddTheirPartsInAnyOrder) {
     ASSERT_GT(parts, 1);
     at_once.analyze(problem.structure);
     at_once.beginLinearization();
-    tbb::task_arena(2).execute([&] {
-      tbb::parallel_for(0, parts, [&](int part) { problem.sendTo(at_once, static_cast<std::size_t>(part)); });
-    });
+    std::atomic<int> next = 0;
+    const auto send = [&] {
+      for (int part = next.fetch_add(1, std::memory_order_relaxed); part < parts;
+           part = next.fetch_add(1, std::memory_order_relaxed)) {
+        problem.sendTo(at_once, static_cast<std::size_t>(part));
+      }
+    };
+    std::thread other(send);
+    send();
+    other.join();
     at_once.endLinearization();
     reversed.analyze(problem.structure);
     for (int repetition = 0; repetition < 2; ++repetition) {
