@@ -55,4 +55,64 @@ TEST(Misfit, OfALossThatLetsHardlyAnythingCountIsAWarning) {
       << summary.warnings.back();
 }
 
+TEST(Misfit, OfLossesOfManyScalesIsAWarning) {
+  slom::Estimator est;
+  const auto x = est.insertRV(0.0, "x");
+  for (int i = 0; i < 20; ++i) {
+    est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, 100.0 * i,
+                          slom::StandardDeviation(1), slom::Cauchy(2 + 0.01 * i), slom::named("far"));
+  }
+  const slom::Summary summary = est.optimize();
+  ASSERT_FALSE(summary.warnings.empty());
+  EXPECT_EQ(summary.warnings.back().rfind("losses such as Cauchy(2) give weights below 1/2 to ", 0), 0u)
+      << summary.warnings.back();
+}
+
+/// `unknowns` numbers, each measured four times to 1 and twice by another group that is off by `off`
+/// deviations; `is_robust`: beside a measurement with a loss.
+Texts warningsOfGroups(int unknowns, double off, bool is_robust) {
+  slom::Estimator est;
+  for (int k = 0; k < unknowns; ++k) {
+    const auto x = est.insertRV(0.0, "x" + std::to_string(k));
+    for (int i = 0; i < 4; ++i) {
+      est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, i % 2 ? 1.0 : -1.0,
+                            slom::StandardDeviation(1), slom::named("good"));
+    }
+    for (int i = 0; i < 2; ++i) {
+      est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, i % 2 ? off : -off,
+                            slom::StandardDeviation(1), slom::named("bad"));
+    }
+    if (is_robust && k == 0) {
+      est.insertMeasurement([](const auto& v, const double& y) { return v - y; }, x, 0.0,
+                            slom::StandardDeviation(1), slom::Huber(1.345), slom::named("robust"));
+    }
+  }
+  return est.optimize().warnings;
+}
+
+TEST(Misfit, OfAGroupIsAWarningInProblemsOfAnySizeAndBesideLosses) {
+  for (const int unknowns : {10, 41, 200}) {
+    for (const bool is_robust : {false, true}) {
+      EXPECT_EQ(warningsOfGroups(unknowns, 1, is_robust), Texts()) << unknowns;
+      const Texts warnings = warningsOfGroups(unknowns, 5, is_robust);
+      ASSERT_EQ(warnings.size(), 1u) << unknowns << is_robust;
+      EXPECT_EQ(warnings[0].rfind("chi-square / dof of measurements bad is ", 0), 0u) << warnings[0];
+    }
+  }
+}
+
+TEST(Misfit, OfFewDataIsAWarningWhereItCannotBeChance) {
+  const auto warningsOf = [](double off) {
+    slom::Estimator est;
+    const auto x = est.insertRV(0.0, "x");
+    for (const double y : {0.0, off}) {
+      est.insertMeasurement([](const auto& v, const double& z) { return v - z; }, x, y,
+                            slom::StandardDeviation(1));
+    }
+    return est.optimize().warnings;
+  };
+  EXPECT_TRUE(warningsOf(10).empty());  // chi-square / dof is 50
+  EXPECT_EQ(warningsOf(1e6).size(), 1u);
+}
+
 }  // namespace

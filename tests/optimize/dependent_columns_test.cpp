@@ -1,0 +1,100 @@
+// Claims of convergence where columns of J are nearly dependent, or out of sight.
+#include <cmath>
+
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
+
+namespace {
+
+using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+
+/// Twelve equations in three unknowns, whose last column is a combination of the others but for `apart`.
+struct Linear {
+  LongMatrix A{12, 3};
+  LongVector b{12};
+  Linear(double apart, int k) {
+    for (int i = 0; i < 12; ++i) {
+      const double u = std::sin(1 + i * 0.7 + k), v = std::cos(2.3 * i * i + k),
+                   w = std::cos(5.1 * i + k * k);
+      A.row(i) << u, w, u + 0.5 * w + apart * v;
+      b[i] = std::sin(17. * i * i + 3 * k) * 3;
+    }
+  }
+  slom::VarID<mtk::vect<3>> insert(slom::Estimator& est) const {
+    const auto x = est.insertRV(mtk::vect<3>(0, 0, 0), "x");
+    for (int i = 0; i < 12; ++i) {
+      const mtk::vect<3> row(double(A(i, 0)), double(A(i, 1)), double(A(i, 2)));
+      est.insertMeasurement([](const auto& v, const mtk::vect<3>& a,
+                               const double& y) { return a[0] * v[0] + a[1] * v[1] + a[2] * v[2] - y; },
+                            x, row, double(b[i]));
+    }
+    return x;
+  }
+  /// The least RSS, by pivoted QR in long double.
+  double least() const {
+    const Eigen::ColPivHouseholderQR<LongMatrix> qr(A);
+    return double((A * qr.solve(b) - b).squaredNorm());
+  }
+};
+
+TEST(NearlyDependent, ColumnsNeverMakeAFalseClaim) {
+  int claims = 0;
+  for (const double apart : {1e-6, 1e-7, 1e-8, 3e-9, 1e-9, 3e-10}) {
+    for (int k = 0; k < 40; ++k) {
+      const Linear problem(apart, k);
+      for (int method = 0; method < 5; ++method) {
+        slom::Estimator est;
+        est.setThreads(1);
+        problem.insert(est);
+        if (method == 1) est.changeAlgorithm(slom::LevenbergMarquardt());
+        if (method == 2) est.changeAlgorithm(slom::DogLeg());
+        if (method == 3) est.changeSolver(std::make_unique<slom::BlockQR>());
+        if (method == 4) est.changeSolver(std::make_unique<slom::DenseQR>());
+        slom::Options options;
+        options.max_iterations = 100;
+        const slom::Summary summary = est.optimize(options);
+        double lowest = summary.initial_rss;
+        for (const auto& line : summary.trace) lowest = std::min(lowest, line.rss);
+        EXPECT_LE(summary.final_rss, lowest * (1 + 1e-12)) << apart << ", " << k << ", " << method;
+        if (!summary.converged) continue;
+        ++claims;
+        // A hundredth of a standard deviation, squared.
+        EXPECT_LE(summary.final_rss, problem.least() + 1e-4 * problem.least() / 9)
+            << apart << ", " << k << ", " << method << "\n"
+            << summary;
+        for (const auto& group : summary.groups) {
+          EXPECT_TRUE(group.redundancy < 0 || std::abs(group.redundancy - 9) < 0.01) << group.redundancy;
+        }
+      }
+    }
+  }
+  EXPECT_GT(claims, 600);
+}
+
+TEST(NearlyDependent, SolverAndDiagnosisAgree) {
+  for (const double apart : {1e-6, 1e-7, 1e-8, 1e-9, 1e-11, 1e-12}) {
+    slom::Estimator est;
+    Linear(apart, 1).insert(est);
+    const bool is_determined = est.optimize().stop_reason != slom::StopReason::rank_deficient;
+    EXPECT_EQ(is_determined, apart >= 1e-9) << apart;
+    EXPECT_EQ(est.diagnose().rank == 3, is_determined) << apart;
+  }
+}
+
+/// From where a Gaussian is flat to all digits.
+TEST(OutOfSight, AFlatStartIsNoOptimum) {
+  for (double start = 9; start <= 27; start += 0.5) {
+    slom::Estimator est;
+    const auto x = est.insertRV(start, "x"), y = est.insertRV(1.0, "y");
+    est.insertMeasurement([](const auto& v) { return v - 2.0; }, y);
+    est.insertMeasurement([](const auto& v) { return 1.0 - exp(-0.5 * v * v); }, x);
+    est.changeAlgorithm(slom::LevenbergMarquardt());
+    const slom::Summary summary = est.optimize();
+    EXPECT_TRUE(!summary.converged || summary.final_rss < 1e-6) << start << "\n" << summary;
+  }
+}
+
+}  // namespace
