@@ -160,6 +160,8 @@ inline Problem anyProblem(std::string_view input) {
     if (m.kind == Kind::scalar && a == Type::point3) m.b = m.a;  // it has three numbers
     if (isScalar(m.kind)) {
       m.formula = bytes.below(kFormulas);
+      // Nor where exact ones cancel: of huge ones J^T J would be rounding error, of either sign.
+      if (m.formula == 6 && m.a == m.b && a == Type::number) m.formula = 0;
       for (double& c : m.c) c = bytes.number();
     }
     if (m.kind == Kind::prior || m.kind == Kind::relative) {
