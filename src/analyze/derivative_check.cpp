@@ -28,7 +28,7 @@ std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& refer
   if (used.isZero(0)) return "all derivatives by this variable are zero: they were forgotten";
   if (reference.isZero(0)) return "the residual does not depend on this variable";
   if (distance(used, -reference) < same) return "the sign is wrong";
-  const bool square = used.rows() == used.cols();
+  const bool square = used.rows() == used.cols() && used.rows() > 1;
   if (square && distance(used, reference.transpose()) < same) return "it is transposed";
   if (square && distance(used, -reference.transpose()) < same) return "it is transposed, and the sign is wrong";
   const Eigen::MatrixXd on_the_left = reference * left;

@@ -196,6 +196,7 @@ double System::gradientCosine() const {
   const auto g = solver_->gradient().array();
   const auto h = solver_->diagonal().array();
   if (g.size() == 0 || !(r > 0)) return 0;
+  if ((h <= 0 && g != 0).any()) return 1;  // a column whose length rounding errors or underflow have eaten
   const double squared = (h > 0).select(g.square() / h, 0.0).maxCoeff();
   if (isWellScaled(squared)) return std::sqrt(squared) / r;
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
