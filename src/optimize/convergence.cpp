@@ -41,6 +41,7 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   const double perfect = std::max(kPerfect, decrease_tolerance * decrease_tolerance);
   if (outcome.rss_after <= perfect && outcome.rss_after <= kLittleOfTheFirst * first_rss_)
     return StopReason::decrease;
+  if (!outcome.status.ok) return std::nullopt;  // without full rank promises are not known
   const double little = decrease_tolerance * outcome.rss_before;
   const bool has_gradient = gradient <= options_.gradient_tolerance;
   bool has_decrease =
@@ -69,10 +70,11 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   return has_step ? std::optional(StopReason::step) : std::nullopt;
 }
 
-std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance) {
+std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance, bool has_rank) {
   has_advanced_ = false;
   const double rss = system_.linearize();
-  const System::Promise promise = system_.promise(std::isfinite(options_.deviation_tolerance));
+  System::Promise promise;
+  if (has_rank) promise = system_.promise(std::isfinite(options_.deviation_tolerance));
   if (promise.is_known) {
     if (isRounding(promise.decrease, rss)) return StopReason::decrease;
     if (isNear(promise.decrease, rss)) {

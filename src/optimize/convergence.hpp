@@ -23,7 +23,8 @@ class Convergence {
   /// Behind a step that was taken from where the gradient's cosine was `gradient`.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
   /// Where no step was taken.
-  std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance);
+  /// `has_rank`: not where the algorithm has found none; there the gradient alone tells.
+  std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance, bool has_rank = true);
   /// Whether whenStuck has found no reason to stop but a step of its own, and taken it.
   bool hasAdvanced() const { return has_advanced_; }
 

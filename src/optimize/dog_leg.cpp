@@ -28,6 +28,16 @@ VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radi
   return cauchy + beta * leg;
 }
 
+/// The step with the least of some dampings, relative to the scales, that gives it a solution.
+SolveStatus leastDamped(System& system, const VectorXd& scale, VectorXd& step) {
+  SolveStatus status;
+  for (const double damping : {1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2}) {
+    status = system.solveDamped(damping * scale.cwiseAbs2(), step);
+    if (status.ok) break;
+  }
+  return status;
+}
+
 }  // namespace
 
 DogLeg::DogLeg(double initial_radius) : initial_radius_(initial_radius), radius_(initial_radius) {
@@ -51,7 +61,10 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
   const VectorXd scale = scales_.update(system).cwiseSqrt();
   VectorXd newton;
   outcome.status = system.solveUndamped(newton);
-  if (!outcome.status.ok) {
+  // A problem that had full rank at the start, from when the radius is known, may lose it on the way and find
+  // it again. The status still says so: there is no claim of convergence where the rank is lost.
+  const bool is_regularized = !outcome.status.ok && radius_ > 0 && !(initial_radius_ > 0);
+  if (!outcome.status.ok && !(is_regularized && leastDamped(system, scale, newton).ok)) {
     outcome.kind = StepOutcome::Kind::singular;
     outcome.trials = 1;
     return outcome;
@@ -73,7 +86,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     const VectorXd scaled = dogLegPoint(cauchy, newton, radius_);
     outcome.step = scaled.cwiseQuotient(scale);
     outcome.predicted_decrease = system.predictedDecrease(outcome.step);
-    outcome.is_undamped = system.solver().isExact() && scaled == newton;
+    outcome.is_undamped = system.solver().isExact() && !is_regularized && scaled == newton;
     // Where rounding hides the RSS, closeness is measured by the damping that makes steps of about this
     // length.
     VectorXd damping;

@@ -293,8 +293,14 @@ class Run {
             return StopReason::not_finite;
           case StepOutcome::Kind::stopped:
           case StepOutcome::Kind::stuck:
-            if (const auto reason = convergence_.whenStuck(gradient, limits_.decrease_tolerance))
+            if (const auto reason =
+                    convergence_.whenStuck(gradient, limits_.decrease_tolerance, outcome.status.ok)) {
               return *reason;
+            }
+            if (!outcome.status.ok) {
+              singular_at_ = outcome.status;
+              return StopReason::rank_deficient;
+            }
             if (convergence_.hasAdvanced()) {
               summary_.final_rss = system_.linearize();
               record({}, gradient);
