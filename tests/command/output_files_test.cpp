@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -169,11 +170,14 @@ TEST(OutputFiles, DevicesUnderAnyName) {
 
 /// A child that a signal ends while its file is not finished.
 TEST(OutputFiles, SignalsLeaveNothing) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+  for (const int signal :
+       {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ}) {
     const TemporaryFolder folder;
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
+      const rlimit no_core{};
+      ::setrlimit(RLIMIT_CORE, &no_core);
       OutputFiles files;
       files.add(folder / "a", "x");
       if (namesIn(folder).size() == 1) ::raise(signal);
