@@ -160,6 +160,23 @@ TEST(OutputFiles, OneFileSpeltTwice) {
   std::filesystem::current_path(before);
 }
 
+TEST(OutputFiles, OneFileUnderTwoHardLinks) {
+  const TemporaryFolder folder;
+  writeFile(folder / "a", "old");
+  std::filesystem::create_hard_link(folder / "a", folder / "b");
+  std::filesystem::create_symlink("b", folder / "c");
+  for (const std::string other : {"b", "c"}) {
+    const std::string one = folder / "a", two = folder / other;
+    const std::string sentence = "--output " + two + ": this is the file of --json too; give another one";
+    EXPECT_EQ(refusalOf([&] { checkResultPaths({}, {{"--json", one}, {"--output", two}}); }), sentence);
+    EXPECT_EQ(refusalOf([&] { checkResultPaths({{"--json", one}}, {{"--output", two}}); }), sentence);
+  }
+  OutputFiles files;
+  files.add(folder / "a", "new");
+  files.commit();
+  EXPECT_EQ(readFile(folder / "a") + readFile(folder / "b"), "newold");
+}
+
 TEST(OutputFiles, DevicesUnderAnyName) {
   for (const std::string name : {"/dev/stdout", "/dev/../dev/stdout", "/proc/self/fd/1", "/dev/null"})
     EXPECT_EQ(refusalOf([&] {
