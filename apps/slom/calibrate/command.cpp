@@ -10,6 +10,7 @@
 #include "calibrate/detect/read_photos.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/html/page.hpp"
+#include "calibrate/input/copies.hpp"
 #include "calibrate/input/read.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/formats.hpp"
@@ -61,6 +62,7 @@ Dataset readDataset(const Settings& settings) {
     if (given != settings.image_sizes.end()) camera.image_size = given->second;
   }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
+  leaveOutCopies(data);
   return data;
 }
 

@@ -152,6 +152,7 @@ CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
   result.file = data.file;
   result.image_size = data.image_size;
   result.unused = data.unused;
+  result.copies = data.copies;
   result.board_symmetry = data.board_symmetry;
   result.model = Camera::model_name;
   for (int i = 0; i < Camera::DOF; ++i) {

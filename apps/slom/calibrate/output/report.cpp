@@ -11,6 +11,7 @@
 #include "calibrate/output/format.hpp"
 #include "calibrate/output/notes.hpp"
 #include "fitting/progress.hpp"
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -102,18 +103,25 @@ std::string worstLines(const Result& result) {
   return text;
 }
 
-/// Photographs that were left out, by reason.
+/// The first of `names`, and how many more there are.
+std::string abridged(std::vector<std::string> names) {
+  constexpr std::size_t most = 12;  // in a line
+  const std::size_t more = names.size() - std::min(most, names.size());
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+/// Photographs and copies that were left out, by reason.
 std::string unusedText(const CameraData& camera) {
-  constexpr std::size_t most = 12;  // names in a line
   std::map<std::string, std::vector<std::string>> files;
-  for (const UnusedPhoto& photo : camera.unused) files[photo.reason].push_back(photo.file);
+  for (const UnusedPhoto& photo : camera.unused)
+    files["as it " + photo.reason].push_back(oneLine(photo.file));
+  for (const Copy& copy : camera.copies)
+    files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
+                                                                      : oneLine(copy.photo));
   std::string text;
-  for (auto& [reason, names] : files) {
-    const std::size_t more = names.size() - std::min(most, names.size());
-    names.resize(names.size() - more);
-    text += fmt::format("  {}: left out, as it {}: {}{}\n", camera.name, reason, fmt::join(names, ", "),
-                        more > 0 ? fmt::format(" and {} more", more) : "");
-  }
+  for (auto& [reason, names] : files)
+    text += fmt::format("  {}: left out, {}: {}\n", camera.name, reason, abridged(std::move(names)));
   return text;
 }
 
