@@ -117,31 +117,59 @@ std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
   return comparison;
 }
 
+/// What the run is about. Ends it when the time is over before there is anything to calibrate.
+Dataset readInTime(const Settings& settings) {
+  try {
+    return readDataset(settings);
+  } catch (const RunEnded& ended) {
+    sayError(fmt::format(
+        "slom: {} while photographs were searched for the board, so nothing was calibrated; allow "
+        "more by --max-seconds\n",
+        ended.what()));
+    throw CLI::RuntimeError(exit_not_converged);
+  }
+}
+
+/// What is missing in a run that did not do all that it was asked for; empty otherwise.
+std::string failureOf(const Result& result) {
+  if (!result.success()) {
+    const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
+    return "the calibration failed: " +
+           (result.undetermined.empty() || is_cut_short
+                ? result.message
+                : "the data do not determine all parameters: " + result.undetermined);
+  }
+  if (result.comparison && !result.comparison->cut_short.empty())
+    return "the comparison was cut short: " + result.comparison->cut_short;
+  if (result.quality && !result.quality->cut_short.empty())
+    return "the assessment was cut short: " + result.quality->cut_short;
+  return "";
+}
+
 void run(const RawOptions& raw) {
   Settings settings = parseSettings(raw);
+  // There is nothing to write before the data are read: until then Ctrl-C ends the program.
+  FitLimits limits(settings.max_seconds, FitLimits::Interrupts::end_the_program);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   if (settings.model_is_given) requireModelOf(settings);
-  const Dataset data = readDataset(settings);
+  const Dataset data = readInTime(settings);
   requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
+  limits.catchInterrupts();
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
     say(fmt::format("written: {}\n", file));
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));
-  std::optional<FitLimits> limits(std::in_place, settings.max_seconds);
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
-  limits.reset();
   result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings);
-  if (result.success()) return;
-  const std::string why = result.undetermined.empty()
-                              ? result.message
-                              : "the data do not determine all parameters: " + result.undetermined;
-  sayError(fmt::format("slom: the calibration failed: {}\n", why));
+  const std::string failure = failureOf(result);
+  if (failure.empty()) return;
+  sayError(fmt::format("slom: {}\n", oneLine(failure)));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

@@ -12,6 +12,7 @@
 #include "calibrate/result_paths.hpp"
 #include "calibrate/sources.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "output_files.hpp"
 #include "plausible.hpp"
 
@@ -215,6 +216,7 @@ Settings parseSettings(const RawOptions& raw) {
   if (settings.max_iterations < 1) {
     throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", settings.max_iterations));
   }
+  requireTimeLimit(settings.max_seconds);
   if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
     throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));

@@ -12,6 +12,7 @@
 #include "calibrate/detect/detector.hpp"
 #include "calibrate/detect/progress_bar.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -61,6 +62,7 @@ std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& camera
       tbb::blocked_range<std::size_t>(0, jobs.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t job = range.begin(); job < range.end(); ++job) {
+          FitLimits::requireTime();
           const auto [c, i] = jobs[job];
           seen[c][i] = look(board, cameras[c].photos[i].file);
           progress.step();

@@ -17,8 +17,13 @@ std::string row(const ModelTrial& trial, double standard_errors) {
 }
 
 std::string verdict(const Comparison& comparison) {
-  if (!comparison.chosen) return "None of the models fits.";
+  const std::string cut_short = comparison.cut_short.empty()
+                                    ? ""
+                                    : fmt::format("The comparison was cut short: {}. ", comparison.cut_short);
+  if (!comparison.chosen) return cut_short.empty() ? "None of the models fits." : cut_short;
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
+  if (!cut_short.empty())
+    return cut_short + fmt::format("Of the models tried, the data carry {}.", toString(chosen.model));
   std::string text = fmt::format("The data carry {}: ", toString(chosen.model));
   if (comparison.chosen == comparison.best)
     return text + "it predicts best, and none with fewer parameters comes within two standard errors.";

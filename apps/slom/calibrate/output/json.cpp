@@ -116,6 +116,7 @@ Json comparisonJson(const Comparison& comparison) {
                       {"standard_errors_behind_best", comparison.standard_errors[i]}});
   }
   return {{"models", std::move(trials)},
+          {"cut_short", comparison.cut_short.empty() ? Json() : Json(comparison.cut_short)},
           {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
 }
 
