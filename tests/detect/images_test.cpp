@@ -247,15 +247,54 @@ TEST_F(Images, FaultsOfAllPhotographsAreErrors) {
       "left01.pgm: the file is empty, and so it is with all photographs of camera left; check the pattern");
 }
 
-TEST_F(Images, OfDifferentSizeAreRefused) {
-  StereoPhotos photos;
-  photos.left.size = {600, 480};
-  testing::writePgm(folder / "left03.pgm",
-                    photos.left.photograph(photos.places()[2], chessboardPicture(photos.board)));
-  expectRefused(stereo(),
-                "left03.pgm: it has 600 x 480 pixels, and 5 other photographs of camera left have 640 x 480; "
-                "all photographs of a camera "
-                "must have one size, so leave it out, or scale none of them");
+struct OddImages : Images {
+  /// Draws these photographs of the left camera again, narrower ones.
+  void narrow(std::initializer_list<int> images) const {
+    StereoPhotos photos;
+    photos.left.size = {600, 480};
+    for (const int image : images)
+      testing::writePgm(
+          folder / fmt::format("left0{}.pgm", image),
+          photos.left.photograph(photos.places()[std::size_t(image - 1)], chessboardPicture(photos.board)));
+  }
+};
+
+TEST_F(OddImages, OfAnotherSizeAreListedAndLeftOut) {
+  narrow({3});
+  const CommandResult result = run(stereo({"--json", "result.json"}));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string reason = "has 600 x 480 pixels, where most have 640 x 480";
+  EXPECT_NE(result.output.find("  left: left out, as it " + reason + ": left03.pgm\n"), std::string::npos)
+      << result.output;
+  const json cameras = json::parse(readFile(folder / "result.json"))["cameras"];
+  EXPECT_EQ(cameras["left"]["unused"], json({{{"image", 3}, {"file", "left03.pgm"}, {"reason", reason}}}));
+  EXPECT_EQ(cameras["left"]["images"], 5);
+  EXPECT_EQ(cameras["left"]["image_size"], json({640, 480}));
+  EXPECT_EQ(cameras["right"]["images"], 6);
+}
+
+TEST_F(OddImages, OfDifferentSizesWithoutAMajorityAreRefused) {
+  narrow({2, 3, 5});
+  expectRefused(
+      stereo(),
+      "left01.pgm: it has 640 x 480 pixels, and 3 other photographs of camera left have 600 x 480; most "
+      "photographs of a camera must have one size, so leave out those of another, or scale none of them");
+}
+
+TEST_F(Images, GivenTwiceAreLeftOut) {
+  std::filesystem::copy_file(folder / "left01.pgm", folder / "left07.pgm");
+  std::filesystem::create_symlink("left02.pgm", folder / "left08.pgm");
+  std::filesystem::create_hard_link(folder / "left03.pgm", folder / "left09.pgm");
+  const CommandResult result = run(stereo({"--json", "result.json"}));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const json found = json::parse(readFile(folder / "result.json"));
+  EXPECT_EQ(found["cameras"]["left"]["images"], 6);
+  EXPECT_EQ(found["notes"][0],
+            "Of camera left, image 7 (left07.pgm) repeats image 1 (left01.pgm), image 8 (left08.pgm) repeats "
+            "image 2 "
+            "(left02.pgm), image 9 (left09.pgm) repeats image 3 (left03.pgm) to within 0.000 px, so they are "
+            "left out: a "
+            "copy is no second measurement.");
 }
 
 TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
