@@ -343,6 +343,16 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
                 "(squares, dictionary) or aprilgrid:6x6 (tags)");
   expectRefused(with({"--board", "2x6", "--square", "1"}),
                 "--board 2x6: 2 x 6 inner corners cannot be detected; give 3 to 100 in each direction");
+  for (const std::string value : {"1e+300", "1e-300"}) {
+    expectRefused(
+        with({"--board", "9x6", "--square", value}),
+        "--square " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
+    expectRefused(
+        with({"--board", "charuco:8x5:4x4_50", "--square", "0.04", "--marker", value}),
+        "--marker " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
+    expectRefused(with({"--board", "aprilgrid:6x6", "--square", "0.04", "--spacing", value}),
+                  "--spacing " + value + ": boards that can be printed have 0.001 to 10; give such a value");
+  }
   expectRefused(with({"--board", "9x6", "--square", "-1"}), "--square -1: give a positive number");
   expectRefused(with({"--board", "9x6", "--square", "1", "--marker", "0.5"}),
                 "--marker 0.5: --board 9x6 has no such length; leave it out");
