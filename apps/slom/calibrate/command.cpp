@@ -82,19 +82,20 @@ void writeFiles(const Dataset& data, const Result& result, const Settings& setti
   std::string said;
   if (!settings.json_file.empty()) {
     files.add(settings.json_file, toJson(result));
-    said += fmt::format("written: {}\n", settings.json_file);
+    said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   if (result.success() && !settings.yaml_file.empty()) {
     for (const OutputText& output : outputTexts(result, settings)) {
       files.add(output.file, output.text);
-      said += fmt::format("written: {}\n", output.file);
+      said += fmt::format("written: {}\n", oneLine(output.file));
     }
   } else {
-    for (const std::string& file : outputFiles(settings)) said += fmt::format("not written, because the fit failed: {}\n", file);
+    for (const std::string& file : outputFiles(settings))
+      said += fmt::format("not written, because the fit failed: {}\n", oneLine(file));
   }
   if (!settings.report_file.empty()) {
     files.add(settings.report_file, toHtml(data, result));
-    said += fmt::format("written: {}\n", settings.report_file);
+    said += fmt::format("written: {}\n", oneLine(settings.report_file));
   }
   files.commit();
   if (!settings.quiet && !said.empty()) say("\n" + said);
@@ -158,7 +159,7 @@ void run(const RawOptions& raw) {
   limits.catchInterrupts();
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
-    say(fmt::format("written: {}\n", file));
+    say(fmt::format("written: {}\n", oneLine(file)));
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -10,7 +11,7 @@ namespace {
 std::string row(const ModelTrial& trial, double standard_errors) {
   const std::string name =
       fmt::format("  {:<10}{:>10}", toString(trial.model), parametersOf(trial.model).size());
-  if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, trial.failure);
+  if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
                      trial.rss, trial.rss / trial.redundancy, trial.rms_px, trial.heldOutRms(),
                      standard_errors);

@@ -121,8 +121,8 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
         "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise "
         "look whether its corners "
         "were taken for their neighbours, a row or column further{}.",
-        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", Shown{stray.error_px},
-        stray.image,
+        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
+        Shown{stray.error_px}, stray.image,
         result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
         result.cameras.front().board_symmetry > 1
             ? ", or counted from another end: this board looks the same when it is turned"
@@ -142,9 +142,12 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
   for (const ImageResult& image : result.images) {
     const WorstCorner& corner = image.worst_corner;
     if (!(corner.error_px > much * *middle)) continue;
-    notes.push_back(fmt::format("Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst corners of "
-                                "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
-                                corner.number, image.image, result.cameras[corner.camera].name, corner.place, corner.error_px, *middle));
+    notes.push_back(fmt::format(
+        "Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst "
+        "corners of "
+        "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
+        corner.number, image.image, result.cameras[corner.camera].name, oneLine(corner.place),
+        corner.error_px, *middle));
   }
 }
 

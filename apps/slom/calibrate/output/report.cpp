@@ -98,7 +98,7 @@ std::string worstLines(const Result& result) {
     if (result.imu)
       text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
     const WorstCorner& worst = image->worst_corner;
-    text += fmt::format("   {:.2f} px, corner {} ({})\n", worst.error_px, worst.number, worst.place);
+    text += fmt::format("   {:.2f} px, corner {} ({})\n", worst.error_px, worst.number, oneLine(worst.place));
   }
   return text;
 }
@@ -131,12 +131,12 @@ std::string dataText(const Dataset& data) {
   std::string text = "data\n";
   for (const CameraData& camera : data.cameras) {
     text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
-                        camera.cornerCount(), camera.file);
+                        camera.cornerCount(), oneLine(camera.file));
   }
   for (const CameraData& camera : data.cameras) text += unusedText(camera);
   if (data.imu)
-    text +=
-        fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
+    text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "",
+                        oneLine(data.imu->file));
   return text;
 }
 
