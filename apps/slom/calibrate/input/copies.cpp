@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <set>
 #include <unordered_map>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ class ViewIndex {
   void add(const View& view) {
     for (const Corner& corner : view.corners)
       corners_.emplace(keyOf(corner, cellOf(corner.pixel.x()), cellOf(corner.pixel.y())),
-                       Entry{views_.size(), &corner});
+                       Entry{views_.size(), corner.pixel, &corner});
     views_.push_back(&view);
   }
 
@@ -56,6 +57,7 @@ class ViewIndex {
  private:
   struct Entry {
     std::size_t view;
+    vec2 pixel;
     const Corner* corner;
   };
 
@@ -76,17 +78,15 @@ class ViewIndex {
 
   /// Adds the corner to the matches of all views that have it.
   void count(const Corner& corner, std::unordered_map<std::size_t, Match>& matches) const {
-    const std::set<std::int64_t> columns{cellOf(corner.pixel.x() - equal_px),
-                                         cellOf(corner.pixel.x() + equal_px)},
-        rows{cellOf(corner.pixel.y() - equal_px), cellOf(corner.pixel.y() + equal_px)};
-    for (const std::int64_t column : columns) {
-      for (const std::int64_t row : rows) {
+    const double u = corner.pixel.x(), v = corner.pixel.y();
+    for (std::int64_t column = cellOf(u - equal_px); column <= cellOf(u + equal_px); ++column) {
+      for (std::int64_t row = cellOf(v - equal_px); row <= cellOf(v + equal_px); ++row) {
         const auto [begin, end] = corners_.equal_range(keyOf(corner, column, row));
         for (auto known = begin; known != end; ++known) {
-          const Corner& other = *known->second.corner;
+          const Entry& other = known->second;
           const double difference = (other.pixel - corner.pixel).norm();
-          if (other.world != corner.world || !(difference <= equal_px)) continue;
-          Match& match = matches[known->second.view];
+          if (!(difference <= equal_px) || other.corner->world != corner.world) continue;
+          Match& match = matches[other.view];
           ++match.equal;
           match.difference_px = std::max(match.difference_px, difference);
         }

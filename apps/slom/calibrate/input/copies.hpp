@@ -9,8 +9,8 @@ namespace slom::app::calib {
 
 /// Leaves out the views that repeat an earlier one of their camera, and lists them in CameraData::copies;
 /// with them the readings of the IMU of images that no camera has then. The time grows as the number of
-/// corners does. UserError where two cameras have most of their views in common, and where of a camera's
-/// views only one is left.
+/// corners does, but where thousands of frames are of a camera at rest. UserError where two cameras have most
+/// of their views in common, and where of a camera's views only one is left.
 ///
 /// A view repeats another one when three quarters of the corners of the smaller one, and four at least, are
 /// the same points of the board within 0.005 px of each other. Frames of a camera at rest differ by more: no
