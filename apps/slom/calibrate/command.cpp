@@ -47,8 +47,8 @@ time; images and corners may be missing in some cameras.
 )";
 
 constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-or standard output could not be written, 2 wrong options or data.)";
+    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), the run was
+cut short, or standard output could not be written, 2 wrong options or data.)";
 
 Dataset readDataset(const Settings& settings) {
   Dataset data;
