@@ -55,7 +55,7 @@ std::string refusalOf(const F& f) {
 }
 
 TEST(DetectorModule, HasNoPlaceWhereTheProgramIsNotInstalled) {
-  for (const std::string program : {"/tmp/x/slom", "/slom", "/opt/bin/x/slom", "/opt/xbin/slom"}) {
+  for (const std::string program : {"/srv/x/slom", "/slom", "/opt/bin/x/slom", "/opt/xbin/slom"}) {
     const std::string refusal = refusalOf([&] { detectorFile(program); });
     EXPECT_TRUE(refusal.starts_with("--images: this program is not in a folder ")) << refusal;
     EXPECT_TRUE(refusal.ends_with("install slom as a whole, or give the corners by --camera NAME=FILE"))
