@@ -47,12 +47,12 @@ int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   const std::string command = subcommands.empty() ? "" : " " + subcommands.front()->get_name();
   std::string text = error.what();
   if (subcommands.empty() && !app.remaining().empty()) text = app.remaining().front() + " is no subcommand";
-  sayError(fmt::format("slom: {}; see slom{} --help\n", text, command));
+  sayError(fmt::format("slom: {}; see slom{} --help\n", oneLine(text), command));
   return exit_user_error;
 }
 
 int fail(const std::string& sentence, int exit_code) {
-  sayError(fmt::format("slom: {}\n", sentence));
+  sayError(fmt::format("slom: {}\n", oneLine(sentence)));
   return exit_code;
 }
 

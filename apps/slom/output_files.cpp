@@ -43,6 +43,15 @@ fs::path resolved(const fs::path& path) {
   return ignored ? file.lexically_normal() : whole;
 }
 
+/// The same text for all names of a file: hard links have device and inode in common. The path where there is
+/// none yet.
+std::string identityOf(const fs::path& path) {
+  const fs::path file = resolved(path);
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return file.string();
+  return fmt::format("{}:{}", status.st_dev, status.st_ino);
+}
+
 bool isBelow(const fs::path& path, const char* folder) {
   return path.lexically_normal().string().starts_with(folder);
 }
@@ -120,13 +129,13 @@ void keepMode(int descriptor, const fs::path& replaced) {
 }  // namespace
 
 void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& results) {
-  std::map<fs::path, std::string> uses;
+  std::map<std::string, std::string> uses;  // by identity
   for (const NamedFile& input : inputs) {
-    if (!input.file.empty()) uses.emplace(resolved(input.file), input.option);
+    if (!input.file.empty()) uses.emplace(identityOf(input.file), input.option);
   }
   for (const NamedFile& result : results) {
     if (result.file.empty()) continue;
-    const auto [known, is_new] = uses.emplace(resolved(result.file), result.option);
+    const auto [known, is_new] = uses.emplace(identityOf(result.file), result.option);
     if (!is_new) {
       throw UserError(fmt::format("{} {}: this is the file of {} too; give another one", result.option,
                                   result.file, known->second));

@@ -15,7 +15,7 @@ struct NamedFile {
 };
 
 /// No result may replace an input or another result, and each must be a file: throws UserError, naming the
-/// option.
+/// option. A file is the same one under all its names, symbolic and hard links.
 void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& results);
 
 /// Finds out before the work, not after it, that a file cannot be written; throws UserError.
@@ -31,7 +31,8 @@ class OutputFiles {
   OutputFiles& operator=(const OutputFiles&) = delete;
   ~OutputFiles();
 
-  /// A symbolic link stays one: what it leads to is replaced. Throws UserError when the file cannot be
+  /// A symbolic link stays one: what it leads to is replaced. Other hard links of that keep
+  /// the old content. Throws UserError when the file cannot be
   /// written.
   void add(const std::filesystem::path& name, std::string_view content);
   void commit();

@@ -63,7 +63,7 @@ std::string escaped(std::string_view text, std::string_view allowed) {
 
 std::string printable(std::string_view text) { return escaped(text, "\n\t"); }
 
-std::string oneLine(std::string_view text) { return escaped(text, "\t"); }
+std::string oneLine(std::string_view text) { return escaped(text, ""); }
 
 std::string xmlText(std::string_view text) {
   std::string result;

@@ -10,7 +10,8 @@ namespace slom::app {
 /// UTF-8, as \x1b.
 std::string printable(std::string_view text);
 
-/// The same, in one line: also the end of a line as \x0a.
+/// The same without lines and columns: the end of a line as \x0a, a tabulator as \x09. For names of files,
+/// and sentences that hold some, before they enter a text of several lines.
 std::string oneLine(std::string_view text);
 
 /// For elements and attributes of XML 1.0 in UTF-8: & < > " escaped; what no such text may hold, as the

@@ -11,7 +11,9 @@ namespace slom::app {
 
 namespace {
 
-constexpr int ending_signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+/// Those that end a program that does not handle them, but for faults of its own and what cannot be handled.
+constexpr int ending_signals[] = {SIGINT,  SIGTERM, SIGHUP,  SIGPIPE, SIGQUIT,
+                                  SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 
 /// Of a list that only grows, so that a signal handler can walk it at any time. Names that are no longer
 /// needed are used again.

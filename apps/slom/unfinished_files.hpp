@@ -5,8 +5,9 @@
 
 namespace slom::app {
 
-/// From now on the file is removed when SIGINT, SIGTERM, SIGHUP or SIGPIPE ends the program, if it is there.
-/// To be called before it is made. Signals that were ignored stay so.
+/// From now on the file is removed when SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2,
+/// SIGXCPU or SIGXFSZ ends the program, if it is there. To be called before it is made. Signals that were
+/// ignored stay so.
 void expectUnfinished(const std::filesystem::path& file);
 /// The file has another name now, or is gone.
 void forgetUnfinished(const std::filesystem::path& file);

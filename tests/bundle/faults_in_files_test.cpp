@@ -107,7 +107,7 @@ TEST(BundleFaults, NotANumber) {
                                                            "...\"; write a finite number there");
 }
 TEST(BundleFaults, FocalLengthsThatCannotBe) {
-  for (const std::string bad : {"1e-16", "1e-5", "0", "-1e-5", "2e9"}) {
+  for (const std::string bad : {"1e-16", "1e-5", "0", "-1e-5", "2e9", "-500", "-2e9"}) {
     expectRefused(counts + observations + camera + replaced(camera, "500", bad) + points,
                   "scene.txt:22: f of camera 1 is \"" + bad +
                       "\"; write a focal length from 0.001 to 1e+09 [px] there");

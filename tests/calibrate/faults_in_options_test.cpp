@@ -42,6 +42,13 @@ TEST(CalibrateFaults, Sigmas) {
                 "--sigma-px 0: a standard deviation must be positive");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-acc", "-1"},
                 "--sigma-acc -1: a standard deviation must be positive");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "1e-300"},
+                "--sigma-px 1e-300: a standard deviation lies between 1e-06 and 1e+06 px; give such a value");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "1e300"},
+                "--sigma-px 1e+300: a standard deviation lies between 1e-06 and 1e+06 px; give such a value");
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--sigma-acc", "1e-7"},
+      "--sigma-acc 1e-07: a standard deviation lies between 1e-06 and 1e+06 m/s^2; give such a value");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "small"},
                 "Could not convert: --sigma-px = small; see slom calibrate --help");
 }
@@ -68,6 +75,13 @@ TEST(CalibrateFaults, Fix) {
       Files(), with({"--fix", "gravity=-9.81"}),
       "--fix gravity=-9.81: give the magnitude of gravity, a positive number in m/s^2; its sign is found "
       "from the data");
+  for (const std::string value : {"1e300", "1e-300", "1e7"}) {
+    expectRefused(Files(), with({"--fix", "gravity=" + value}),
+                  "--fix gravity=" + value +
+                      ": the magnitude of gravity lies between 0.001 and 1e+06 m/s^2; give such a value");
+  }
+  expectRefused(Files(), with({"--fix", "acc_bias=0,-1e300,0"}),
+                "--fix acc_bias=0,-1e300,0: a bias lies between -1e+06 and 1e+06 m/s^2; give such values");
   expectRefused(Files(), with({"--fix", "gravity=g"}), "--fix gravity=g: the value must be a number");
   expectRefused(Files(), with({"--fix", "gravity="}), "--fix gravity=: the value must be a number");
   expectRefused(Files(), with({"--fix", "acc_bias=0,0"}),

@@ -31,7 +31,7 @@ TEST(Printable, KeepsTextAndEscapesTheRest) {
   for (const std::string bad : {"\xFF", "\xC3", "\xC0\xAF", "\xE2\x82", "\xED\xA0\x80", "\xF4\x90\x80\x80",
                                 "\xF5\x80\x80\x80", "\x80"})
     EXPECT_EQ(printable(bad).size(), 4 * bad.size());
-  EXPECT_EQ(oneLine("a\nb"), "a\\x0ab");
+  EXPECT_EQ(oneLine("a\nb\r\tc"), "a\\x0ab\\x0d\\x09c");
   EXPECT_EQ(printable(std::string_view("\0", 1)), "\\x00");
 }
 
@@ -43,6 +43,14 @@ TEST(Printable, XmlText) {
 const std::string odd_names[] = {"\xFF\xC3.g2o", "a\nb.g2o", "\x1b[31mred\x07.g2o",
                                  "]]><title><script>&\".g2o", "\xED\xA0\x80.g2o"};
 const std::string graph = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\nODD\x1b[0m 1\n";
+
+/// Names cannot begin lines or columns of their own.
+void expectEscaped(const std::string& text) {
+  EXPECT_EQ(text.find("FORGED\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find('\t'), std::string::npos) << text;
+  EXPECT_EQ(text.find('\r'), std::string::npos) << text;
+  EXPECT_NE(text.find("a\\x0aFORGED\\x0a\\x09\\x0d"), std::string::npos) << text;
+}
 
 void expectPrintable(const std::string& text) { EXPECT_EQ(printable(text), text); }
 
@@ -88,6 +96,34 @@ TEST(OddNames, OfCorners) {
     EXPECT_EQ(page.find('\x1b'), std::string::npos);
     EXPECT_EQ(page.find('\xFF'), std::string::npos);
   }
+}
+
+TEST(OddNames, ThatSpanLinesStayInTheirs) {
+  const TemporaryFolder folder;
+  const std::string name = "a\nFORGED\n\t\r", file = folder / name;
+  const calib::testing::Files files;
+  writeFile(file, graph);
+  for (const std::string command : {"graph", "bundle", "replay"}) {
+    const auto missing = runCommand({commandPath().string(), command, file + "2"});
+    EXPECT_EQ(missing.exit_code, 2);
+    expectEscaped(missing.errors);
+  }
+  const auto fitted = runCommand({commandPath().string(), "graph", file, "--output", file + ".g2o"});
+  EXPECT_EQ(fitted.exit_code, 0) << fitted.errors;
+  expectEscaped(fitted.output);
+  writeFile(file, "# photo 2: b\x1b\tFORGED\n" + files.left);
+  const auto calibrated = runCommand({commandPath().string(), "calibrate", "--camera", "left=" + file,
+                                      "--intrinsics", "radial1", "--json", file + ".json"});
+  EXPECT_EQ(calibrated.exit_code, 0) << calibrated.errors;
+  expectEscaped(calibrated.output);
+  const auto refused =
+      runCommand({commandPath().string(), "calibrate", "--camera", "left=" + file, "--json", file});
+  EXPECT_EQ(refused.exit_code, 2);
+  expectEscaped(refused.errors);
+  const auto wrong =
+      runCommand({commandPath().string(), "calibrate", "--camera", "left=" + file, "--sigma-px", file});
+  EXPECT_EQ(wrong.exit_code, 2);
+  expectEscaped(wrong.errors);
 }
 
 TEST(OddNames, OfScenesAndProblems) {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -159,6 +160,23 @@ TEST(OutputFiles, OneFileSpeltTwice) {
   std::filesystem::current_path(before);
 }
 
+TEST(OutputFiles, OneFileUnderTwoHardLinks) {
+  const TemporaryFolder folder;
+  writeFile(folder / "a", "old");
+  std::filesystem::create_hard_link(folder / "a", folder / "b");
+  std::filesystem::create_symlink("b", folder / "c");
+  for (const std::string other : {"b", "c"}) {
+    const std::string one = folder / "a", two = folder / other;
+    const std::string sentence = "--output " + two + ": this is the file of --json too; give another one";
+    EXPECT_EQ(refusalOf([&] { checkResultPaths({}, {{"--json", one}, {"--output", two}}); }), sentence);
+    EXPECT_EQ(refusalOf([&] { checkResultPaths({{"--json", one}}, {{"--output", two}}); }), sentence);
+  }
+  OutputFiles files;
+  files.add(folder / "a", "new");
+  files.commit();
+  EXPECT_EQ(readFile(folder / "a") + readFile(folder / "b"), "newold");
+}
+
 TEST(OutputFiles, DevicesUnderAnyName) {
   for (const std::string name : {"/dev/stdout", "/dev/../dev/stdout", "/proc/self/fd/1", "/dev/null"})
     EXPECT_EQ(refusalOf([&] {
@@ -169,11 +187,14 @@ TEST(OutputFiles, DevicesUnderAnyName) {
 
 /// A child that a signal ends while its file is not finished.
 TEST(OutputFiles, SignalsLeaveNothing) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+  for (const int signal :
+       {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ}) {
     const TemporaryFolder folder;
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
+      const rlimit no_core{};
+      ::setrlimit(RLIMIT_CORE, &no_core);
       OutputFiles files;
       files.add(folder / "a", "x");
       if (namesIn(folder).size() == 1) ::raise(signal);

@@ -247,15 +247,54 @@ TEST_F(Images, FaultsOfAllPhotographsAreErrors) {
       "left01.pgm: the file is empty, and so it is with all photographs of camera left; check the pattern");
 }
 
-TEST_F(Images, OfDifferentSizeAreRefused) {
-  StereoPhotos photos;
-  photos.left.size = {600, 480};
-  testing::writePgm(folder / "left03.pgm",
-                    photos.left.photograph(photos.places()[2], chessboardPicture(photos.board)));
-  expectRefused(stereo(),
-                "left03.pgm: it has 600 x 480 pixels, and 5 other photographs of camera left have 640 x 480; "
-                "all photographs of a camera "
-                "must have one size, so leave it out, or scale none of them");
+struct OddImages : Images {
+  /// Draws these photographs of the left camera again, narrower ones.
+  void narrow(std::initializer_list<int> images) const {
+    StereoPhotos photos;
+    photos.left.size = {600, 480};
+    for (const int image : images)
+      testing::writePgm(
+          folder / fmt::format("left0{}.pgm", image),
+          photos.left.photograph(photos.places()[std::size_t(image - 1)], chessboardPicture(photos.board)));
+  }
+};
+
+TEST_F(OddImages, OfAnotherSizeAreListedAndLeftOut) {
+  narrow({3});
+  const CommandResult result = run(stereo({"--json", "result.json"}));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string reason = "has 600 x 480 pixels, where most have 640 x 480";
+  EXPECT_NE(result.output.find("  left: left out, as it " + reason + ": left03.pgm\n"), std::string::npos)
+      << result.output;
+  const json cameras = json::parse(readFile(folder / "result.json"))["cameras"];
+  EXPECT_EQ(cameras["left"]["unused"], json({{{"image", 3}, {"file", "left03.pgm"}, {"reason", reason}}}));
+  EXPECT_EQ(cameras["left"]["images"], 5);
+  EXPECT_EQ(cameras["left"]["image_size"], json({640, 480}));
+  EXPECT_EQ(cameras["right"]["images"], 6);
+}
+
+TEST_F(OddImages, OfDifferentSizesWithoutAMajorityAreRefused) {
+  narrow({2, 3, 5});
+  expectRefused(
+      stereo(),
+      "left01.pgm: it has 640 x 480 pixels, and 3 other photographs of camera left have 600 x 480; most "
+      "photographs of a camera must have one size, so leave out those of another, or scale none of them");
+}
+
+TEST_F(Images, GivenTwiceAreLeftOut) {
+  std::filesystem::copy_file(folder / "left01.pgm", folder / "left07.pgm");
+  std::filesystem::create_symlink("left02.pgm", folder / "left08.pgm");
+  std::filesystem::create_hard_link(folder / "left03.pgm", folder / "left09.pgm");
+  const CommandResult result = run(stereo({"--json", "result.json"}));
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const json found = json::parse(readFile(folder / "result.json"));
+  EXPECT_EQ(found["cameras"]["left"]["images"], 6);
+  EXPECT_EQ(found["notes"][0],
+            "Of camera left, image 7 (left07.pgm) repeats image 1 (left01.pgm), image 8 (left08.pgm) repeats "
+            "image 2 "
+            "(left02.pgm), image 9 (left09.pgm) repeats image 3 (left03.pgm) to within 0.000 px, so they are "
+            "left out: a "
+            "copy is no second measurement.");
 }
 
 TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
@@ -304,6 +343,16 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
                 "(squares, dictionary) or aprilgrid:6x6 (tags)");
   expectRefused(with({"--board", "2x6", "--square", "1"}),
                 "--board 2x6: 2 x 6 inner corners cannot be detected; give 3 to 100 in each direction");
+  for (const std::string value : {"1e+300", "1e-300"}) {
+    expectRefused(
+        with({"--board", "9x6", "--square", value}),
+        "--square " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
+    expectRefused(
+        with({"--board", "charuco:8x5:4x4_50", "--square", "0.04", "--marker", value}),
+        "--marker " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
+    expectRefused(with({"--board", "aprilgrid:6x6", "--square", "0.04", "--spacing", value}),
+                  "--spacing " + value + ": boards that can be printed have 0.001 to 10; give such a value");
+  }
   expectRefused(with({"--board", "9x6", "--square", "-1"}), "--square -1: give a positive number");
   expectRefused(with({"--board", "9x6", "--square", "1", "--marker", "0.5"}),
                 "--marker 0.5: --board 9x6 has no such length; leave it out");
@@ -421,8 +470,9 @@ TEST_F(Images, ManyTakeNoMoreMemoryThanFew) {
   const long memory_of_few = peakMemory();
   multiply(folder, 100);
   const json many = calibrated(stereo());
-  EXPECT_EQ(many["cameras"]["left"]["images"], 100);
-  // 188 more photographs of 0.3 MB; what is added are corners and normal equations.
+  EXPECT_EQ(many["cameras"]["left"]["images"], 6);
+  EXPECT_EQ(many["cameras"]["left"]["copies"].size(), 94u);
+  // 188 more photographs of 0.3 MB; what is added are corners.
   EXPECT_LT(peakMemory() - memory_of_few, 25000) << memory_of_few;
 }
 

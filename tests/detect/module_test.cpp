@@ -1,7 +1,9 @@
 // Where libslom_detect.so is looked for: in one place.
 #include <filesystem>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "calibrate/detect/detector_module.hpp"
 #include "error.hpp"
@@ -40,6 +42,45 @@ TEST(DetectorModule, IsNotFoundWhereTheProgramIsNotKnown) {
                    "boards; mount /proc, or give the corners by --camera NAME=FILE");
     }
   }
+}
+
+template <class F>
+std::string refusalOf(const F& f) {
+  try {
+    f();
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(DetectorModule, HasNoPlaceWhereTheProgramIsNotInstalled) {
+  for (const std::string program : {"/srv/x/slom", "/slom", "/opt/bin/x/slom", "/opt/xbin/slom"}) {
+    const std::string refusal = refusalOf([&] { detectorFile(program); });
+    EXPECT_TRUE(refusal.starts_with("--images: this program is not in a folder ")) << refusal;
+    EXPECT_TRUE(refusal.ends_with("install slom as a whole, or give the corners by --camera NAME=FILE"))
+        << refusal;
+  }
+}
+
+TEST(DetectorModule, OfOthersIsNotTrusted) {
+  const slom::testing::TemporaryFolder folder;
+  const fs::path library = folder / "libslom_detect.so", program = folder / "slom";
+  slom::testing::writeFile(library, "x");
+  slom::testing::writeFile(program, "x");
+  const auto refusal = [&] { return refusalOf([&] { requireTrusted(library, program); }); };
+  EXPECT_EQ(refusal(), "no error");
+  const std::string remedy =
+      ", so it is not loaded; install slom as a whole, or give the corners by --camera NAME=FILE";
+  ASSERT_EQ(::chmod(library.c_str(), 0666), 0);
+  EXPECT_EQ(refusal(), "--images: " + library.string() + " may be written by everybody" + remedy);
+  ASSERT_EQ(::chmod(library.c_str(), 0644), 0);
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file to somebody else";
+  ASSERT_EQ(::chown(library.c_str(), 12345, 12345), 0);
+  EXPECT_EQ(refusal(), "--images: " + library.string() +
+                           " belongs neither to the owner of this program nor to root" + remedy);
+  ASSERT_EQ(::chown(program.c_str(), 12345, 12345), 0);
+  EXPECT_EQ(refusal(), "no error");
 }
 
 /// A copy of the program, with files of that name in the working directory, beside it, and in neighbouring

@@ -44,7 +44,8 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   options.deviation_tolerance = std::numeric_limits<double>::infinity();  // nobody has said what a pixel is worth
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
-  const Summary summary = fit.optimize(options);
+  Summary summary = fit.optimize(options);
+  FitLimits::nameIn(summary);
   fit.writeTo(scene);
   return summary;
 }

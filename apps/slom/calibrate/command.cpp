@@ -10,6 +10,7 @@
 #include "calibrate/detect/read_photos.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/html/page.hpp"
+#include "calibrate/input/copies.hpp"
 #include "calibrate/input/read.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/formats.hpp"
@@ -46,8 +47,8 @@ time; images and corners may be missing in some cameras.
 )";
 
 constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-or standard output could not be written, 2 wrong options or data.)";
+    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), the run was
+cut short, or standard output could not be written, 2 wrong options or data.)";
 
 Dataset readDataset(const Settings& settings) {
   Dataset data;
@@ -61,6 +62,7 @@ Dataset readDataset(const Settings& settings) {
     if (given != settings.image_sizes.end()) camera.image_size = given->second;
   }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
+  leaveOutCopies(data);
   return data;
 }
 
@@ -80,19 +82,20 @@ void writeFiles(const Dataset& data, const Result& result, const Settings& setti
   std::string said;
   if (!settings.json_file.empty()) {
     files.add(settings.json_file, toJson(result));
-    said += fmt::format("written: {}\n", settings.json_file);
+    said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   if (result.success() && !settings.yaml_file.empty()) {
     for (const OutputText& output : outputTexts(result, settings)) {
       files.add(output.file, output.text);
-      said += fmt::format("written: {}\n", output.file);
+      said += fmt::format("written: {}\n", oneLine(output.file));
     }
   } else {
-    for (const std::string& file : outputFiles(settings)) said += fmt::format("not written, because the fit failed: {}\n", file);
+    for (const std::string& file : outputFiles(settings))
+      said += fmt::format("not written, because the fit failed: {}\n", oneLine(file));
   }
   if (!settings.report_file.empty()) {
     files.add(settings.report_file, toHtml(data, result));
-    said += fmt::format("written: {}\n", settings.report_file);
+    said += fmt::format("written: {}\n", oneLine(settings.report_file));
   }
   files.commit();
   if (!settings.quiet && !said.empty()) say("\n" + said);
@@ -115,31 +118,59 @@ std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
   return comparison;
 }
 
+/// What the run is about. Ends it when the time is over before there is anything to calibrate.
+Dataset readInTime(const Settings& settings) {
+  try {
+    return readDataset(settings);
+  } catch (const RunEnded& ended) {
+    sayError(fmt::format(
+        "slom: {} while photographs were searched for the board, so nothing was calibrated; allow "
+        "more by --max-seconds\n",
+        ended.what()));
+    throw CLI::RuntimeError(exit_not_converged);
+  }
+}
+
+/// What is missing in a run that did not do all that it was asked for; empty otherwise.
+std::string failureOf(const Result& result) {
+  if (!result.success()) {
+    const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
+    return "the calibration failed: " +
+           (result.undetermined.empty() || is_cut_short
+                ? result.message
+                : "the data do not determine all parameters: " + result.undetermined);
+  }
+  if (result.comparison && !result.comparison->cut_short.empty())
+    return "the comparison was cut short: " + result.comparison->cut_short;
+  if (result.quality && !result.quality->cut_short.empty())
+    return "the assessment was cut short: " + result.quality->cut_short;
+  return "";
+}
+
 void run(const RawOptions& raw) {
   Settings settings = parseSettings(raw);
+  // There is nothing to write before the data are read: until then Ctrl-C ends the program.
+  FitLimits limits(settings.max_seconds, FitLimits::Interrupts::end_the_program);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   if (settings.model_is_given) requireModelOf(settings);
-  const Dataset data = readDataset(settings);
+  const Dataset data = readInTime(settings);
   requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
+  limits.catchInterrupts();
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
-    say(fmt::format("written: {}\n", file));
+    say(fmt::format("written: {}\n", oneLine(file)));
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));
-  std::optional<FitLimits> limits(std::in_place, settings.max_seconds);
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
-  limits.reset();
   result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings);
-  if (result.success()) return;
-  const std::string why = result.undetermined.empty()
-                              ? result.message
-                              : "the data do not determine all parameters: " + result.undetermined;
-  sayError(fmt::format("slom: the calibration failed: {}\n", why));
+  const std::string failure = failureOf(result);
+  if (failure.empty()) return;
+  sayError(fmt::format("slom: {}\n", oneLine(failure)));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

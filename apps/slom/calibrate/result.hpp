@@ -36,7 +36,8 @@ struct CameraResult {
   double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
   std::optional<ImageSize> image_size;
   int board_symmetry = 1;           ///< CameraData::board_symmetry
-  std::vector<UnusedPhoto> unused;  ///< photographs that show no board, or cannot be read
+  std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
+  std::vector<Copy> copies;         ///< views that repeat others
 };
 
 /// Largest standard deviations of the axes; 0 for what is fixed.

@@ -12,6 +12,7 @@
 #include "calibrate/result_paths.hpp"
 #include "calibrate/sources.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "output_files.hpp"
 #include "plausible.hpp"
 
@@ -45,6 +46,11 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
 void fixBias(const std::string& option, const std::string* value, Fixed& fixed) {
   if (fixed.acc_bias) throw UserError(fmt::format("{}: acc_bias is fixed already; give it once", option));
   const std::vector<double> b = value ? parseNumbers(option, *value, 3) : std::vector<double>{0, 0, 0};
+  for (const double number : b) {
+    if (std::abs(number) <= most_m_s2) continue;
+    throw UserError(fmt::format("{}: a bias lies between {:g} and {:g} m/s^2; give such values", option,
+                                -most_m_s2, most_m_s2));
+  }
   fixed.acc_bias = vec3(b[0], b[1], b[2]);
 }
 
@@ -57,6 +63,10 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
                     "the data",
                     option));
   }
+  if (*fixed.gravity >= least_gravity && *fixed.gravity <= most_m_s2) return;
+  throw UserError(
+      fmt::format("{}: the magnitude of gravity lies between {:g} and {:g} m/s^2; give such a value", option,
+                  least_gravity, most_m_s2));
 }
 
 /// What can be fixed. `value` is nullptr where the option has none.
@@ -186,9 +196,12 @@ void parseModels(const RawOptions& raw, Settings& settings) {
   if (!settings.model_is_given) settings.model = settings.compared.front();
 }
 
-void requirePositive(const char* option, double value) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
+void requireSigma(const char* option, double value, const char* unit) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
+  if (value >= least_sigma && value <= most_sigma) return;
+  throw UserError(fmt::format("{} {}: a standard deviation lies between {:g} and {:g} {}; give such a value",
+                              option, value, least_sigma, most_sigma, unit));
 }
 
 void checkPaths(const Settings& settings) {
@@ -210,11 +223,12 @@ Settings parseSettings(const RawOptions& raw) {
   parseModels(raw, settings);
   checkLens(settings, settings.model);
   for (const Model model : settings.compared) checkLens(settings, model);
-  requirePositive("--sigma-px", settings.sigma_px);
-  requirePositive("--sigma-acc", settings.sigma_acc);
+  requireSigma("--sigma-px", settings.sigma_px, "px");
+  requireSigma("--sigma-acc", settings.sigma_acc, "m/s^2");
   if (settings.max_iterations < 1) {
     throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", settings.max_iterations));
   }
+  requireTimeLimit(settings.max_seconds);
   if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
     throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));

@@ -54,7 +54,7 @@ struct Settings {
   std::vector<LensConstraint> lens;
   std::optional<double> sigma_denominator;  ///< of a prior of k4, k5, k6 of opencv8 at 0; nothing: no prior
   int max_iterations = 100;
-  double max_seconds = 0;  ///< of all fits together; 0: no limit
+  double max_seconds = 0;  ///< of the whole run; 0: no limit
   std::string json_file;  ///< empty: none
   std::string yaml_file;  ///< empty: none
   std::string report_file;  ///< empty: none

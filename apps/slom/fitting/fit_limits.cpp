@@ -20,9 +20,11 @@ struct sigaction before {};
 
 void interrupt(int) {
   was_interrupted = 1;
-  struct sigaction usual {};
-  usual.sa_handler = SIG_DFL;
-  ::sigaction(SIGINT, &usual, nullptr);
+  ::sigaction(SIGINT, &before, nullptr);
+}
+
+std::string limitReached(double max_seconds) {
+  return fmt::format("time limit of {:g} s reached", max_seconds);
 }
 
 }  // namespace
@@ -30,34 +32,60 @@ void interrupt(int) {
 void addTimeLimit(CLI::App& command, double& max_seconds) {
   command
       .add_option("--max-seconds", max_seconds,
-                  "ends the fit after this time, as Ctrl-C does, with the best values reached;\n0: no limit")
+                  "ends the work after this time, as Ctrl-C does, with the best values reached;\n0: no limit")
       ->type_name("NUMBER")
       ->capture_default_str();
 }
 
-FitLimits::FitLimits(double max_seconds) : max_seconds_(max_seconds) {
+void requireTimeLimit(double max_seconds) {
   if (!(max_seconds >= 0))
     throw UserError(fmt::format("--max-seconds {}: give a number from 0 on", max_seconds));
+}
+
+FitLimits::FitLimits(double max_seconds, Interrupts interrupts) : max_seconds_(max_seconds) {
   was_interrupted = 0;
   current = this;
-  struct sigaction ours {};
-  ours.sa_handler = interrupt;
-  ::sigemptyset(&ours.sa_mask);
-  ::sigaction(SIGINT, &ours, &before);
+  if (interrupts == Interrupts::end_the_work) catchInterrupts();
 }
 
 FitLimits::~FitLimits() {
-  ::sigaction(SIGINT, &before, nullptr);
+  if (catches_interrupts_) ::sigaction(SIGINT, &before, nullptr);
   current = nullptr;
 }
 
+void FitLimits::catchInterrupts() {
+  if (::sigaction(SIGINT, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) return;
+  struct sigaction ours {};
+  ours.sa_handler = interrupt;
+  ::sigemptyset(&ours.sa_mask);
+  catches_interrupts_ = ::sigaction(SIGINT, &ours, nullptr) == 0;
+}
+
+double FitLimits::secondsLeft() const {
+  return max_seconds_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
 void FitLimits::applyTo(Options& options) {
+  constexpr double no_time = 1e-9;  // what the library takes must be positive
   if (current == nullptr) return;
   options.should_stop = [] { return was_interrupted != 0; };
-  if (!(current->max_seconds_ > 0)) return;
-  const double passed =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - current->start_).count();
-  options.max_seconds = std::max(current->max_seconds_ - passed, 1e-3);
+  if (current->max_seconds_ > 0) options.max_seconds = std::max(current->secondsLeft(), no_time);
+}
+
+void FitLimits::nameIn(Summary& summary) {
+  if (current == nullptr || summary.stop_reason != StopReason::time_limit) return;
+  summary.message = limitReached(current->max_seconds_);
+}
+
+std::string FitLimits::reasonToEnd() {
+  if (current == nullptr) return {};
+  if (was_interrupted != 0) return "interrupted";
+  const bool is_over = current->max_seconds_ > 0 && current->secondsLeft() <= 0;
+  return is_over ? limitReached(current->max_seconds_) : "";
+}
+
+void FitLimits::requireTime() {
+  if (const std::string reason = reasonToEnd(); !reason.empty()) throw RunEnded(reason);
 }
 
 }  // namespace slom::app

@@ -1,35 +1,61 @@
-// What ends a fit early: --max-seconds, and Ctrl-C.
+// What ends a run early: --max-seconds, and Ctrl-C.
 #pragma once
 
 #include <chrono>
+#include <stdexcept>
+#include <string>
 
 namespace CLI {
 class App;
 }
 namespace slom {
 struct Options;
-}
+struct Summary;
+}  // namespace slom
 
 namespace slom::app {
 
 /// Adds --max-seconds; 0: no limit.
 void addTimeLimit(CLI::App& command, double& max_seconds);
 
-/// While it lives, SIGINT ends fits, with the best values reached, instead of the program; a second one ends
-/// that. Its time counts from its construction. UserError where `max_seconds` is negative or no number. One
-/// at a time.
+/// UserError where the value of --max-seconds is negative or no number. Called before any file is read.
+void requireTimeLimit(double max_seconds);
+
+/// Thrown out of work that is of no use unfinished; the text is FitLimits::reasonToEnd().
+struct RunEnded : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// While it lives, SIGINT ends the work, with the best values reached, instead of the program; a second one
+/// ends that, and one that was ignored stays so. Its time counts from its construction. One at a time.
 class FitLimits {
  public:
-  explicit FitLimits(double max_seconds);
+  /// What SIGINT does until catchInterrupts() is called.
+  enum class Interrupts { end_the_work, end_the_program };
+
+  explicit FitLimits(double max_seconds, Interrupts interrupts = Interrupts::end_the_work);
   ~FitLimits();
   FitLimits(const FitLimits&) = delete;
   FitLimits& operator=(const FitLimits&) = delete;
 
+  /// From now on SIGINT ends the work.
+  void catchInterrupts();
+
   /// Gives a fit the limits of the one that lives now, if any.
   static void applyTo(Options& options);
+  /// Names the limit that the user gave in the message of such a fit, which knows of what was left of it
+  /// alone.
+  static void nameIn(Summary& summary);
+  /// `time limit of 5 s reached` or `interrupted`; empty while the work may go on.
+  static std::string reasonToEnd();
+  /// Throws RunEnded when there is a reason to end.
+  static void requireTime();
 
  private:
+  double secondsLeft() const;
+
   double max_seconds_;
+  bool catches_interrupts_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -152,6 +152,7 @@ FitOptions parseFitOptions(const RawFitOptions& raw) {
   if (raw.max_iterations < 1) {
     throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", raw.max_iterations));
   }
+  requireTimeLimit(raw.max_seconds);
   options.threads = raw.threads;
   options.max_iterations = raw.max_iterations;
   options.max_seconds = raw.max_seconds;

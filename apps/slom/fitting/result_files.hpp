@@ -6,6 +6,7 @@
 #include "fitting/console.hpp"
 #include "fitting/run_report.hpp"
 #include "output_files.hpp"
+#include "printable.hpp"
 
 namespace slom::app {
 
@@ -28,7 +29,7 @@ class ResultFiles {
   template <class F>
   void add(const std::string& file, bool is_wanted, const F& content) {
     if (is_wanted) files_.add(file, content());
-    said_ += (is_wanted ? "written: " : "not written, because the fit failed: ") + file + "\n";
+    said_ += (is_wanted ? "written: " : "not written, because the fit failed: ") + oneLine(file) + "\n";
   }
 
   const RunReport& report_;

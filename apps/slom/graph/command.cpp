@@ -62,7 +62,8 @@ Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& con
   options.deviation_tolerance = 1e-4;  // a map has no use for more
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
-  const Summary summary = fit.optimize(options);
+  Summary summary = fit.optimize(options);
+  FitLimits::nameIn(summary);
   fit.writeTo(graph);
   return summary;
 }

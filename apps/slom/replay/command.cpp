@@ -79,6 +79,7 @@ void run(const Settings& settings) {
     const FitLimits limits(fit.max_seconds);
     FitLimits::applyTo(options);
     report.summary = asUserError([&] { return est.optimize(options); });
+    FitLimits::nameIn(report.summary);
   }
   report.total_seconds = total.seconds();
   console.print("\n" + report.summary.report());

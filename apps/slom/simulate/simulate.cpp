@@ -65,7 +65,8 @@ void addStereoImu(CLI::App& simulate) {
     const StereoImuData data = simulateStereoImu(arguments->options);
     writeStereoImu(data, arguments->options, arguments->output);
     say(fmt::format("{} images: {} corners left, {} right; written with the truth to {}\n",
-                    arguments->options.images, data.left.size(), data.right.size(), arguments->output));
+                    arguments->options.images, data.left.size(), data.right.size(),
+                    oneLine(arguments->output)));
   });
 }
 

@@ -152,7 +152,7 @@ class Reader {
   }
   /// A point that moves a little away from the axis would leave the image, or not move in it at all.
   void requireFocalLength(int i, double f) const {
-    if (std::abs(f) >= least_focal_px && std::abs(f) <= most_focal_px) return;
+    if (f >= least_focal_px && f <= most_focal_px) return;
     words_.fail(fmt::format("f of camera {} is {}; write a focal length from {:g} to {:g} [px] there", i,
                             words_.quoted(), least_focal_px, most_focal_px));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::bundle {
@@ -10,7 +11,7 @@ std::string sceneText(const Scene& scene, const std::vector<std::string>& warnin
   std::string text = fmt::format(
       "bundle adjustment, {}\n  {}, {}, {}\n"
       "  gauge: {} directions are free (place, rotation and scale of the whole), held by damping alone\n",
-      scene.file, plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
+      oneLine(scene.file), plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
       plural(scene.observations.size(), "observation"), gauge_directions);
   for (const std::string& warning : warnings) text += fmt::format("  warning: {}\n", warning);
   return text;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "plausible.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -56,9 +57,16 @@ void requireSize(const Board& board, const std::string& text) {
                               least));
 }
 
+/// What an option must lie between.
+struct Range {
+  double least, most;
+  const char* unit;
+};
+constexpr Range lengths{least_square_m, most_square_m, " m"}, spacings{least_spacing, most_spacing, ""};
+
 /// A length or ratio that the board has or has not.
-void requireLength(const char* option, double value, bool is_wanted, const std::string& board,
-                   const char* example) {
+void requireLength(const char* option, double value, const Range& range, bool is_wanted,
+                   const std::string& board, const char* example) {
   if (value != 0 && !(value > 0 && std::isfinite(value))) {
     throw UserError(fmt::format("{} {}: give a positive number", option, value));
   }
@@ -66,6 +74,10 @@ void requireLength(const char* option, double value, bool is_wanted, const std::
     throw UserError(fmt::format("--board {} needs {}, as in {} {}", board, option, option, example));
   if (!is_wanted && value != 0)
     throw UserError(fmt::format("{} {}: --board {} has no such length; leave it out", option, value, board));
+  if (value != 0 && (value < range.least || value > range.most)) {
+    throw UserError(fmt::format("{} {}: boards that can be printed have {:g} to {:g}{}; give such a value",
+                                option, value, range.least, range.most, range.unit));
+  }
 }
 
 }  // namespace
@@ -110,9 +122,10 @@ Board parseBoard(const BoardOptions& options) {
     throw UserError("--images needs --board, as in --board 9x6 for 9 x 6 inner corners of a chessboard");
   Board board = parseName(options.board);
   requireSize(board, options.board);
-  requireLength("--square", options.square_m, true, options.board, "0.025 [m]");
-  requireLength("--marker", options.marker_m, board.kind == BoardKind::charuco, options.board, "0.018 [m]");
-  requireLength("--spacing", options.spacing, board.kind == BoardKind::aprilgrid, options.board,
+  requireLength("--square", options.square_m, lengths, true, options.board, "0.025 [m]");
+  requireLength("--marker", options.marker_m, lengths, board.kind == BoardKind::charuco, options.board,
+                "0.018 [m]");
+  requireLength("--spacing", options.spacing, spacings, board.kind == BoardKind::aprilgrid, options.board,
                 "0.3 (of a tag's side)");
   if (board.kind == BoardKind::charuco && options.marker_m >= options.square_m) {
     throw UserError(fmt::format("--marker {}: a marker lies within a square of {} m; give a smaller one",

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "calibrate/detect/detector_module.hpp"
 #include "error.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 void* loaded() {
   std::error_code ignored;
-  const std::filesystem::path file = detectorFile(std::filesystem::read_symlink("/proc/self/exe", ignored));
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const std::filesystem::path file = detectorFile(program);
   if (!std::filesystem::exists(file, ignored)) {
     throw UserError(
         fmt::format("--images: there is no {}, which finds boards; install slom as a whole, or give the "
@@ -20,6 +22,7 @@ void* loaded() {
                     "NAME=FILE",
                     file.string()));
   }
+  requireTrusted(file, program);
   if (void* const library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL)) return library;
   throw UserError(fmt::format(
       "--images: {} cannot be loaded ({}); install OpenCV, or give the corners by --camera NAME=FILE",
@@ -33,7 +36,32 @@ const DetectorModule& module() {
   return *found;
 }
 
+/// The folder ends with the one of installed programs; the whole of it, where that is absolute.
+bool isInstalled(const std::filesystem::path& folder) {
+  const std::filesystem::path installed = SLOM_COMMAND_FOLDER;
+  if (installed.is_absolute()) return folder == installed;
+  auto part = folder.end();
+  for (auto wanted = installed.end(); wanted != installed.begin();) {
+    if (part == folder.begin() || *--part != *--wanted) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+void requireTrusted(const std::filesystem::path& library, const std::filesystem::path& program) {
+  struct stat of_library {
+  }, of_program{};
+  if (::stat(library.c_str(), &of_library) != 0 || ::stat(program.c_str(), &of_program) != 0) return;
+  const bool has_owner = of_library.st_uid == 0 || of_library.st_uid == of_program.st_uid;
+  if (has_owner && (of_library.st_mode & S_IWOTH) == 0) return;
+  throw UserError(
+      fmt::format("--images: {} {}, so it is not loaded; install slom as a whole, or give the corners by "
+                  "--camera NAME=FILE",
+                  library.string(),
+                  has_owner ? "may be written by everybody"
+                            : "belongs neither to the owner of this program nor to root"));
+}
 
 std::filesystem::path detectorFile(const std::filesystem::path& program) {
   constexpr const char* name = "libslom_detect.so";
@@ -46,6 +74,13 @@ std::filesystem::path detectorFile(const std::filesystem::path& program) {
   const std::filesystem::path built = SLOM_BUILT_DETECTOR_FOLDER, tree = SLOM_BUILD_TREE;
   const auto [end, unused] = std::mismatch(tree.begin(), tree.end(), program.begin(), program.end());
   if (end == tree.end()) return built / name;
+  if (!isInstalled(program.parent_path())) {
+    throw UserError(fmt::format(
+        "--images: this program is not in a folder {}, where installation puts it, so that "
+        "libslom_detect.so, which finds boards, has no place; install slom as a whole, or give the corners "
+        "by --camera NAME=FILE",
+        SLOM_COMMAND_FOLDER));
+  }
   return (program.parent_path() / SLOM_LIBRARIES_FROM_COMMAND / name).lexically_normal();
 }
 

@@ -12,8 +12,12 @@ namespace slom::app::calib {
 
 /// The one place of libslom_detect.so for the program of this absolute path: where the build put it when the
 /// program is of the build tree, otherwise where installation puts it. Found nowhere else, so that nobody can
-/// slip in another one. UserError where the path is not known.
+/// slip in another one. UserError where the path is not known, or its folder has not the name of the
+/// installed one.
 std::filesystem::path detectorFile(const std::filesystem::path& program);
+
+/// UserError unless the library belongs to root or to the owner of the program, and others may not write it.
+void requireTrusted(const std::filesystem::path& library, const std::filesystem::path& program);
 
 struct DetectorModule {
   std::vector<FoundCorner> (*find_board)(const Board& board, const Photograph& photo);

@@ -12,6 +12,7 @@
 #include "calibrate/detect/detector.hpp"
 #include "calibrate/detect/progress_bar.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -61,6 +62,7 @@ std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& camera
       tbb::blocked_range<std::size_t>(0, jobs.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t job = range.begin(); job < range.end(); ++job) {
+          FitLimits::requireTime();
           const auto [c, i] = jobs[job];
           seen[c][i] = look(board, cameras[c].photos[i].file);
           progress.step();
@@ -70,27 +72,39 @@ std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& camera
   return seen;
 }
 
-/// The size that most photographs have; the others must have it too.
+using Sides = std::pair<int, int>;
+
+Sides sidesOf(const ImageSize& size) { return {size.width, size.height}; }
+
+/// The size that more than half of the photographs have that can be read.
 ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) {
-  std::map<std::pair<int, int>, std::size_t> count;
+  std::map<Sides, std::size_t> count;
+  std::size_t all = 0;
   for (const Seen& photo : seen) {
-    if (photo.size) ++count[{photo.size->width, photo.size->height}];
+    if (photo.size) ++count[sidesOf(*photo.size)], ++all;
   }
-  std::pair<int, int> common;
-  std::size_t most = 0;
-  for (const auto& [size, number] : count) {
-    if (number > most) common = size, most = number;
-  }
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (!seen[i].size || std::pair(seen[i].size->width, seen[i].size->height) == common) continue;
+  const auto [common, most] = *std::max_element(
+      count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  for (std::size_t i = 0; i < seen.size() && 2 * most <= all; ++i) {
+    if (!seen[i].size || sidesOf(*seen[i].size) == common) continue;
     throw UserError(fmt::format(
-        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; all photographs of a camera must have "
+        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; most photographs of a camera must have "
         "one "
-        "size, so leave it out, or scale none of them",
+        "size, so leave out those of another, or scale none of them",
         camera.photos[i].file, seen[i].size->width, seen[i].size->height, plural(most, "other photograph"),
         camera.name, most == 1 ? "has" : "have", common.first, common.second));
   }
   return {common.first, common.second};
+}
+
+/// Takes the corners away from photographs of another size, and says why.
+void leaveOutOtherSizes(const ImageSize& common, std::vector<Seen>& seen) {
+  for (Seen& photo : seen) {
+    if (photo.corners.empty() || sidesOf(*photo.size) == sidesOf(common)) continue;
+    photo.corners.clear();
+    photo.reason = fmt::format("has {} x {} pixels, where most have {} x {}", photo.size->width,
+                               photo.size->height, common.width, common.height);
+  }
 }
 
 View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorner>& corners) {
@@ -126,13 +140,18 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
     for (const Photo& photo : camera.photos) files.push_back(photo.file);
     requireSizeLikely(board, files);
   }
-  const auto seen = lookAtAll(photos, board, with_progress);
+  auto seen = lookAtAll(photos, board, with_progress);
   std::vector<CameraData> result;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     CameraData camera;
     camera.name = cameras[c].name;
     camera.file = cameras[c].file;
     camera.board_symmetry = board.symmetry();
+    if (std::any_of(seen[c].begin(), seen[c].end(),
+                    [](const Seen& photo) { return photo.size.has_value(); })) {
+      camera.image_size = commonSize(photos[c], seen[c]);
+      leaveOutOtherSizes(*camera.image_size, seen[c]);
+    }
     std::vector<std::string> with_board;
     for (std::size_t i = 0; i < seen[c].size(); ++i) {
       const Photo& photo = photos[c].photos[i];
@@ -145,7 +164,6 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
     }
     if (camera.views.empty()) refuseAll(photos[c], seen[c], board);
     requireWholeBoard(board, with_board);
-    camera.image_size = commonSize(photos[c], seen[c]);
     result.push_back(std::move(camera));
   }
   return result;

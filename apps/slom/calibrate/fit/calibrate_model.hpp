@@ -148,7 +148,7 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
     const Progress kept{[&](const AloneReport& report) { alone.push_back(report); },
                         [&](const IterationRecord& record) { iterations.push_back(record); }};
     const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
-    if (result.success() || !parallel.empty()) {
+    if (result.success() || !parallel.empty() || !FitLimits::reasonToEnd().empty()) {
       for (const AloneReport& report : alone) {
         if (progress.alone) progress.alone(report);
       }
@@ -225,7 +225,7 @@ template <class Camera>
 ModelTrial tryModel(const Dataset& data, const Settings& settings) {
   const PlanesByCamera planes = planesOf(data);
   ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
-  if (trial.failure.empty() || !has_denominator<Camera>) return trial;
+  if (trial.failure.empty() || !has_denominator<Camera> || !FitLimits::reasonToEnd().empty()) return trial;
   Settings with_prior = settings;
   with_prior.sigma_denominator = sigma_of_denominator;
   return tryModelOnce<Camera>(data, planes, with_prior);

@@ -7,6 +7,7 @@
 #include "calibrate/camera_models.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/input/check.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -26,7 +27,7 @@ double standardErrors(const std::vector<double>& worse, const std::vector<double
   return average == 0 ? 0 : average / error;
 }
 
-ModelTrial tryOne(const Dataset& data, Settings settings, Model model) {
+ModelTrial fitOne(const Dataset& data, Settings settings, Model model) {
   settings.model = model;
   switch (model) {
     case Model::radial1:
@@ -41,6 +42,24 @@ ModelTrial tryOne(const Dataset& data, Settings settings, Model model) {
       return tryModel<Fisheye<>>(data, settings);
   }
   return {};
+}
+
+/// Notes in the comparison when there is no time left to try this one to the end.
+ModelTrial tryOne(const Dataset& data, const Settings& settings, Model model, Comparison& comparison) {
+  ModelTrial trial;
+  trial.model = model;
+  std::string reason;
+  try {
+    FitLimits::requireTime();
+    trial = fitOne(data, settings, model);
+    if (!trial.failure.empty()) reason = FitLimits::reasonToEnd();
+  } catch (const RunEnded& ended) {
+    reason = ended.what();
+  }
+  if (reason.empty()) return trial;
+  comparison.cut_short = reason;
+  trial.failure = "not tried to the end, " + reason;
+  return trial;
 }
 
 }  // namespace
@@ -73,7 +92,7 @@ void judge(Comparison& comparison) {
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models) {
   checkDataset(data);
   Comparison comparison;
-  for (const Model model : models) comparison.trials.push_back(tryOne(data, settings, model));
+  for (const Model model : models) comparison.trials.push_back(tryOne(data, settings, model, comparison));
   judge(comparison);
   return comparison;
 }

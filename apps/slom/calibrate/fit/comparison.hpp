@@ -42,10 +42,13 @@ struct Comparison {
   std::vector<double>
       standard_errors;  ///< by how many standard errors each predicts worse than the best; NaN without a fit
 
+  std::string cut_short;  ///< empty, or why some were not tried to the end
+
   const ModelTrial& chosenTrial() const { return trials.at(*chosen); }
 };
 
-/// Fits each model. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial.
+/// Fits each model. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial; so
+/// it is when the time is over.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 
 /// From the trials: best, standard errors and choice. The logarithm of the ratio of a model's squares to the

@@ -8,6 +8,7 @@
 #include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/comparison.hpp"
 #include "calibrate/fit/joint.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 
@@ -41,7 +42,7 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
 
 /// Mean squared distance of the predicted corners, by image [px^2]. `cameras` and `rig` are those of a fit to
 /// all images: where the fits to the folds, and poses in them, start. slom::Error when a fold determines too
-/// little.
+/// little, RunEnded when there is no time left for all folds.
 template <class Camera>
 std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings,
                                    const std::vector<Camera>& cameras, const RigStart& rig) {
@@ -49,6 +50,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
   std::map<int, double> squares;
   const std::size_t folds = std::min<std::size_t>(most_folds, images.size());
   for (std::size_t fold = 0; fold < folds; ++fold) {
+    FitLimits::requireTime();
     std::map<int, bool> is_held_out;
     RigStart start{rig.left2camera, {}};
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -61,11 +63,13 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
     options.max_iterations = settings.max_iterations;
     options.most_parameters = 0;
     options.deviation_tolerance = enough_deviations;
+    FitLimits::applyTo(options);
     problem.optimize(options);
     RigStart fitted = problem.rig();
     fitted.left2world = rig.left2world;
     for (const int image : images) {
       if (!is_held_out[image]) continue;
+      FitLimits::requireTime();
       std::size_t corners = 0;
       for (const CameraData& camera : data.cameras)
         corners += camera.find(image) ? camera.find(image)->corners.size() : 0;

@@ -12,6 +12,7 @@
 #include "calibrate/fit/imu_precision.hpp"
 #include "calibrate/fit/rotation_vector.hpp"
 #include "calibrate/start/imu.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 
@@ -22,7 +23,11 @@ class JointProblem {
   JointProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
                const RigStart& rig, const std::optional<ImuStart>& imu);
 
-  Summary optimize(const Options& options) { return est_.optimize(options); }
+  Summary optimize(const Options& options) {
+    Summary summary = est_.optimize(options);
+    FitLimits::nameIn(summary);
+    return summary;
+  }
   Result result(const Summary& summary);
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
@@ -152,6 +157,7 @@ CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
   result.file = data.file;
   result.image_size = data.image_size;
   result.unused = data.unused;
+  result.copies = data.copies;
   result.board_symmetry = data.board_symmetry;
   result.model = Camera::model_name;
   for (int i = 0; i < Camera::DOF; ++i) {

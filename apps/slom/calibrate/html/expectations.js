@@ -65,7 +65,7 @@ function crossValidation() {
 function furtherViews() {
   const made = section("views", "What more images would help",
     el("p", {}, "Boards at places all over the images, tilted and not, were added by calculation. The worst projection uncertainty, at the distance of the boards, would fall most by:"));
-  if (data.views.length === 0) { made.append(el("p", {}, "None of them.")); return; }
+  if (data.views.length === 0) { made.append(el("p", {}, data.cut_short ? `They were not looked for to the end: ${data.cut_short}.` : "None of them.")); return; }
   made.append(el("ol", {class: "views"}, ...data.views.map((view, i) => el("li", {}, (i === 0 ? "" : "then ") + view.sentence + "."))));
   const most = data.views[0].before;
   const bar = value => { const made = el("span", {class: "bar"}); made.style.width = Math.max(1, 240 * value / most).toFixed(0) + "px"; return made; };

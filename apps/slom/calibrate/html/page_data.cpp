@@ -258,6 +258,8 @@ std::string pageData(const Dataset& data, const Result& result) {
       {{"verdict",
         {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
        {"success", result.success()},
+       {"is_assessed", result.success() && quality.hasProjection()},
+       {"cut_short", quality.cut_short},
        {"notes", notes(result)},
        {"iterations", result.iterations},
        {"stop_reason", result.stop_reason},

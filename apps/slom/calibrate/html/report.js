@@ -42,8 +42,8 @@ function head() {
     tile("Images", String(data.images.list.length), ""),
     tile("Corners", corners.toLocaleString("en"), ""),
     tile("χ² per d.o.f., expected 1", number(data.chi2_per_dof, 3), ""),
-    data.success ? tile("Projection, middle", number(largest("middle")), "px") : null,
-    data.success ? tile("Projection, worst place", number(largest("worst")), "px") : null,
+    data.is_assessed ? tile("Projection, middle", number(largest("middle")), "px") : null,
+    data.is_assessed ? tile("Projection, worst place", number(largest("worst")), "px") : null,
   ].filter(made => made));
 }
 
@@ -216,7 +216,7 @@ parameters();
 fit();
 residuals();
 space();
-if (data.success) {
+if (data.is_assessed) {
   projection();
   crossValidation();
   furtherViews();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -54,12 +56,34 @@ void checkView(const CameraData& camera, const View& view) {
   }
 }
 
+/// A point of the board that is at the same pixel twice, under two numbers, was measured once.
+void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
+  std::vector<const Corner*> corners;
+  for (const Corner& corner : view.corners) corners.push_back(&corner);
+  const auto place = [](const Corner& c) {
+    return std::tuple(c.world.x(), c.world.y(), c.world.z(), c.pixel.x(), c.pixel.y(), c.line);
+  };
+  std::sort(corners.begin(), corners.end(),
+            [&](const Corner* a, const Corner* b) { return place(*a) < place(*b); });
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const Corner &one = *corners[i - 1], &other = *corners[i];
+    if (one.world != other.world || one.pixel != other.pixel) continue;
+    throw UserError(fmt::format(
+        "{}: corner {} of image {} repeats corner {} of line {}, the same point of the board at the same "
+        "pixel; remove one of the two rows",
+        camera.place(view, other), other.number, view.image, one.number, one.line));
+  }
+}
+
 }  // namespace
 
 void checkViews(const CameraData& camera) {
   if (camera.views.empty())
     throw UserError(fmt::format("{}: there is no corner in it; add some", camera.file));
-  for (const View& view : camera.views) checkView(camera, view);
+  for (const View& view : camera.views) {
+    checkView(camera, view);
+    requireNoRepeatedCorner(camera, view);
+  }
   if (camera.views.size() < 2) {
     throw UserError(fmt::format(
         "{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "

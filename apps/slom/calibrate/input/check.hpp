@@ -6,7 +6,8 @@
 
 namespace slom::app::calib {
 
-/// Every view can give a pose (at least four corners in a plane, not on a line), every camera has two views.
+/// Every view can give a pose (at least four corners in a plane, not on a line), no corner
+/// is there twice, every camera has two views.
 void checkViews(const CameraData& camera);
 
 /// Every camera is tied to the first one by common images, possibly through other cameras.

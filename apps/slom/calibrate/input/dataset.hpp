@@ -32,6 +32,15 @@ struct UnusedPhoto {
   std::string reason;  ///< goes on where the name ends: "shows no board"
 };
 
+/// A view that the fit does without because it repeats an earlier one of its camera.
+struct Copy {
+  int image = 0, original = 0;
+  std::string photo{}, original_photo{};       ///< empty: unknown
+  std::size_t corners = 0, equal_corners = 0;  ///< that both have; of these, that are equal
+  double difference_px = 0;                    ///< the largest between equal ones
+  bool has_reading = false;                    ///< of the IMU, left out with it
+};
+
 /// Of all images of a camera [px].
 struct ImageSize {
   int width = 0, height = 0;
@@ -45,6 +54,7 @@ struct CameraData {
   std::vector<View> views;                ///< by rising image number, none empty
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
   std::vector<UnusedPhoto> unused{};      ///< by rising image number
+  std::vector<Copy> copies{};             ///< by rising image number
   int board_symmetry = 1;                 ///< in how many ways the board looks the same (Board::symmetry)
 
   std::size_t cornerCount() const;

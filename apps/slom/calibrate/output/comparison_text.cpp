@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -10,15 +11,20 @@ namespace {
 std::string row(const ModelTrial& trial, double standard_errors) {
   const std::string name =
       fmt::format("  {:<10}{:>10}", toString(trial.model), parametersOf(trial.model).size());
-  if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, trial.failure);
+  if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
                      trial.rss, trial.rss / trial.redundancy, trial.rms_px, trial.heldOutRms(),
                      standard_errors);
 }
 
 std::string verdict(const Comparison& comparison) {
-  if (!comparison.chosen) return "None of the models fits.";
+  const std::string cut_short = comparison.cut_short.empty()
+                                    ? ""
+                                    : fmt::format("The comparison was cut short: {}. ", comparison.cut_short);
+  if (!comparison.chosen) return cut_short.empty() ? "None of the models fits." : cut_short;
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
+  if (!cut_short.empty())
+    return cut_short + fmt::format("Of the models tried, the data carry {}.", toString(chosen.model));
   std::string text = fmt::format("The data carry {}: ", toString(chosen.model));
   if (comparison.chosen == comparison.best)
     return text + "it predicts best, and none with fewer parameters comes within two standard errors.";

@@ -31,6 +31,16 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
   for (const UnusedPhoto& photo : camera.unused) {
     unused.push_back({{"image", photo.image}, {"file", photo.file}, {"reason", photo.reason}});
   }
+  Json copies = Json::array();
+  for (const Copy& copy : camera.copies) {
+    copies.push_back({{"image", copy.image},
+                      {"repeats", copy.original},
+                      {"file", copy.photo},
+                      {"repeated_file", copy.original_photo},
+                      {"corners", copy.corners},
+                      {"equal_corners", copy.equal_corners},
+                      {"difference_px", copy.difference_px}});
+  }
   for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
   Json from_reference = pose(camera.left2camera);
   Eigen::VectorXd std(6);
@@ -43,6 +53,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"corners", camera.corners},
       {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
       {"unused", std::move(unused)},
+      {"copies", std::move(copies)},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
       {"rms_px_alone", camera.rms_px_alone}};
@@ -105,6 +116,7 @@ Json comparisonJson(const Comparison& comparison) {
                       {"standard_errors_behind_best", comparison.standard_errors[i]}});
   }
   return {{"models", std::move(trials)},
+          {"cut_short", comparison.cut_short.empty() ? Json() : Json(comparison.cut_short)},
           {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
 }
 

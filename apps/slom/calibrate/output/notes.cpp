@@ -5,8 +5,10 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrate/output/format.hpp"
+#include "printable.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -29,6 +31,40 @@ void noteDetermination(const Result& result, std::vector<std::string>& notes) {
 void noteBounds(const Result& result, std::vector<std::string>& notes) {
   for (const std::string& bound : result.active_bounds) {
     notes.push_back(fmt::format("{}, which --bound sets; the standard deviations hold on that condition.", bound));
+  }
+}
+
+std::string imageAndPhoto(int image, const std::string& photo) {
+  return photo.empty() ? fmt::format("{}", image) : fmt::format("{} ({})", image, oneLine(photo));
+}
+
+/// `image 4 (b.png) repeats image 1 (a.png)`, and in how many corners where it is not in all.
+std::string repetition(const Copy& copy) {
+  const std::string part = copy.equal_corners < copy.corners
+                               ? fmt::format(" in {} of {} corners", copy.equal_corners, copy.corners)
+                               : "";
+  return fmt::format("image {} repeats image {}{}", imageAndPhoto(copy.image, copy.photo),
+                     imageAndPhoto(copy.original, copy.original_photo), part);
+}
+
+void noteCopies(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 8;  // named in a sentence
+  for (const CameraResult& camera : result.cameras) {
+    if (camera.copies.empty()) continue;
+    std::vector<std::string> named;
+    double difference = 0;
+    bool has_readings = false;
+    for (const Copy& copy : camera.copies) {
+      difference = std::max(difference, copy.difference_px);
+      has_readings = has_readings || copy.has_reading;
+      if (named.size() < most) named.push_back(repetition(copy));
+    }
+    const std::size_t more = camera.copies.size() - named.size();
+    notes.push_back(fmt::format(
+        "Of camera {}, {}{} to within {:.3f} px, so {} left out: a copy is no second measurement.{}",
+        camera.name, fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more repeat others", more) : "",
+        difference, camera.copies.size() == 1 ? "it is" : "they are",
+        has_readings ? " Readings of the IMU that belong to no other image are left out, too." : ""));
   }
 }
 
@@ -85,8 +121,8 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
         "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise "
         "look whether its corners "
         "were taken for their neighbours, a row or column further{}.",
-        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + stray.photo + ")", Shown{stray.error_px},
-        stray.image,
+        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
+        Shown{stray.error_px}, stray.image,
         result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
         result.cameras.front().board_symmetry > 1
             ? ", or counted from another end: this board looks the same when it is turned"
@@ -106,9 +142,12 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
   for (const ImageResult& image : result.images) {
     const WorstCorner& corner = image.worst_corner;
     if (!(corner.error_px > much * *middle)) continue;
-    notes.push_back(fmt::format("Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst corners of "
-                                "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
-                                corner.number, image.image, result.cameras[corner.camera].name, corner.place, corner.error_px, *middle));
+    notes.push_back(fmt::format(
+        "Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst "
+        "corners of "
+        "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
+        corner.number, image.image, result.cameras[corner.camera].name, oneLine(corner.place),
+        corner.error_px, *middle));
   }
 }
 
@@ -156,6 +195,7 @@ std::vector<std::string> notes(const Result& result) {
   std::vector<std::string> notes;
   noteDetermination(result, notes);
   noteBounds(result, notes);
+  noteCopies(result, notes);
   noteDenominator(result, notes);
   noteStrays(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);

@@ -103,8 +103,9 @@ Json qualityJson(const Result& result) {
        {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
       {"cameras", std::move(cameras)},
       {"worst_corners", worstJson(result)},
-      {"seconds", std::move(seconds)}};
-  if (!result.success()) return json;
+      {"seconds", std::move(seconds)},
+      {"cut_short", quality.cut_short.empty() ? Json() : Json(quality.cut_short)}};
+  if (!result.success() || !quality.hasProjection()) return json;
   json["board_distance_m"] = quality.board_distance_m;
   json["split_half"] = splitHalfJson(result);
   json["correlations"] = correlationsJson(quality.correlations);

@@ -11,6 +11,7 @@
 #include "calibrate/output/format.hpp"
 #include "calibrate/output/notes.hpp"
 #include "fitting/progress.hpp"
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
@@ -97,23 +98,30 @@ std::string worstLines(const Result& result) {
     if (result.imu)
       text += image->acc_error ? fmt::format("{:>12.3f}", *image->acc_error) : fmt::format("{:>12}", "-");
     const WorstCorner& worst = image->worst_corner;
-    text += fmt::format("   {:.2f} px, corner {} ({})\n", worst.error_px, worst.number, worst.place);
+    text += fmt::format("   {:.2f} px, corner {} ({})\n", worst.error_px, worst.number, oneLine(worst.place));
   }
   return text;
 }
 
-/// Photographs that were left out, by reason.
+/// The first of `names`, and how many more there are.
+std::string abridged(std::vector<std::string> names) {
+  constexpr std::size_t most = 12;  // in a line
+  const std::size_t more = names.size() - std::min(most, names.size());
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+/// Photographs and copies that were left out, by reason.
 std::string unusedText(const CameraData& camera) {
-  constexpr std::size_t most = 12;  // names in a line
   std::map<std::string, std::vector<std::string>> files;
-  for (const UnusedPhoto& photo : camera.unused) files[photo.reason].push_back(photo.file);
+  for (const UnusedPhoto& photo : camera.unused)
+    files["as it " + photo.reason].push_back(oneLine(photo.file));
+  for (const Copy& copy : camera.copies)
+    files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
+                                                                      : oneLine(copy.photo));
   std::string text;
-  for (auto& [reason, names] : files) {
-    const std::size_t more = names.size() - std::min(most, names.size());
-    names.resize(names.size() - more);
-    text += fmt::format("  {}: left out, as it {}: {}{}\n", camera.name, reason, fmt::join(names, ", "),
-                        more > 0 ? fmt::format(" and {} more", more) : "");
-  }
+  for (auto& [reason, names] : files)
+    text += fmt::format("  {}: left out, {}: {}\n", camera.name, reason, abridged(std::move(names)));
   return text;
 }
 
@@ -123,12 +131,12 @@ std::string dataText(const Dataset& data) {
   std::string text = "data\n";
   for (const CameraData& camera : data.cameras) {
     text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
-                        camera.cornerCount(), camera.file);
+                        camera.cornerCount(), oneLine(camera.file));
   }
   for (const CameraData& camera : data.cameras) text += unusedText(camera);
   if (data.imu)
-    text +=
-        fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "", data.imu->file);
+    text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "",
+                        oneLine(data.imu->file));
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include "calibrate/quality/projection.hpp"
 #include "calibrate/quality/residuals.hpp"
 #include "calibrate/quality/split_half.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -41,6 +42,7 @@ class Clock {
 void addProjection(const FittedRig& rig, const Knowledge& knowledge, double board_distance_m,
                    std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
+    FitLimits::requireTime();
     CameraQuality& camera = cameras[c];
     const CameraKnowledge known(rig, knowledge, c);
     const double infinity = std::numeric_limits<double>::infinity();
@@ -55,6 +57,37 @@ void addProjection(const FittedRig& rig, const Knowledge& knowledge, double boar
       camera.worst_px.push_back(map.worst_px);
     }
   }
+}
+
+/// What is to be expected of a calibration that succeeded. RunEnded when there is no time left for all of it.
+void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
+                     const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
+                     Quality& quality) {
+  const std::map<int, Sight> sights = sightsOf(data, rig);
+  Information information(rig.columns);
+  for (const auto& [image, sight] : sights) {
+    FitLimits::requireTime();
+    information.add(informationOf(rig, sight));
+  }
+  information.addPrior(rig);
+  const Knowledge knowledge(information);
+  quality.board_distance_m = boardDistance(sights, rig);
+  quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
+  clock.record("covariance");
+  addProjection(rig, knowledge, quality.board_distance_m, quality.cameras);
+  clock.record("projection");
+  quality.split_half = splitHalf(data, settings, result, grids);
+  clock.record("split_half");
+  FurtherViewOptions options;
+  options.board_distance_m = quality.board_distance_m;
+  quality.further_views = furtherViews(rig, information, fullestView(data), grids, options);
+  clock.record("further_views");
+}
+
+void cutShort(const std::string& reason, Quality& quality) {
+  quality.cut_short = reason;
+  if (quality.split_half.cameras.empty() && quality.split_half.why_not.empty())
+    quality.split_half.why_not = reason;
 }
 
 }  // namespace
@@ -74,23 +107,11 @@ Quality assess(const Dataset& data, const Settings& settings, const Result& resu
   quality.worst = worstResiduals(quality.cameras, worst_corners);
   clock.record("residuals");
   if (!result.success()) return quality;
-
-  const std::map<int, Sight> sights = sightsOf(data, rig);
-  Information information(rig.columns);
-  for (const auto& [image, sight] : sights) information.add(informationOf(rig, sight));
-  information.addPrior(rig);
-  const Knowledge knowledge(information);
-  quality.board_distance_m = boardDistance(sights, rig);
-  quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
-  clock.record("covariance");
-  addProjection(rig, knowledge, quality.board_distance_m, quality.cameras);
-  clock.record("projection");
-  quality.split_half = splitHalf(data, settings, result, grids);
-  clock.record("split_half");
-  FurtherViewOptions options;
-  options.board_distance_m = quality.board_distance_m;
-  quality.further_views = furtherViews(rig, information, fullestView(data), grids, options);
-  clock.record("further_views");
+  try {
+    addExpectations(data, settings, result, rig, grids, clock, quality);
+  } catch (const RunEnded& ended) {
+    cutShort(ended.what(), quality);
+  }
   return quality;
 }
 

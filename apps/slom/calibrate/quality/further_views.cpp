@@ -9,6 +9,7 @@
 
 #include "calibrate/quality/board.hpp"
 #include "calibrate/quality/variance_bound.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -181,6 +182,7 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
   Information with = so_far;
   std::vector<std::pair<double, const Candidate*>> order;
   for (const Candidate& candidate : candidates) {
+    FitLimits::requireTime();
     with.setSum(so_far, candidate.information);
     order.emplace_back(bounds.empty() ? 0 : bounds.front().of(with), &candidate);
   }
@@ -189,6 +191,7 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
 
   Choice best{nullptr, before};
   for (const auto& [bound, candidate] : order) {
+    FitLimits::requireTime();
     const double least_variance = best.after * best.after;
     if (bound >= least_variance) break;
     with.setSum(so_far, candidate->information);
@@ -233,6 +236,7 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
   std::vector<Candidate> candidates;
   for (std::size_t c = 0; c < grids.size(); ++c) {
     for (const double nearer : {1.0, 0.6}) {
+      FitLimits::requireTime();
       addCandidates(rig, fields, board, c, nearer * options.board_distance_m, candidates);
     }
   }

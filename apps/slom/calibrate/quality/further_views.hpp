@@ -17,7 +17,8 @@ struct FurtherViewOptions {
   int grid_columns = 7, grid_rows = 5;
 };
 
-/// The best one, the best one when that is added, and so on. `view`: has all corners of the board.
+/// The best one, the best one when that is added, and so on. `view`: has all corners of the board. RunEnded
+/// when there is no time left for all.
 std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
                                       const std::vector<ImageGrid>& grids, const FurtherViewOptions& options);
 

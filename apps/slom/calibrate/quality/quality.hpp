@@ -101,7 +101,7 @@ struct PhaseTime {
   double seconds = 0;
 };
 
-/// Everything after `worst` exists for a calibration that succeeded.
+/// Everything after `worst` exists for a calibration that succeeded, as far as there was time.
 struct Quality {
   std::vector<CameraQuality> cameras;
   std::vector<WorstResidual> worst;  ///< the worst first
@@ -110,6 +110,10 @@ struct Quality {
   Correlations correlations;
   std::vector<FurtherView> further_views;  ///< one after the other: each with those before it added
   std::vector<PhaseTime> times;
+  std::string cut_short{};  ///< empty, or why something is missing: `time limit of 5 s reached`
+
+  /// Whether the projection uncertainty is there.
+  bool hasProjection() const { return !cameras.empty() && !cameras.back().projection.empty(); }
 };
 
 }  // namespace slom::app::calib

@@ -10,6 +10,7 @@
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/quality/projection.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -181,6 +182,7 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
       result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
       return result;
     }
+    FitLimits::requireTime();
     if (!results.back().success()) {
       result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
       return result;

@@ -14,7 +14,8 @@ namespace slom::app::calib {
 /// The images of even or of odd place in the order of their numbers, without the IMU.
 Dataset halfOf(const Dataset& data, int half);
 
-/// `fit` was found from all `data` and is the start of both halves.
+/// `fit` was found from all `data` and is the start of both halves. RunEnded when there is no time left for
+/// both.
 SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,
                     const std::vector<ImageGrid>& grids);
 

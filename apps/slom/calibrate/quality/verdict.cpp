@@ -25,6 +25,11 @@ double medianChi2(const Result& result) {
   return all[all.size() / 2];
 }
 
+void doubtCompleteness(const Quality& quality, std::vector<std::string>& doubts) {
+  if (!quality.cut_short.empty())
+    doubts.push_back(fmt::format("the assessment was cut short: {}", quality.cut_short));
+}
+
 void doubtStrays(const Result& result, std::vector<std::string>& doubts) {
   for (const Stray& stray : result.strays) {
     doubts.push_back(fmt::format("image {} of camera {} contradicts the others by {:.0f} px", stray.image,
@@ -85,6 +90,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
 }
 
 void doubtProjection(const Result& result, std::vector<std::string>& doubts) {
+  if (!result.quality->hasProjection()) return;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     const CameraQuality& camera = result.quality->cameras[c];
     const auto& std_px = camera.projection.front().std_px;
@@ -120,6 +126,15 @@ std::string failure(const Result& result) {
   return fmt::format("The calibration did not converge: {}. {}", result.stop_reason, advice);
 }
 
+/// How well the projection is known, as far as that was found out.
+std::string knownProjection(const Quality& quality) {
+  if (!quality.hasProjection()) return "";
+  return fmt::format(
+      "; the projection is known to {} px in the middle of the image and to {} px at the worst place",
+      twoDigits(largest(quality, &ProjectionUncertainty::middle_px)),
+      twoDigits(largest(quality, &ProjectionUncertainty::worst_px)));
+}
+
 }  // namespace
 
 const char* toString(Verdict::Level level) {
@@ -150,18 +165,16 @@ Verdict verdictOf(const Result& result) {
     verdict.sentence = failure(result);
     return verdict;
   }
+  doubtCompleteness(*result.quality, verdict.doubts);
   doubtImages(result, verdict.doubts);
   doubtCorners(result, verdict.doubts);
   doubtHalves(result, verdict.doubts);
   doubtNoise(result, verdict.doubts);
   doubtProjection(result, verdict.doubts);
   verdict.level = verdict.doubts.empty() ? Verdict::Level::trustworthy : Verdict::Level::doubtful;
-  verdict.sentence = fmt::format(
-      "Calibrated to {:.2f} px with {}; the projection is known to {} px in the middle of the image and to "
-      "{} px at the worst place",
-      Shown{rmsOfAll(result)}, plural(result.images.size(), "image"),
-      twoDigits(largest(*result.quality, &ProjectionUncertainty::middle_px)),
-      twoDigits(largest(*result.quality, &ProjectionUncertainty::worst_px)));
+  verdict.sentence = fmt::format("Calibrated to {:.2f} px with {}", Shown{rmsOfAll(result)},
+                                 plural(result.images.size(), "image")) +
+                     knownProjection(*result.quality);
   verdict.sentence += verdict.doubts.empty() ? "." : "; but " + verdict.doubts.front() + ".";
   return verdict;
 }

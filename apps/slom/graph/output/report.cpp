@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::graph {
@@ -45,7 +46,7 @@ std::string startText(const StartFound& found) {
 template <class Pose>
 std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation) {
   std::string text =
-      fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", graph.file,
+      fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", oneLine(graph.file),
                   plural(graph.poses.size(), "pose"), plural(graph.edges.size(), "edge"));
   if (!graph.landmarks.empty()) {
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
