@@ -51,7 +51,8 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
     candidates_ = 0;
     return std::nullopt;
   }
-  double promised = std::max(outcome.predicted_decrease, gradient * gradient * outcome.rss_before);
+  double promised = outcome.predicted_decrease;
+  if (!system_.solver().isExact()) promised = std::max(promised, gradient * gradient * outcome.rss_before);
   // Without a scale for residuals it is as peers do: a step that was not refused, and its decrease.
   const bool is_relative = std::isinf(options_.deviation_tolerance);
   if (is_relative && has_decrease && outcome.trials == 1 && gradient <= kFlat) return StopReason::decrease;

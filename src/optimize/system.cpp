@@ -308,8 +308,10 @@ System::Promise System::promise(bool carefully) {
   linearize();
   Promise result;
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
-    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find less, even nothing.
-    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step), promiseOfOneUnknown()});
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find
+    // less, even nothing.
+    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step),
+                     solver_->isExact() ? 0.0 : promiseOfOneUnknown()});
   };
   if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
       solveUndamped(result.step).ok) {
@@ -326,7 +328,13 @@ System::Promise System::promise(bool carefully) {
     }
     if (!solver_->solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
     clearHeld(step);
-    sees_all = sees_all && unseenUnknowns(step).empty();
+    // One that is out of sight and still explains most of the residual has left the place where it can be
+    // seen.
+    for (const int u : unseenUnknowns(step)) {
+      const double g = solver_->gradient()[u];
+      sees_all = sees_all && g * g <= 0.5 * squared_norm_ * H[u];
+      step[u] = 0;
+    }
     return decreaseBy(step);
   };
   for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {

@@ -94,7 +94,7 @@ TEST(Misfit, OfAGroupIsAWarningInProblemsOfAnySizeAndBesideLosses) {
   for (const int unknowns : {10, 41, 200}) {
     for (const bool is_robust : {false, true}) {
       EXPECT_EQ(warningsOfGroups(unknowns, 1, is_robust), Texts()) << unknowns;
-      const Texts warnings = warningsOfGroups(unknowns, 5, is_robust);
+      const Texts warnings = warningsOfGroups(unknowns, 4, is_robust);
       ASSERT_EQ(warnings.size(), 1u) << unknowns << is_robust;
       EXPECT_EQ(warnings[0].rfind("chi-square / dof of measurements bad is ", 0), 0u) << warnings[0];
     }

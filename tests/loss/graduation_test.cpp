@@ -1,6 +1,8 @@
 // Graduated non-convexity: bad starts and gross outliers, stages, stop reasons.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include <sstream>
 
 #include "loss/robust_line.hpp"
@@ -150,7 +152,11 @@ TEST(Graduation, ThatReachesTheIterationLimitSaysSoAndReportsTheRobustCost) {
   EXPECT_EQ(summary.stop_reason, slom::StopReason::max_iterations);
   EXPECT_EQ(summary.iterations, 7);
   EXPECT_EQ(summary.message, "iteration limit of 7 reached while the losses were still widened, mu = " +
-                                 std::to_string(summary.trace.back().widening) + "; raise max_iterations");
+                                 [&] {
+                                   char text[32];
+                                   std::snprintf(text, sizeof text, "%.6g", summary.trace.back().widening);
+                                   return std::string(text);
+                                 }() + "; raise max_iterations");
   EXPECT_GT(summary.trace.back().widening, 1);
   EXPECT_EQ(summary.final_rss, fit.est.getRSS());
   EXPECT_LT(summary.final_rss, 100 * 9.0) << "Geman-McClure's bound with the scale as given";
@@ -226,7 +232,7 @@ TEST(Graduation, RefusesBadOptions) {
     return messageOf([&] { slom::Estimator().optimize(options); });
   };
   EXPECT_EQ(message(1, 2),
-            "[slom.bad-option] graduation_factor is 1.000000; pass a finite number above 1, such as 1.4");
+            "[slom.bad-option] graduation_factor is 1; pass a finite number above 1, such as 1.4");
   EXPECT_EQ(message(1.4, 0), "[slom.bad-option] stage_iterations is 0; pass a positive number, such as 2");
 }
 

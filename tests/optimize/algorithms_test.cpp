@@ -379,12 +379,12 @@ TEST(Stopping, OnAPerfectFitWithoutNoise) {
 
 TEST(BadOptions, AreNamed) {
   EXPECT_EQ(messageOf([] { slom::LevenbergMarquardt(-1); }),
-            "[slom.bad-option] the initial damping of LevenbergMarquardt is -1.000000; pass a positive number");
+            "[slom.bad-option] the initial damping of LevenbergMarquardt is -1; pass a positive number");
   EXPECT_EQ(messageOf([] { slom::LevenbergMarquardt(1e-4, 2); }),
-            "[slom.bad-option] the memory of LevenbergMarquardt is 2.000000; pass a number from 0 (scales of the present "
+            "[slom.bad-option] the memory of LevenbergMarquardt is 2; pass a number from 0 (scales of the present "
             "linearisation) to 1 (the largest so far)");
   EXPECT_EQ(messageOf([] { slom::DogLeg(-2); }),
-            "[slom.bad-option] the initial radius of DogLeg is -2.000000; pass a positive number, or 0 for the length of the "
+            "[slom.bad-option] the initial radius of DogLeg is -2; pass a positive number, or 0 for the length of the "
             "first Gauss-Newton step");
   EXPECT_EQ(messageOf([] { slom::Estimator().changeAlgorithm(nullptr); }),
             "[slom.no-algorithm] changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or DogLeg");
