@@ -94,4 +94,12 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
   return has_advanced_ ? std::nullopt : std::optional(StopReason::gradient);
 }
 
+bool Convergence::isHidden() {
+  constexpr double small = 1e-8;  // of a variance: 1e-4 standard deviations
+  const double rss = system_.linearize();
+  const System::Promise promise = system_.promise(std::isfinite(options_.deviation_tolerance));
+  return promise.is_known && promise.decrease <= System::kRounding * rss &&
+         promise.decrease <= small * variance(rss);
+}
+
 }  // namespace slom

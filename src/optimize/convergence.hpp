@@ -25,6 +25,9 @@ class Convergence {
   /// Where no step was taken.
   /// `has_rank`: not where the algorithm has found none; there the gradient alone tells.
   std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance, bool has_rank = true);
+  /// Whether what is promised where no step helps, even from a fresh start of the algorithm, is hidden by
+  /// rounding errors of the RSS and small beside a standard deviation.
+  bool isHidden();
   /// Whether whenStuck has found no reason to stop but a step of its own, and taken it.
   bool hasAdvanced() const { return has_advanced_; }
 

@@ -308,7 +308,7 @@ class Run {
             }
             // What earlier steps taught may be what holds it, or that the algorithm took small promises for
             // none.
-            if (is_fresh) return StopReason::no_progress;
+            if (is_fresh) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
             algorithm_->reset();
             limits.decrease_tolerance = limits.deviation_tolerance = 0;
             is_fresh = true;
