@@ -252,7 +252,8 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
     throw Error("slom.no-algorithm", "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
                                      "DogLeg");
   }
-  state_->algorithm.reset(algorithm);
+  std::unique_ptr<Algorithm> owned(algorithm);  // also where there is no state
+  state_->algorithm = std::move(owned);
 }
 
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
