@@ -7,23 +7,15 @@
 #include <sys/stat.h>
 
 #include "error.hpp"
+#include "support/refusal_of.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace slom::app {
 namespace {
 
+using slom::testing::refusalOf;
 using slom::testing::TemporaryFolder;
 using slom::testing::writeFile;
-
-template <class F>
-std::string refusalOf(const F& f) {
-  try {
-    f();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(InputFile, OfAnySizeUpToTheMost) {
   const TemporaryFolder folder;

@@ -12,11 +12,13 @@
 #include <sys/wait.h>
 
 #include "error.hpp"
+#include "support/refusal_of.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace slom::app {
 namespace {
 
+using slom::testing::refusalOf;
 using slom::testing::readFile;
 using slom::testing::TemporaryFolder;
 using slom::testing::writeFile;
@@ -31,16 +33,6 @@ std::set<std::string> namesIn(const TemporaryFolder& folder) {
 mode_t modeOf(const std::filesystem::path& path) {
   struct stat status {};
   return ::stat(path.c_str(), &status) == 0 ? status.st_mode & 07777 : 0;
-}
-
-template <class F>
-std::string refusalOf(const F& f) {
-  try {
-    f();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(OutputFiles, AppearTogether) {

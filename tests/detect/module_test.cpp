@@ -8,11 +8,13 @@
 #include "calibrate/detect/detector_module.hpp"
 #include "error.hpp"
 #include "support/paths.hpp"
+#include "support/refusal_of.hpp"
 #include "support/run_command.hpp"
 
 namespace slom::app::calib {
 namespace {
 
+using slom::testing::refusalOf;
 namespace fs = std::filesystem;
 
 TEST(DetectorModule, OfTheBuildTreeIsWhereItWasBuilt) {
@@ -42,16 +44,6 @@ TEST(DetectorModule, IsNotFoundWhereTheProgramIsNotKnown) {
                    "boards; mount /proc, or give the corners by --camera NAME=FILE");
     }
   }
-}
-
-template <class F>
-std::string refusalOf(const F& f) {
-  try {
-    f();
-  } catch (const UserError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(DetectorModule, HasNoPlaceWhereTheProgramIsNotInstalled) {

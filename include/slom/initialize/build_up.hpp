@@ -174,9 +174,8 @@ void buildUp(Graph& graph, const BuildUpOptions& options = {}, const Model& mode
   double next = options.least_growth;
   for (std::size_t k = 0; k < tree.size(); ++k) {
     const TreeStep& step = tree[k];
-    const auto& z = graph.edges[static_cast<std::size_t>(step.edge)].measured;
     graph.poses[static_cast<std::size_t>(step.child)].value =
-        step.is_forward ? map.pose(step.parent) * z : map.pose(step.parent) * z.inverse();
+        detail::follow(graph, step, map.pose(step.parent));
     has_closed = map.add(step.child, false) || has_closed;
     const auto there = static_cast<double>(k + 1);
     if (!has_closed || there < next) continue;

@@ -75,14 +75,18 @@ std::vector<char> heldPoses(const Graph& graph) {
   return held;
 }
 
-/// parent * edge, or parent * edge^-1
+/// The pose that a step leads to from its parent: parent * edge, or parent * edge^-1.
+template <class Graph, class Pose>
+Pose follow(const Graph& graph, const TreeStep& step, const Pose& parent) {
+  const auto& z = graph.edges[static_cast<std::size_t>(step.edge)].measured;
+  return step.is_forward ? parent * z : parent * z.inverse();
+}
+
 template <class Graph>
 void compose(Graph& graph, const std::vector<TreeStep>& tree) {
   for (const TreeStep& step : tree) {
-    const auto& z = graph.edges[static_cast<std::size_t>(step.edge)].measured;
-    const auto& parent = graph.poses[static_cast<std::size_t>(step.parent)].value;
     graph.poses[static_cast<std::size_t>(step.child)].value =
-        step.is_forward ? parent * z : parent * z.inverse();
+        follow(graph, step, graph.poses[static_cast<std::size_t>(step.parent)].value);
   }
 }
 
