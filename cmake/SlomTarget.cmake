@@ -15,6 +15,11 @@ function(slom_fuzzed target)
   endif()
 endfunction()
 
+# slom_unity(<target>): its sources are compiled several at a time, so that what all of them include is parsed once for several.
+function(slom_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 # For sources that take longer to compile than they run: with less optimisation, without flattening, and by clang, which compiles for
 # the sanitizers, with no optimisation at all.
 set(slom_unoptimised_by_sanitizers $<$<AND:$<CXX_COMPILER_ID:Clang>,$<CONFIG:Debug>>:-O0>)

@@ -11,7 +11,8 @@
 #include <sstream>
 #include <system_error>
 
-#include "model/words.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -20,27 +21,35 @@ namespace {
 constexpr int kVersion = 1;
 constexpr const char* kFirstWords = "slom problem";
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 std::string inQuotes(const std::string& text) {
   std::ostringstream os;
   os << std::quoted(text);
   return os.str();
 }
 
-constexpr std::pair<Loss::Kind, const char*> kLosses[] = {
-    {Loss::Kind::huber, "huber"}, {Loss::Kind::pseudo_huber, "pseudo-huber"},    {Loss::Kind::cauchy, "cauchy"},
-    {Loss::Kind::tukey, "tukey"}, {Loss::Kind::geman_mcclure, "geman-mcclure"}, {Loss::Kind::barron, "barron"}};
+constexpr std::pair<Loss::Kind, const char*> kLosses[] = {{Loss::Kind::huber, "huber"},
+                                                          {Loss::Kind::pseudo_huber, "pseudo-huber"},
+                                                          {Loss::Kind::cauchy, "cauchy"},
+                                                          {Loss::Kind::tukey, "tukey"},
+                                                          {Loss::Kind::geman_mcclure, "geman-mcclure"},
+                                                          {Loss::Kind::barron, "barron"}};
 
 Loss lossOf(Loss::Kind kind, double shape, double scale) {
   switch (kind) {
-    case Loss::Kind::none: break;
-    case Loss::Kind::huber: return Huber(scale);
-    case Loss::Kind::pseudo_huber: return PseudoHuber(scale);
-    case Loss::Kind::cauchy: return Cauchy(scale);
-    case Loss::Kind::tukey: return Tukey(scale);
-    case Loss::Kind::geman_mcclure: return GemanMcClure(scale);
-    case Loss::Kind::barron: return Barron(shape, scale);
+    case Loss::Kind::none:
+      break;
+    case Loss::Kind::huber:
+      return Huber(scale);
+    case Loss::Kind::pseudo_huber:
+      return PseudoHuber(scale);
+    case Loss::Kind::cauchy:
+      return Cauchy(scale);
+    case Loss::Kind::tukey:
+      return Tukey(scale);
+    case Loss::Kind::geman_mcclure:
+      return GemanMcClure(scale);
+    case Loss::Kind::barron:
+      return Barron(shape, scale);
   }
   return {};
 }
@@ -72,15 +81,19 @@ bool isAtEnd(std::istream& is) { return !is.fail() && (is >> std::ws).eof(); }
 
 }  // namespace
 
-VariableHandle StoredProblem::handle(const std::string& name, std::type_index type, std::string (*type_name)()) const {
-  const auto found = std::lower_bound(by_name_.begin(), by_name_.end(), name,
-                                      [&](int i, const std::string& other) { return entries_[at(i)].name < other; });
+VariableHandle StoredProblem::handle(const std::string& name, std::type_index type,
+                                     std::string (*type_name)()) const {
+  const auto found =
+      std::lower_bound(by_name_.begin(), by_name_.end(), name,
+                       [&](int i, const std::string& other) { return entries_[at(i)].name < other; });
   if (found == by_name_.end() || entries_[at(*found)].name != name) {
-    throw Error("slom.no-variable", "the problem has no variable " + inQuotes(name) + "; names are those given to insertRV");
+    throw Error("slom.no-variable",
+                "the problem has no variable " + inQuotes(name) + "; names are those given to insertRV");
   }
   const Entry& entry = entries_[at(*found)];
   if (entry.type != type) {
-    throw Error("slom.no-variable", "variable " + inQuotes(name) + " is no " + type_name() + "; ask for it by its own type");
+    throw Error("slom.no-variable",
+                "variable " + inQuotes(name) + " is no " + type_name() + "; ask for it by its own type");
   }
   return entry.handle;
 }
@@ -88,11 +101,13 @@ VariableHandle StoredProblem::handle(const std::string& name, std::type_index ty
 void StoredProblem::sortNames() {
   by_name_.resize(entries_.size());
   std::iota(by_name_.begin(), by_name_.end(), 0);
-  std::stable_sort(by_name_.begin(), by_name_.end(), [&](int a, int b) { return entries_[at(a)].name < entries_[at(b)].name; });
+  std::stable_sort(by_name_.begin(), by_name_.end(),
+                   [&](int a, int b) { return entries_[at(a)].name < entries_[at(b)].name; });
 }
 
 const detail::StoredVariable* Archive::findVariable(std::type_index type) const {
-  const auto found = std::find_if(variables_.begin(), variables_.end(), [&](const auto& kind) { return kind.type == type; });
+  const auto found =
+      std::find_if(variables_.begin(), variables_.end(), [&](const auto& kind) { return kind.type == type; });
   return found == variables_.end() ? nullptr : &*found;
 }
 
@@ -104,7 +119,8 @@ namespace {
 class Writer {
  public:
   explicit Writer(std::ostream& os) : os_(os) {
-    for (std::ios* stream : {static_cast<std::ios*>(&text_), static_cast<std::ios*>(&check_)}) stream->imbue(std::locale::classic());
+    for (std::ios* stream : {static_cast<std::ios*>(&text_), static_cast<std::ios*>(&check_)})
+      stream->imbue(std::locale::classic());
     text_.precision(std::numeric_limits<double>::max_digits10);
   }
   /// `write` and `read` are of one value; `subject()` names it when the text is not that of a value.
@@ -117,10 +133,13 @@ class Writer {
     check_.clear();
     check_.str(text);
     if (text.find('\n') != std::string::npos || !read(check_) || !isAtEnd(check_)) {
-      throw Error("slom.not-savable", subject() + " is not finite, or cannot be read again from what its operator<< writes: " + text);
+      throw Error(
+          "slom.not-savable",
+          subject() + " is not finite, or cannot be read again from what its operator<< writes: " + text);
     }
     os_ << text;
   }
+
  private:
   std::ostream& os_;
   std::ostringstream text_;
@@ -139,7 +158,8 @@ void writeNoise(std::ostream& os, const MeasurementPool& pool, int i) {
 
 void writeLoss(std::ostream& os, const Loss* loss) {
   if (loss == nullptr) return;
-  const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.first == loss->kind(); });
+  const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses),
+                                        [&](const auto& l) { return l.first == loss->kind(); });
   os << ' ' << name->second;
   if (loss->kind() == Loss::Kind::barron) os << ' ' << exact(loss->shape());
   os << ' ' << exact(loss->scale());
@@ -151,8 +171,8 @@ void writeConstraints(std::ostream& os, const VariableRecord& record, int number
     if (record.fixed[c] != 0) os << "fix " << number << ' ' << inQuotes(names[c]) << '\n';
   }
   for (const ComponentBound& bound : record.bounds) {
-    os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << exact(bound.lower) << ' '
-       << exact(bound.upper) << '\n';
+    os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << exact(bound.lower)
+       << ' ' << exact(bound.upper) << '\n';
   }
 }
 
@@ -176,9 +196,11 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     const VariableStoreBase& store = *record.store;
     const detail::StoredVariable* const kind = findVariable(typeid(store));
     if (kind == nullptr) {
-      throw Error("slom.not-in-archive", "variable " + problem.variableName(static_cast<int>(v)) + " is of the type " +
-                                             store.typeName() + ", which the archive was not told; name it by "
-                                             "archive.variable<" + store.typeName() + ">");
+      throw Error("slom.not-in-archive", "variable " + problem.variableName(static_cast<int>(v)) +
+                                             " is of the type " + store.typeName() +
+                                             ", which the archive was not told; name it by "
+                                             "archive.variable<" +
+                                             store.typeName() + ">");
     }
     if (kind != last) text << "variables " << inQuotes(kind->name) << '\n';
     last = kind;
@@ -197,9 +219,10 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     const auto kind = std::find_if(measurements_.begin(), measurements_.end(),
                                    [&](const auto& known) { return known.type == *pool->type().id; });
     if (kind == measurements_.end()) {
-      throw Error("slom.not-in-archive", "the archive was not told of the type of the measurements " + pool->name() +
-                                             "; name it by archive.measurement, with the function's type and those of its "
-                                             "arguments");
+      throw Error("slom.not-in-archive",
+                  "the archive was not told of the type of the measurements " + pool->name() +
+                      "; name it by archive.measurement, with the function's type and those of its "
+                      "arguments");
     }
     text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(pool->label()) << '\n';
     for (int i = 0; i < pool->size(); ++i) {
@@ -238,7 +261,9 @@ class ArchiveReader {
       }
       readLine();
     }
-    throw Error("slom.bad-archive", source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end");
+    throw Error(
+        "slom.bad-archive",
+        source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end");
   }
 
  private:
@@ -264,11 +289,12 @@ class ArchiveReader {
     int version = 0;
     if (!nextLine() || !(line_ >> first >> second >> version) || first + " " + second != kFirstWords) {
       line_number_ = std::max(line_number_, 1);
-      raise(std::string("this is no saved problem: its first line is not \"") + kFirstWords + " " + std::to_string(kVersion) + "\"");
+      raise(std::string("this is no saved problem: its first line is not \"") + kFirstWords + " " +
+            std::to_string(kVersion) + "\"");
     }
     if (version != kVersion) {
-      raise("the problem is saved in version " + std::to_string(version) + " of the format, this program reads version " +
-            std::to_string(kVersion) + "; use a newer one");
+      raise("the problem is saved in version " + std::to_string(version) +
+            " of the format, this program reads version " + std::to_string(kVersion) + "; use a newer one");
     }
   }
 
@@ -282,7 +308,8 @@ class ArchiveReader {
     if (word == "fix") return readConstraint(false);
     if (word == "bound") return readConstraint(true);
     if (word == "sigma" || word == "gauge") return readChoice(word);
-    raise("a line cannot begin with " + inQuotes(word) + "; it begins with a quoted name, a number, variables, fix, bound, "
+    raise("a line cannot begin with " + inQuotes(word) +
+          "; it begins with a quoted name, a number, variables, fix, bound, "
           "measurements, sigma, gauge or end");
   }
 
@@ -290,7 +317,8 @@ class ArchiveReader {
     std::string choice;
     line_ >> choice;
     if (word == "sigma" && choice == "estimated") return result_.estimator.setSigma(Sigma::estimated);
-    if (word == "gauge" && choice == "inner-constraints") return result_.estimator.setFreeGauge(FreeGauge::inner_constraints);
+    if (word == "gauge" && choice == "inner-constraints")
+      return result_.estimator.setFreeGauge(FreeGauge::inner_constraints);
     raise(word == "sigma" ? "write \"sigma estimated\", or nothing for stated ones"
                           : "write \"gauge inner-constraints\", or nothing for an error at a free gauge");
   }
@@ -303,7 +331,8 @@ class ArchiveReader {
     std::vector<std::string> known;
     for (const auto& kind : kinds) known.push_back(inQuotes(kind.name));
     raise(std::string(what) + " " + inQuotes(name) + " are not known to this program" +
-          (known.empty() ? "" : ", which knows " + listed(known, known.size())) + "; a program that includes slom/archive.hpp can be told of more");
+          (known.empty() ? "" : ", which knows " + listed(known, known.size())) +
+          "; a program that includes slom/archive.hpp can be told of more");
   }
 
   void readVariableKind() {
@@ -314,7 +343,8 @@ class ArchiveReader {
 
   void readVariable() {
     std::string name, state;
-    if (variable_kind_ == nullptr) raise("a variable stands before the first line that begins with variables");
+    if (variable_kind_ == nullptr)
+      raise("a variable stands before the first line that begins with variables");
     if (!(line_ >> std::quoted(name) >> state) || (state != "free" && state != "fixed")) {
       raise("write \"NAME\" free VALUE or \"NAME\" fixed VALUE");
     }
@@ -333,7 +363,8 @@ class ArchiveReader {
     if (!(line_ >> number)) raise("here the number of a variable is due");
     if (number < 0 || number >= static_cast<long>(indices_.size())) {
       raise("there is no variable " + std::to_string(number) +
-            (indices_.empty() ? "; none stands above" : "; above are those from 0 to " + std::to_string(indices_.size() - 1)));
+            (indices_.empty() ? "; none stands above"
+                              : "; above are those from 0 to " + std::to_string(indices_.size() - 1)));
     }
     return static_cast<int>(number);
   }
@@ -342,31 +373,36 @@ class ArchiveReader {
     const int variable = indices_[at(readVariableNumber())];
     std::string component;
     double lower = 0, upper = 0;
-    if (!(line_ >> std::quoted(component)) || (is_bound && !(readNumber(line_, lower) && readNumber(line_, upper))) || !isAtEnd(line_)) {
+    if (!(line_ >> std::quoted(component)) ||
+        (is_bound && !(readNumber(line_, lower) && readNumber(line_, upper))) || !isAtEnd(line_)) {
       raise((is_bound ? "write bound NUMBER \"COMPONENT\" LOWER UPPER" : "write fix NUMBER \"COMPONENT\"") +
             commaIn(text_));
     }
     withLine([&] {
       const std::vector<int> components = problem().componentsAt(variable, component);
-      is_bound ? problem().setBound(variable, components, lower, upper) : problem().setFixed(variable, components, true);
+      is_bound ? problem().setBound(variable, components, lower, upper)
+               : problem().setFixed(variable, components, true);
     });
   }
 
   void readMeasurementKind() {
     std::string name;
-    if (!(line_ >> std::quoted(name) >> std::quoted(options_.label)) || !isAtEnd(line_)) raise("write measurements \"TYPE\" \"LABEL\"");
+    if (!(line_ >> std::quoted(name) >> std::quoted(options_.label)) || !isAtEnd(line_))
+      raise("write measurements \"TYPE\" \"LABEL\"");
     measurement_kind_ = kindNamed(archive_.measurements_, name, "measurements");
   }
 
   void readMeasurement() {
-    if (measurement_kind_ == nullptr) raise("a measurement stands before the first line that begins with measurements");
+    if (measurement_kind_ == nullptr)
+      raise("a measurement stands before the first line that begins with measurements");
     handles_.clear();
     for (const std::type_index type : measurement_kind_->variables) {
       const int number = readVariableNumber();
       const StoredProblem::Entry& entry = result_.entries_[at(number)];
       if (entry.type != type) {
-        raise("variable " + std::to_string(number) + ", " + inQuotes(entry.name) + ", is a " + archive_.findVariable(entry.type)->name + " where " +
-              measurement_kind_->name + " takes a " + archive_.findVariable(type)->name);
+        raise("variable " + std::to_string(number) + ", " + inQuotes(entry.name) + ", is a " +
+              archive_.findVariable(entry.type)->name + " where " + measurement_kind_->name + " takes a " +
+              archive_.findVariable(type)->name);
       }
       handles_.push_back(entry.handle);
     }
@@ -417,7 +453,8 @@ class ArchiveReader {
   }
 
   void readLoss(const std::string& word) {
-    const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.second == word; });
+    const auto* const name =
+        std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.second == word; });
     double shape = 0, scale = 0;
     if (name == std::end(kLosses))
       raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |" + commaIn(word));
@@ -484,13 +521,15 @@ Problem& Archive::problemOf(const Estimator& estimator) { return estimator.probl
 void Archive::add(detail::StoredVariable kind, bool is_named) {
   if (const detail::StoredVariable* const known = findVariable(kind.type)) {
     if (!is_named || kind.name == known->name) return;
-    throw Error("slom.archive-name", "the archive calls these variables " + inQuotes(known->name) + " already, not " + inQuotes(kind.name) +
+    throw Error("slom.archive-name", "the archive calls these variables " + inQuotes(known->name) +
+                                         " already, not " + inQuotes(kind.name) +
                                          "; name them before the measurements that have them");
   }
   for (const detail::StoredVariable& other : variables_) {
     if (other.name == kind.name) {
-      throw Error("slom.archive-name", "the archive has variables " + inQuotes(kind.name) + " of another type; give one of them "
-                                       "another name by archive.variable");
+      throw Error("slom.archive-name", "the archive has variables " + inQuotes(kind.name) +
+                                           " of another type; give one of them "
+                                           "another name by archive.variable");
     }
   }
   variables_.push_back(std::move(kind));
@@ -501,10 +540,11 @@ void Archive::add(detail::StoredMeasurement kind) {
     if (other.type == kind.type && other.name == kind.name) return;
     if (other.type != kind.type && other.name != kind.name) continue;
     throw Error("slom.archive-name", other.type == kind.type
-                                         ? "the archive calls these measurements " + inQuotes(other.name) + " already, not " + inQuotes(kind.name) +
-                                               "; name them once"
-                                         : "the archive has measurements " + inQuotes(kind.name) + " of another type; give one of "
-                                           "them another name");
+                                         ? "the archive calls these measurements " + inQuotes(other.name) +
+                                               " already, not " + inQuotes(kind.name) + "; name them once"
+                                         : "the archive has measurements " + inQuotes(kind.name) +
+                                               " of another type; give one of "
+                                               "them another name");
   }
   measurements_.push_back(std::move(kind));
 }

@@ -4,11 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
-
-#include "slom/analyze/chi_square.hpp"
-#include "slom/analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
 #include "analyze/given_derivatives.hpp"
 #include "analyze/jacobian.hpp"
@@ -17,8 +12,11 @@
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
 #include "analyze/singular.hpp"
-#include "model/words.hpp"
+#include "base/threads.hpp"
+#include "base/words.hpp"
 #include "problem/value_snapshot.hpp"
+#include "slom/analyze/chi_square.hpp"
+#include "slom/analyze/covariance.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -31,12 +29,12 @@ struct Estimator::State {
   System system{problem, linearizer};
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
-  tbb::task_arena arena;
+  detail::ThreadArena arena;
 
   /// f(), on as many threads as setThreads said.
   template <class F>
   auto run(const F& f) {
-    return arena.execute(f);
+    return arena.run(f);
   }
 
   State() { system.setSolver(*solver); }
@@ -81,7 +79,8 @@ std::vector<std::string> activeBounds(const Problem& problem) {
       const double value = x[static_cast<std::size_t>(bound.component)];
       const bool is_upper = std::abs(value - bound.upper) < std::abs(value - bound.lower);
       result.push_back(problem.componentNames(v)[static_cast<std::size_t>(bound.component)] + " is at its " +
-                       (is_upper ? "upper" : "lower") + " bound " + number(is_upper ? bound.upper : bound.lower, 6));
+                       (is_upper ? "upper" : "lower") + " bound " +
+                       number(is_upper ? bound.upper : bound.lower, 6));
     }
   }
   return result;
@@ -89,8 +88,9 @@ std::vector<std::string> activeBounds(const Problem& problem) {
 }  // namespace
 
 void detail::raiseMovedFrom() {
-  throw Error("slom.moved-from", "the estimator has been moved from and holds nothing; use the one that it was moved to, or "
-                                 "assign another one to it");
+  throw Error("slom.moved-from",
+              "the estimator has been moved from and holds nothing; use the one that it was moved to, or "
+              "assign another one to it");
 }
 
 Estimator::Estimator() : state_(new State) {}
@@ -106,9 +106,10 @@ double Estimator::optimizeStep() {
     case StepOutcome::Kind::singular:
       throw singularError(problem(), state_->system.structure(), outcome.status);
     case StepOutcome::Kind::not_finite:
-      throw Error("slom.not-finite", "the step of " + state_->algorithm->name() +
-                                         " led to values at which a residual is not finite, and was taken back; start "
-                                         "nearer to the solution, or use LevenbergMarquardt");
+      throw Error("slom.not-finite",
+                  "the step of " + state_->algorithm->name() +
+                      " led to values at which a residual is not finite, and was taken back; start "
+                      "nearer to the solution, or use LevenbergMarquardt");
     default:
       break;
   }
@@ -120,8 +121,10 @@ Summary Estimator::optimize(const Options& options) {
   Summary before;
   state_->fillGroups(before, true);
   SolveStatus singular_at;
-  Summary summary =
-      state_->run([&] { return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated, singular_at); });
+  Summary summary = state_->run([&] {
+    return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated,
+                        singular_at);
+  });
   const ProblemStructure& structure = state_->system.structure();
   summary.groups = std::move(before.groups);
   state_->fillGroups(summary, false);
@@ -133,16 +136,19 @@ Summary Estimator::optimize(const Options& options) {
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
   summary.active_bounds = activeBounds(problem());
-  if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters && summary.stop_reason != StopReason::rank_deficient) {
+  if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters &&
+      summary.stop_reason != StopReason::rank_deficient) {
     state_->fillParameters(summary);
   }
   if (summary.stop_reason == StopReason::rank_deficient) {
     std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
     const bool is_explained = !weightless.empty();
     for (std::string& text : weightless) summary.warnings.push_back(std::move(text));
-    const bool has_time = summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
+    const bool has_time =
+        summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
     for (Finding& finding : is_explained || !has_time ? std::vector<Finding>() : diagnose().findings) {
-      if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) summary.warnings.push_back(std::move(finding.text));
+      if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable)
+        summary.warnings.push_back(std::move(finding.text));
     }
   }
   for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
@@ -151,7 +157,8 @@ Summary Estimator::optimize(const Options& options) {
   return summary;
 }
 
-std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status, double max_seconds) {
+std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status,
+                                         double max_seconds) {
   if (summary.stop_reason == StopReason::rank_deficient) {
     return singularError(problem, system.structure(), status).what();
   }
@@ -165,11 +172,14 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
   if (summary.stop_reason == StopReason::no_progress) {
     const System::Promise promise = run([&] { return system.promise(false); });
     return std::string(toString(summary.stop_reason)) +
-           (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3) : "") +
+           (promise.is_known
+                ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
+                : "") +
            ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
            "may be too large for what they have to resolve";
   }
-  if (summary.stop_reason == StopReason::time_limit) return "time limit of " + number(max_seconds, 6) + " s reached";
+  if (summary.stop_reason == StopReason::time_limit)
+    return "time limit of " + number(max_seconds, 6) + " s reached";
   return toString(summary.stop_reason);
 }
 
@@ -195,7 +205,8 @@ void Estimator::State::fillParameters(Summary& summary) {
   }
   std::vector<int> unknowns;
   for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
-    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
+    const VariableRecord& record =
+        problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
     const std::vector<std::string> names = problem.componentNames(structure.variable_of_block[b]);
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
@@ -203,7 +214,8 @@ void Estimator::State::fillParameters(Summary& summary) {
       if (record.isHeld(c)) continue;
       const int unknown = structure.system.offset[b] + c;
       unknowns.push_back(unknown);
-      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)], std::sqrt(C(unknown, unknown))});
+      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
+                                    std::sqrt(C(unknown, unknown))});
     }
   }
   for (std::size_t j = 0; j < unknowns.size(); ++j) {
@@ -213,9 +225,9 @@ void Estimator::State::fillParameters(Summary& summary) {
       if (std::abs(correlation) >= strong) summary.correlations.push_back({a.name, b.name, correlation});
     }
   }
-  std::stable_sort(summary.correlations.begin(), summary.correlations.end(), [](const auto& a, const auto& b) {
-    return std::abs(a.correlation) > std::abs(b.correlation);
-  });
+  std::stable_sort(
+      summary.correlations.begin(), summary.correlations.end(),
+      [](const auto& a, const auto& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
   if (summary.correlations.size() > most) summary.correlations.resize(most);
   // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
   double sum = 0;
@@ -249,15 +261,17 @@ void Estimator::State::fillGroups(Summary& summary, bool before) {
 
 void Estimator::changeAlgorithm(Algorithm* algorithm) {
   if (algorithm == nullptr) {
-    throw Error("slom.no-algorithm", "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
-                                     "DogLeg");
+    throw Error("slom.no-algorithm",
+                "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
+                "DogLeg");
   }
   std::unique_ptr<Algorithm> owned(algorithm);  // also where there is no state
   state_->algorithm = std::move(owned);
 }
 
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
-  if (!solver) throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
+  if (!solver)
+    throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
   state_->system.setSolver(*solver);
   state_->solver = std::move(solver);
 }
@@ -267,9 +281,7 @@ void Estimator::setThreads(int threads) {
     throw Error("slom.bad-option", "the number of threads is " + std::to_string(threads) +
                                        "; pass a positive number, or 0 for as many as the machine has");
   }
-  const int most = tbb::info::default_concurrency();
-  state_->arena.terminate();
-  state_->arena.initialize(threads > 0 ? std::min(threads, most) : most);
+  state_->arena.setThreads(threads);
 }
 
 double Estimator::getRSS() const {
@@ -324,8 +336,9 @@ void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(p
 
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
   const double factor = state_->varianceFactor();
-  const Eigen::MatrixXd result =
-      factor * state_->run([&] { return covarianceBlock(state_->system, state_->linearizer, state_->gauge, variable_a, variable_b); });
+  const Eigen::MatrixXd result = factor * state_->run([&] {
+    return covarianceBlock(state_->system, state_->linearizer, state_->gauge, variable_a, variable_b);
+  });
   std::copy(result.data(), result.data() + result.size(), block);
   clearHeld(problem(), variable_a, variable_b, block);
 }
@@ -341,7 +354,8 @@ Marginals Estimator::marginals() const {
   Marginals result;
   result.problem_ = &problem();
   const double factor = state_->varianceFactor();
-  const auto inverse = state_->run([&] { return inverseBlocks(state_->system, state_->linearizer, state_->gauge); });
+  const auto inverse =
+      state_->run([&] { return inverseBlocks(state_->system, state_->linearizer, state_->gauge); });
   const ProblemStructure& structure = state_->system.structure();
   const auto& table = problem().variables();
   result.places_.resize(table.size());
@@ -383,11 +397,14 @@ Sigma Estimator::sigma() const { return state_->sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;
-  const int unknowns = system.structure().system.unknowns() - problem.heldCount(), residuals = system.structure().residuals;
+  const int unknowns = system.structure().system.unknowns() - problem.heldCount(),
+            residuals = system.structure().residuals;
   if (residuals > unknowns) return run([&] { return linearizer.rss(problem); }) / (residuals - unknowns);
-  throw Error("slom.no-redundancy", "uncertainties can be estimated from residuals only when there are more of them than "
-                                    "unknowns; here are " + std::to_string(residuals) + " residuals and " +
-                                        std::to_string(unknowns) + " unknowns; add measurements or use Sigma::known");
+  throw Error("slom.no-redundancy",
+              "uncertainties can be estimated from residuals only when there are more of them than "
+              "unknowns; here are " +
+                  std::to_string(residuals) + " residuals and " + std::to_string(unknowns) +
+                  " unknowns; add measurements or use Sigma::known");
 }
 
 Diagnosis Estimator::diagnose() const {
@@ -396,7 +413,8 @@ Diagnosis Estimator::diagnose() const {
 
 OutlierReport Estimator::outliers(const OutlierOptions& options) const {
   const double factor = state_->varianceFactor();
-  return state_->run([&] { return checkResiduals(state_->system, state_->linearizer, options, factor, state_->gauge); });
+  return state_->run(
+      [&] { return checkResiduals(state_->system, state_->linearizer, options, factor, state_->gauge); });
 }
 
 Preflight Estimator::preflight() const {
@@ -415,20 +433,24 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
   Eigen::VectorXd x(record.dof);
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
   if (components.size() > 1 || std::isnan(x[c])) {
-    throw Error("slom.no-component", path + " of variable " + problem().variableName(variable) +
-                                         " is not one coordinate; profile takes one component of a vector at a time");
+    throw Error("slom.no-component",
+                path + " of variable " + problem().variableName(variable) +
+                    " is not one coordinate; profile takes one component of a vector at a time");
   }
   const double factor = state_->varianceFactor();
   state_->run([&] { return state_->system.linearize(); });
   const bool is_there = state_->system.gradientCosine() < kAtMinimum || state_->run([&] {
-    const System::Promise promise = state_->system.promise();  // residuals that are rounding errors have any direction
+    const System::Promise promise =
+        state_->system.promise();  // residuals that are rounding errors have any direction
     return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * factor;
   });
   if (!is_there) {
-    throw Error("slom.not-a-minimum", "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
+    throw Error("slom.not-a-minimum",
+                "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
   }
   ProfileInterval result{x[c], x[c], x[c]};
-  if (!record.optimize || (!record.fixed.empty() && record.fixed[static_cast<std::size_t>(c)] != 0)) return result;
+  if (!record.optimize || (!record.fixed.empty() && record.fixed[static_cast<std::size_t>(c)] != 0))
+    return result;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const ComponentBound* const found = record.boundOf(c);
   const ComponentBound bound = found == nullptr ? ComponentBound{c, -infinity, infinity} : *found;
@@ -440,7 +462,9 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
     problem().setBound(variable, components, bound.lower, bound.upper);
   };
   try {
-    if (found != nullptr) problem().setBound(variable, components, -infinity, infinity);  // its own covariance, though it is at the bound
+    if (found != nullptr)
+      problem().setBound(variable, components, -infinity,
+                         infinity);  // its own covariance, though it is at the bound
     Eigen::MatrixXd C(record.dof, record.dof);
     writeCovariance(variable, variable, C.data());
     problem().setFixed(variable, components, true);
@@ -448,14 +472,16 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
       if (!(most > 0)) return 0.0;
       start.restore();
       double at = 0;
-      return profileRoot([&](double t) {
-        Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
-        d[c] = sign * (t - at);
-        record.store->boxplus(record.store->valueAt(record.slot), d.data());
-        problem().overwrite(variable, record.store->valueAt(record.slot));
-        at = t;
-        return (optimize().final_rss - best) / rise - 1;
-      }, std::sqrt(rise / factor * C(c, c)), most);
+      return profileRoot(
+          [&](double t) {
+            Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
+            d[c] = sign * (t - at);
+            record.store->boxplus(record.store->valueAt(record.slot), d.data());
+            problem().overwrite(variable, record.store->valueAt(record.slot));
+            at = t;
+            return (optimize().final_rss - best) / rise - 1;
+          },
+          std::sqrt(rise / factor * C(c, c)), most);
     };
     const double above = ascend(1, bound.upper - x[c]), below = ascend(-1, x[c] - bound.lower);
     result.upper = above < bound.upper - x[c] ? x[c] + above : std::max(bound.upper, x[c]);

@@ -23,6 +23,6 @@ inline std::string withoutId(const std::exception& error) {
 inline constexpr int exit_success = 0;
 inline constexpr int exit_not_converged =
     1;  ///< the fit did not converge or is not determined; or output was lost
-inline constexpr int exit_user_error = 2;     ///< bad options, bad input, unwritable output
+inline constexpr int exit_user_error = 2;  ///< bad options, bad input, unwritable output
 
 }  // namespace slom::app

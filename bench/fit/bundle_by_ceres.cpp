@@ -20,14 +20,15 @@ class BundleProblem final : public CeresProblem {
     for (const auto& camera : scene.cameras) {
       const Eigen::AngleAxisd turn(Eigen::Matrix3d(camera.pose.orient.toRotationMatrix()));
       const Eigen::Vector3d rotation = turn.angle() * turn.axis();
-      cameras_.push_back({rotation[0], rotation[1], rotation[2], camera.pose.pos[0], camera.pose.pos[1], camera.pose.pos[2],
-                          camera.lens.f(), camera.lens.k1(), camera.lens.k2()});
+      cameras_.push_back({rotation[0], rotation[1], rotation[2], camera.pose.pos[0], camera.pose.pos[1],
+                          camera.pose.pos[2], camera.lens.f(), camera.lens.k1(), camera.lens.k2()});
     }
     for (const auto& point : scene.points) points_.push_back({point[0], point[1], point[2]});
     for (const auto& seen : scene.observations) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<SnavelyResidual, 2, 9, 3>(new SnavelyResidual{seen.pixel[0], seen.pixel[1]}), loss(),
-          cameras_[static_cast<std::size_t>(seen.camera)].data(), points_[static_cast<std::size_t>(seen.point)].data());
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SnavelyResidual, 2, 9, 3>(
+                                   new SnavelyResidual{seen.pixel[0], seen.pixel[1]}),
+                               loss(), cameras_[static_cast<std::size_t>(seen.camera)].data(),
+                               points_[static_cast<std::size_t>(seen.point)].data());
     }
     for (auto& point : points_) eliminated_first.push_back(point.data());
     for (const auto& camera : cameras_) blocks.push_back({camera.data()});

@@ -6,7 +6,8 @@ namespace slom::bench {
 
 namespace {
 
-ceres::Solver::Options optionsFor(CeresProblem& problem, ceres::LinearSolverType solver, const Limits& limits) {
+ceres::Solver::Options optionsFor(CeresProblem& problem, ceres::LinearSolverType solver,
+                                  const Limits& limits) {
   ceres::Solver::Options options;
   options.linear_solver_type = solver;
   options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -37,7 +38,8 @@ Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Li
   run.iterations = static_cast<int>(summary.iterations.size()) - 1;
   run.seconds = summary.total_time_in_seconds;
   run.setup_seconds = summary.preprocessor_time_in_seconds;
-  run.linearize_seconds = summary.residual_evaluation_time_in_seconds + summary.jacobian_evaluation_time_in_seconds;
+  run.linearize_seconds =
+      summary.residual_evaluation_time_in_seconds + summary.jacobian_evaluation_time_in_seconds;
   run.factor_seconds = summary.linear_solver_time_in_seconds;
   run.factorizations = run.iterations;
   double best = 2 * summary.initial_cost;
@@ -45,7 +47,8 @@ Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Li
   for (const ceres::IterationSummary& iteration : summary.iterations) {
     best = std::min(best, 2 * (iteration.cost + summary.fixed_cost));
     run.trace.push_back({iteration.cumulative_time_in_seconds + summary.preprocessor_time_in_seconds, best});
-    if (iteration.iteration > 0 && iteration.step_is_successful) durations.push_back(iteration.iteration_time_in_seconds);
+    if (iteration.iteration > 0 && iteration.step_is_successful)
+      durations.push_back(iteration.iteration_time_in_seconds);
   }
   run.iteration_seconds = median(durations);
   return run;

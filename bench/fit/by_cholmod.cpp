@@ -1,11 +1,11 @@
 // What CHOLMOD needs for J^T J of a pose graph, at its start and with the J of Ceres.
 #include <algorithm>
+#include <cholmod.h>
 #include <limits>
 #include <vector>
 
 #include <Eigen/SparseCore>
 #include <ceres/crs_matrix.h>
-#include <cholmod.h>
 
 #include "fit/ceres_problem.hpp"
 #include "fit/run.hpp"
@@ -21,12 +21,13 @@ constexpr double kMostSimplicialFlops = 1e10;
 Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
   ceres::Problem::EvaluateOptions options;  // without the columns of what is held
   problem.problem.GetParameterBlocks(&options.parameter_blocks);
-  std::erase_if(options.parameter_blocks, [&](const double* block) { return problem.problem.IsParameterBlockConstant(block); });
+  std::erase_if(options.parameter_blocks,
+                [&](const double* block) { return problem.problem.IsParameterBlockConstant(block); });
   ceres::CRSMatrix crs;
   problem.problem.Evaluate(options, nullptr, nullptr, nullptr, &crs);
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> rows(
-      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(), crs.cols.data(),
-      crs.values.data());
+      crs.num_rows, crs.num_cols, static_cast<Eigen::Index>(crs.values.size()), crs.rows.data(),
+      crs.cols.data(), crs.values.data());
   const Eigen::SparseMatrix<double> J(rows);
   const Eigen::SparseMatrix<double> H = J.transpose() * J;
   Eigen::SparseMatrix<double> lower = H.triangularView<Eigen::Lower>();

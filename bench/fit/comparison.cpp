@@ -25,8 +25,10 @@ std::vector<Program> programsFor(const Problem& problem, const Limits& limits) {
 #ifdef SLOM_BENCH_CERES
         if constexpr (std::is_same_v<std::decay_t<decltype(data)>, app::bundle::Scene>) {
           programs.push_back({"Ceres, DENSE_SCHUR", [&] { return fitByCeres(data, Schur::dense, limits); }});
-          programs.push_back({"Ceres, SPARSE_SCHUR", [&] { return fitByCeres(data, Schur::sparse, limits); }});
-          programs.push_back({"Ceres, ITERATIVE_SCHUR", [&] { return fitByCeres(data, Schur::iterative, limits); }});
+          programs.push_back(
+              {"Ceres, SPARSE_SCHUR", [&] { return fitByCeres(data, Schur::sparse, limits); }});
+          programs.push_back(
+              {"Ceres, ITERATIVE_SCHUR", [&] { return fitByCeres(data, Schur::iterative, limits); }});
         } else {
           programs.push_back({"Ceres, SPARSE_NORMAL_CHOLESKY", [&] { return fitByCeres(data, limits); }});
         }
@@ -115,7 +117,8 @@ Comparison compare(Problem problem, const ComparisonOptions& options) {
   std::vector<Program> programs = programsFor(problem, options.limits);
   std::erase_if(programs, [&](const Program& program) { return !program.name.ends_with(options.only); });
   comparison.programs = runInTurn(programs, options);
-  if (options.with_factorization && options.only.empty()) addFactorizations(problem, options.child, comparison);
+  if (options.with_factorization && options.only.empty())
+    addFactorizations(problem, options.child, comparison);
   comparison.variables = problem.variables();
   comparison.measurements = problem.measurements();
   problem.data = AnyProblem();

@@ -33,9 +33,9 @@ struct Comparison {
 struct ComparisonOptions {
   Limits limits;
   int rounds = 3;
-  std::string only;  ///< program; empty: all
+  std::string only;                ///< program; empty: all
   bool with_factorization = true;  ///< of graphs, alone
-  ChildLimits child;  ///< of each run
+  ChildLimits child;               ///< of each run
 };
 
 /// The programs take turns. Fits of less than half a second are run twice in their process, and the second run counts: the

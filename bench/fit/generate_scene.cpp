@@ -40,8 +40,9 @@ Camera disturbed(const Camera& truth, Random& random) {
   Camera camera = truth;
   camera.pose.orient = truth.pose.orient * mtk::SO3<>::exp(normalVector(random, 0.01));
   camera.pose.pos = camera.pose.orient * centre + normalVector(random, 0.02);
-  camera.lens = slom::SnavelyIntrinsics<>(mtk::vect<3>(truth.lens.f() * (1 + 0.01 * random.normal()),
-                                                       truth.lens.k1() + 0.01 * random.normal(), truth.lens.k2()));
+  camera.lens =
+      slom::SnavelyIntrinsics<>(mtk::vect<3>(truth.lens.f() * (1 + 0.01 * random.normal()),
+                                             truth.lens.k1() + 0.01 * random.normal(), truth.lens.k2()));
   return camera;
 }
 
@@ -72,7 +73,8 @@ std::vector<int> nearestCameras(double x, double y, int side) {
 
 app::bundle::Scene generateScene(int size) {
   Random random(2, 0);
-  const int side = static_cast<int>(std::lround(std::sqrt(std::max(size / kObservationsPerCamera, kFewestCameras))));
+  const int side =
+      static_cast<int>(std::lround(std::sqrt(std::max(size / kObservationsPerCamera, kFewestCameras))));
   const int points = size / kViews;
   app::bundle::Scene truth, scene;
   for (int c = 0; c < side * side; ++c) truth.cameras.push_back(cameraAbove(c % side, c / side, random));
@@ -81,7 +83,8 @@ app::bundle::Scene generateScene(int size) {
   scene.points.reserve(at(points));
   scene.observations.reserve(at(points * kViews));
   for (int p = 0; p < points; ++p) {
-    const Vec3 point(random.uniform(0, side - 1), random.uniform(0, side - 1), random.uniform(-kRelief, kRelief));
+    const Vec3 point(random.uniform(0, side - 1), random.uniform(0, side - 1),
+                     random.uniform(-kRelief, kRelief));
     truth.points.push_back(point);
     scene.points.push_back(Vec3(point + normalVector(random, 0.05)));
     for (const int c : nearestCameras(point[0], point[1], side)) {

@@ -95,8 +95,8 @@ struct Blocks<Pose2> {
     return std::make_shared<ceres::AutoDiffManifold<AngleManifold, 1, 1>>();
   }
   static ceres::CostFunction* cost(const app::graph::Edge<Pose2>& edge) {
-    return new ceres::AutoDiffCostFunction<PlaneEdge, 3, 2, 1, 2, 1>(
-        new PlaneEdge{Eigen::Vector2d(edge.measured.pos), edge.measured.orient.angle(), rootOf<3>(edge.information)});
+    return new ceres::AutoDiffCostFunction<PlaneEdge, 3, 2, 1, 2, 1>(new PlaneEdge{
+        Eigen::Vector2d(edge.measured.pos), edge.measured.orient.angle(), rootOf<3>(edge.information)});
   }
 };
 template <>
@@ -110,10 +110,12 @@ struct Blocks<Pose3> {
   }
   double position[3], rotation[4];
   static constexpr int position_size = 3, rotation_size = 4;
-  static std::shared_ptr<ceres::Manifold> manifold() { return std::make_shared<ceres::EigenQuaternionManifold>(); }
+  static std::shared_ptr<ceres::Manifold> manifold() {
+    return std::make_shared<ceres::EigenQuaternionManifold>();
+  }
   static ceres::CostFunction* cost(const app::graph::Edge<Pose3>& edge) {
-    return new ceres::AutoDiffCostFunction<SpaceEdge, 6, 3, 4, 3, 4>(
-        new SpaceEdge{Eigen::Vector3d(edge.measured.pos), quaternionOf(edge.measured), rootOf<6>(edge.information)});
+    return new ceres::AutoDiffCostFunction<SpaceEdge, 6, 3, 4, 3, 4>(new SpaceEdge{
+        Eigen::Vector3d(edge.measured.pos), quaternionOf(edge.measured), rootOf<6>(edge.information)});
   }
 };
 
@@ -133,8 +135,10 @@ class GraphProblem final : public CeresProblem {
       problem.SetParameterBlockConstant(blocks_[i].rotation);
     }
     for (const auto& edge : graph.edges) {
-      Blocks<Pose>&a = blocks_[static_cast<std::size_t>(edge.from)], &b = blocks_[static_cast<std::size_t>(edge.to)];
-      problem.AddResidualBlock(Blocks<Pose>::cost(edge), loss(), a.position, a.rotation, b.position, b.rotation);
+      Blocks<Pose>&a = blocks_[static_cast<std::size_t>(edge.from)],
+      &b = blocks_[static_cast<std::size_t>(edge.to)];
+      problem.AddResidualBlock(Blocks<Pose>::cost(edge), loss(), a.position, a.rotation, b.position,
+                               b.rotation);
     }
   }
 

@@ -1,8 +1,7 @@
 // Pose graphs by SLoM, as the command `slom graph` fits them.
 #include <memory>
 
-#include <tbb/task_arena.h>
-
+#include <slom/base/threads.hpp>
 #include <slom/solve/block_solver.hpp>
 
 #include "fit/run.hpp"
@@ -61,7 +60,7 @@ template <class Pose>
 Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph) {
   const BlockStructure structure = structureOf(graph);
   Factorization result;
-  tbb::task_arena(1).execute([&] {
+  withThreads(1, [&] {
     BlockSolver solver;
     result.symbolic_seconds = bestSecondsOf([&] { solver.analyze(structure); });
     result.flops = solver.flops();

@@ -67,7 +67,8 @@ Json toJson(const Factorization& factorization) {
 }
 
 Factorization factorizationFromJson(const Json& json) {
-  return {json.at("symbolic").get<double>(), json.at("numeric").get<double>(), json.at("flops").get<double>()};
+  return {json.at("symbolic").get<double>(), json.at("numeric").get<double>(),
+          json.at("flops").get<double>()};
 }
 
 Json toJson(const Comparison& comparison, const ComparisonOptions& options) {
@@ -91,9 +92,9 @@ Json toJson(const Comparison& comparison, const ComparisonOptions& options) {
 }
 
 Json machineJson() {
-  return {{"processor", processorName()}, {"cores", std::thread::hardware_concurrency()},
+  return {{"processor", processorName()},     {"cores", std::thread::hardware_concurrency()},
           {"instructions", instructionSet()}, {"compiler", compilerName()},
-          {"flags", compileFlags()}, {"blas", blasLibrary()}};
+          {"flags", compileFlags()},          {"blas", blasLibrary()}};
 }
 
 void addDgemm(Json& machine) {

@@ -33,29 +33,37 @@ struct Arguments {
 
 void describe(CLI::App& app, Arguments& arguments) {
   ComparisonOptions& comparison = arguments.comparison;
-  app.add_option("problems", arguments.problems,
-                 "files of pose graphs (g2o, TORO) or of BAL; or generated ones of about SIZE poses or observations:\n"
-                 "grid2d:SIZE, sheet:SIZE, grid3d:SIZE, scene:SIZE")
+  app.add_option(
+         "problems", arguments.problems,
+         "files of pose graphs (g2o, TORO) or of BAL; or generated ones of about SIZE poses or observations:\n"
+         "grid2d:SIZE, sheet:SIZE, grid3d:SIZE, scene:SIZE")
       ->required()
       ->type_name("");
   app.add_option("--threads", comparison.limits.threads)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--rounds", comparison.rounds, "how often each program is run; the median counts")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--max-iterations", comparison.limits.max_iterations)->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--robust", arguments.robust, "loss of all measurements, huber:SCALE in standard deviations");
-  app.add_option("--init", arguments.problem.init, "of pose graphs: auto, file, odometry, spanning-tree, chordal or build-up");
+  app.add_option("--max-iterations", comparison.limits.max_iterations)
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--robust", arguments.robust,
+                 "loss of all measurements, huber:SCALE in standard deviations");
+  app.add_option("--init", arguments.problem.init,
+                 "of pose graphs: auto, file, odometry, spanning-tree, chordal or build-up");
   app.add_option("--deviations", arguments.problem.deviations,
                  "of all edges, as in 0.1,0.1,0.04, instead of what the files have")
       ->delimiter(',')
       ->expected(1, 6)
       ->allow_extra_args(false);
-  app.add_option("--only", comparison.only, "runs one program: SLoM, SPARSE_NORMAL_CHOLESKY, DENSE_SCHUR, ...")
+  app.add_option("--only", comparison.only,
+                 "runs one program: SLoM, SPARSE_NORMAL_CHOLESKY, DENSE_SCHUR, ...")
       ->check(CLI::IsMember(programNames()));
-  app.add_flag("!--no-factorization", comparison.with_factorization, "leaves out what factorisations need alone");
+  app.add_flag("!--no-factorization", comparison.with_factorization,
+               "leaves out what factorisations need alone");
   app.add_option("--time-limit", comparison.child.seconds, "of each run [s], reading excluded; 0: none")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--memory-limit", arguments.memory_gb, "of each run [GB]; 0: none")->check(CLI::NonNegativeNumber);
+  app.add_option("--memory-limit", arguments.memory_gb, "of each run [GB]; 0: none")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--json", arguments.json, "writes all numbers to this file")->type_name("FILE");
 }
 
@@ -63,7 +71,8 @@ double huberScale(const std::string& text) {
   if (text.empty()) return 0;
   constexpr std::string_view huber = "huber:";
   double scale = 0;
-  if (text.starts_with(huber) && slom::app::parseNumber(text.substr(huber.size()), scale) && scale > 0) return scale;
+  if (text.starts_with(huber) && slom::app::parseNumber(text.substr(huber.size()), scale) && scale > 0)
+    return scale;
   throw UserError("--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations");
 }
 
@@ -76,8 +85,8 @@ bool agree(const Comparison& comparison) {
     if (!result.failure.empty() || !result.run.converged) continue;
     const double off = result.run.finalRss() / best - 1;
     if (off <= tolerance || off >= same_minimum) continue;
-    std::cerr << "bench_fit: " << comparison.problem.name << ", " << result.program << ": the final RSS is off by " << off
-              << "\n";
+    std::cerr << "bench_fit: " << comparison.problem.name << ", " << result.program
+              << ": the final RSS is off by " << off << "\n";
     good = false;
   }
   return good;
@@ -86,8 +95,8 @@ bool agree(const Comparison& comparison) {
 bool run(const Arguments& arguments) {
   Json results{{"machine", machineJson()}};
   Json& machine = results["machine"];
-  std::cout << machine["processor"].get<std::string>() << ", " << instructionSet() << ", " << compilerName() << " "
-            << compileFlags() << "; BLAS of CHOLMOD: " << blasLibrary();
+  std::cout << machine["processor"].get<std::string>() << ", " << instructionSet() << ", " << compilerName()
+            << " " << compileFlags() << "; BLAS of CHOLMOD: " << blasLibrary();
   if (arguments.comparison.only.empty()) {  // otherwise a profiler is at work, whom it would disturb
     addDgemm(machine);
     std::cout << "; dgemm " << 1e-9 * machine["dgemm_1024"].get<double>() << " GFLOP/s, of 48 x 48 "
@@ -115,7 +124,8 @@ bool run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Times whole fits by SLoM and by Ceres, in turn, each in a process of its own.\n", "bench_fit");
+  CLI::App app("Times whole fits by SLoM and by Ceres, in turn, each in a process of its own.\n",
+               "bench_fit");
   describe(app, arguments);
   try {
     app.parse(argc, argv);

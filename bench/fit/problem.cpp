@@ -43,8 +43,8 @@ template <class Pose>
 void setDeviations(app::graph::PoseGraph<Pose>& graph, const std::vector<double>& deviations) {
   constexpr int dof = app::graph::dof<Pose>;
   if (deviations.size() != dof) {
-    throw UserError(fmt::format("--deviations: {} numbers for edges of {} degrees of freedom in {}", deviations.size(), dof,
-                                graph.file));
+    throw UserError(fmt::format("--deviations: {} numbers for edges of {} degrees of freedom in {}",
+                                deviations.size(), dof, graph.file));
   }
   const Eigen::Map<const Eigen::Matrix<double, dof, 1>> sigma(deviations.data());
   for (auto& edge : graph.edges) edge.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -99,7 +99,8 @@ bool generate(const std::string& source, Problem& problem) {
     if (source.substr(0, colon) != generator.name) continue;
     int size = 0;
     if (!app::parseNumber(source.substr(colon + 1), size) || size < 100) {
-      throw UserError(fmt::format("{}: write {}:SIZE, SIZE a whole number from 100 on", source, generator.name));
+      throw UserError(
+          fmt::format("{}: write {}:SIZE, SIZE a whole number from 100 on", source, generator.name));
     }
     problem.name = source;
     problem.is_generated = true;
@@ -113,9 +114,10 @@ bool generate(const std::string& source, Problem& problem) {
 }  // namespace
 
 std::size_t Problem::variables() const {
-  return std::visit(Overloaded{[](const app::bundle::Scene& scene) { return scene.cameras.size() + scene.points.size(); },
-                               [](const auto& graph) { return graph.poses.size() + graph.landmarks.size(); }},
-                    data);
+  return std::visit(
+      Overloaded{[](const app::bundle::Scene& scene) { return scene.cameras.size() + scene.points.size(); },
+                 [](const auto& graph) { return graph.poses.size() + graph.landmarks.size(); }},
+      data);
 }
 
 std::size_t Problem::measurements() const {
@@ -127,10 +129,11 @@ std::size_t Problem::measurements() const {
 Problem loadProblem(const std::string& source, const ProblemOptions& options) {
   Problem problem;
   if (!generate(source, problem)) problem = readFile(source, options);
-  problem.kind = std::visit(Overloaded{[](const app::bundle::Scene&) { return "bundle"; },
-                                       [](const app::graph::PoseGraph<Pose2>&) { return "graph in the plane"; },
-                                       [](const app::graph::PoseGraph<Pose3>&) { return "graph in space"; }},
-                            problem.data);
+  problem.kind =
+      std::visit(Overloaded{[](const app::bundle::Scene&) { return "bundle"; },
+                            [](const app::graph::PoseGraph<Pose2>&) { return "graph in the plane"; },
+                            [](const app::graph::PoseGraph<Pose3>&) { return "graph in space"; }},
+                 problem.data);
   return problem;
 }
 

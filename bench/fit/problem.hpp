@@ -10,8 +10,8 @@
 
 namespace slom::bench {
 
-using AnyProblem =
-    std::variant<app::graph::PoseGraph<app::graph::Pose2>, app::graph::PoseGraph<app::graph::Pose3>, app::bundle::Scene>;
+using AnyProblem = std::variant<app::graph::PoseGraph<app::graph::Pose2>,
+                                app::graph::PoseGraph<app::graph::Pose3>, app::bundle::Scene>;
 
 struct Problem {
   std::string name;
@@ -26,7 +26,8 @@ struct Problem {
 };
 
 struct ProblemOptions {
-  std::string init;                ///< as `slom graph --init`; empty: the file's vertices, or a spanning tree where there are none
+  std::string
+      init;  ///< as `slom graph --init`; empty: the file's vertices, or a spanning tree where there are none
   std::vector<double> deviations;  ///< of all edges of a graph, instead of their information; empty: none
 };
 

@@ -17,7 +17,7 @@ struct TracePoint {
 };
 
 struct Run {
-  std::string solver;            ///< in the program's own words
+  std::string solver;  ///< in the program's own words
   bool converged = false;
   int iterations = 0;
   double build_seconds = 0;      ///< inserting variables and measurements

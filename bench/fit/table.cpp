@@ -22,11 +22,11 @@ void printRows(const Comparison& comparison, int threads) {
       continue;
     }
     const Run& run = result.run;
-    std::printf("| %s | %s | %d | %.2f | %.3f | %.3f | %d | %.2f | %.2f | %.1f | %.10g | ", name, result.program.c_str(), threads,
-                1e3 * run.setup_seconds, 1e3 * run.iteration_seconds,
+    std::printf("| %s | %s | %d | %.2f | %.3f | %.3f | %d | %.2f | %.2f | %.1f | %.10g | ", name,
+                result.program.c_str(), threads, 1e3 * run.setup_seconds, 1e3 * run.iteration_seconds,
                 1e3 * run.factor_seconds / std::max(1, run.factorizations), run.iterations,
-                1e3 * run.secondsUntil(best, 1e-3), 1e3 * run.secondsUntil(best, 1e-6), 1e-6 * result.memory_bytes,
-                run.finalRss());
+                1e3 * run.secondsUntil(best, 1e-3), 1e3 * run.secondsUntil(best, 1e-6),
+                1e-6 * result.memory_bytes, run.finalRss());
     if (result.program == "SLoM") {
       slom = &result;
       std::printf("|\n");

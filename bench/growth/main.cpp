@@ -39,7 +39,8 @@ struct Chain {
     for (int i = 0; i < size; ++i) points.push_back(est.insertRV(Point(i, 0), "p" + std::to_string(i)));
     est.prior(points[0], Point(), 1);
     for (int i = 1; i < size; ++i) {
-      steps.push_back(est.insertMeasurement(Step(), points[std::size_t(i - 1)], points[std::size_t(i)], slom::measured(Point(1, 0.1))));
+      steps.push_back(est.insertMeasurement(Step(), points[std::size_t(i - 1)], points[std::size_t(i)],
+                                            slom::measured(Point(1, 0.1))));
     }
   }
 };
@@ -56,8 +57,9 @@ double seconds(const F& f) {
 template <class F>
 double perCall(const std::vector<Id>& points, const F& f) {
   return 1e9 * seconds([&] {
-    for (const Id& point : points) f(point);
-  }) / static_cast<double>(points.size());
+           for (const Id& point : points) f(point);
+         }) /
+         static_cast<double>(points.size());
 }
 
 /// Names and times of all calls at this size.
@@ -66,7 +68,9 @@ std::vector<std::pair<std::string, double>> measure(int size) {
   slom::Estimator& est = chain.est;
   std::vector<std::pair<std::string, double>> times;
   double sum = 0;
-  const auto add = [&](const char* name, const auto& f) { times.emplace_back(name, perCall(chain.points, f)); };
+  const auto add = [&](const char* name, const auto& f) {
+    times.emplace_back(name, perCall(chain.points, f));
+  };
   add("fix(id, \"x\")", [&](const Id& id) { est.fix(id, "x"); });
   add("free(id, \"x\")", [&](const Id& id) { est.free(id, "x"); });
   add("fix(id)", [&](const Id& id) { est.fix(id); });
@@ -90,7 +94,8 @@ std::vector<std::pair<std::string, double>> measure(int size) {
   archive.save(est, file);
   const slom::StoredProblem stored = archive.load(file);
   int next = 0;
-  add("variable(name)", [&](const Id&) { sum += (*stored.variable<Point>("p" + std::to_string(next++)))[0]; });
+  add("variable(name)",
+      [&](const Id&) { sum += (*stored.variable<Point>("p" + std::to_string(next++)))[0]; });
   if (!(sum < kInfinity)) std::printf("a sum is not finite\n");
   return times;
 }

@@ -1,6 +1,7 @@
 // Does "converged" hold? Fits from random starts, their claims checked in long double.
 //
-//   bench_honesty [--fits N] [--verbose]   N random starts of each set, 1000 without
+//   bench_honesty [--first K] [--fits N] [--slom] [--verbose]
+//     N random starts of each set, 1000 without, from number K on, 0 without; --slom: without the peers
 //
 // by_scipy.py has the rows of SciPy.
 //
@@ -25,7 +26,7 @@ struct Score {
 
 using Fit = std::function<Claim(const Problem&)>;
 
-void add(Score& score, const Problem& problem, const Fit& fit, bool verbose) {
+void add(Score& score, const Problem& problem, const Fit& fit, bool verbose, int first = 0) {
   const Claim claim = fit(problem);
   ++score.fits;
   score.iterations += claim.iterations;
@@ -34,7 +35,8 @@ void add(Score& score, const Problem& problem, const Fit& fit, bool verbose) {
   std::string why;
   if (isFalse(problem, claim.x, &why)) {
     ++score.false_claims;
-    if (verbose) std::printf("    false: %s %d, %s\n", problem.name.c_str(), score.fits - 1, why.c_str());
+    if (verbose)
+      std::printf("    false: %s %d, %s\n", problem.name.c_str(), first + score.fits - 1, why.c_str());
   } else {
     score.optima += isOptimum(problem, claim.rss);
   }
@@ -50,16 +52,22 @@ void print(const char* set, const char* method, const Score& score) {
 
 int main(int count, char** words) {
   int fits = 1000;
-  bool verbose = false;
+  int first = 0;
+  bool verbose = false, with_peers = true;
   for (int i = 1; i < count; ++i) {
     if (std::strcmp(words[i], "--verbose") == 0) {
       verbose = true;
+    } else if (std::strcmp(words[i], "--slom") == 0) {
+      with_peers = false;
+    } else if (std::strcmp(words[i], "--first") == 0 && i + 1 < count) {
+      first = std::atoi(words[++i]);
     } else if (std::strcmp(words[i], "--fits") == 0 && i + 1 < count) {
       fits = std::atoi(words[++i]);
     } else {
-      std::fprintf(stderr,
-                   "bench_honesty: unknown argument '%s'; usage: bench_honesty [--fits N] [--verbose]\n",
-                   words[i]);
+      std::fprintf(
+          stderr,
+          "bench_honesty: unknown argument '%s'; usage: bench_honesty [--first K] [--fits N] [--slom] [--verbose]\n",
+          words[i]);
       return 2;
     }
   }
@@ -81,13 +89,15 @@ int main(int count, char** words) {
               "iterations");
   int lies = 0;
   for (const Row& row : rows) {
+    if (!row.is_slom && !with_peers) continue;
     Score published, classics, curves;
     for (const Problem& problem : publishedStarts()) add(published, problem, row.fit, verbose);
     print("published", row.name, published);
-    for (int i = 0; i < fits; ++i)
-      add(classics, randomClassic(static_cast<std::uint64_t>(i)), row.fit, verbose);
+    for (int i = first; i < first + fits; ++i)
+      add(classics, randomClassic(static_cast<std::uint64_t>(i)), row.fit, verbose, first);
     print("classics", row.name, classics);
-    for (int i = 0; i < fits; ++i) add(curves, randomCurve(static_cast<std::uint64_t>(i)), row.fit, verbose);
+    for (int i = first; i < first + fits; ++i)
+      add(curves, randomCurve(static_cast<std::uint64_t>(i)), row.fit, verbose, first);
     print("curves", row.name, curves);
     if (row.is_slom) lies += published.false_claims + classics.false_claims + curves.false_claims;
   }

@@ -2,8 +2,7 @@
 #include <memory>
 #include <utility>
 
-#include <tbb/task_arena.h>
-
+#include <slom/base/threads.hpp>
 #include <slom/linearize/linearize.hpp>
 #include <slom/model/callable.hpp>
 #include <slom/problem/problem.hpp>
@@ -57,10 +56,9 @@ Variant linearized(std::string name, double tolerance, Fill fill) {
     Problem problem;
     Linearizer linearizer;
     NullSink sink;
-    tbb::task_arena oneThread{1};
 
     void linearize(JacobianSink& into) {
-      oneThread.execute([&] { linearizer.linearize(problem, into); });
+      withThreads(1, [&] { linearizer.linearize(problem, into); });
     }
   };
   const auto state = std::make_shared<State>();
@@ -144,8 +142,8 @@ std::vector<Variant> bySlom(const StereoData& data) {
       insert(problem, f, intrinsics, left2right, boards[std::size_t(z.view)], z.on_board, z.pixels);
     }
   };
-  return variantsOf<4, 30, StereoReprojection, StereoIntrinsics, SE3, SE3, mtk::vect<3>, mtk::vect<4>>(
-      data, fill);
+  return variantsOf<4, 30, StereoReprojection, StereoIntrinsics, SE3, SE3, mtk::vect<3>, mtk::vect<4>>(data,
+                                                                                                       fill);
 }
 
 }  // namespace slom::bench

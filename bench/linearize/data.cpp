@@ -36,8 +36,8 @@ BalData simulateBal() {
   for (int i = 0; i < cameras; ++i) {
     SE3 pose = random.pose(0.4, 1.0);
     pose.pos[2] -= 10;
-    data.cameras.emplace_back(pose,
-                              Vec3{random.uniform(400, 600), random.uniform(-0.1, 0.0), random.uniform(0.0, 0.02)});
+    data.cameras.emplace_back(
+        pose, Vec3{random.uniform(400, 600), random.uniform(-0.1, 0.0), random.uniform(0.0, 0.02)});
   }
   for (int i = 0; i < kMeasurements; ++i) {
     const int point = i / views_of_a_point;

@@ -19,16 +19,10 @@ using OpenCv5 = mtk::vect<9>;  ///< fx, fy, cx, cy, k1, k2, p1, p2, k3
 
 /// Camera of "Bundle adjustment in the large": looks along -z, its pose moves points of the world to it; the lens is
 /// f [px], k1, k2.
-MTK_BUILD_MANIFOLD(BalCamera,
-  ((SE3, pose))
-  ((Vec3, lens))
-)
+MTK_BUILD_MANIFOLD(BalCamera, ((SE3, pose))((Vec3, lens)))
 
 /// Two cameras that look along z.
-MTK_BUILD_MANIFOLD(StereoIntrinsics,
-  ((OpenCv5, left))
-  ((OpenCv5, right))
-)
+MTK_BUILD_MANIFOLD(StereoIntrinsics, ((OpenCv5, left))((OpenCv5, right)))
 
 /// P = R X + t, p = -P.xy / P.z, residual f (1 + k1 |p|^2 + k2 |p|^4) p - pixel.
 struct BalReprojection {
@@ -57,7 +51,8 @@ struct StereoReprojection {
     const auto in_left = board2left * on_board;
     const auto in_right = left2right * in_left;
     const auto [u, v] = mtk::bottleneck(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
-    const auto [u2, v2] = mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
+    const auto [u2, v2] =
+        mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
     return mtk::vector(u - pixels[0], v - pixels[1], u2 - pixels[2], v2 - pixels[3]);
   }
 

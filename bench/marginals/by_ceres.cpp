@@ -44,7 +44,8 @@ MatrixXd stepsOf(const Camera& camera) {
   J.block<3, 3>(0, 3).setIdentity();
   J.block<3, 3>(3, 0).setIdentity();
   if (angle > 0) {
-    J.block<3, 3>(3, 0) += (std::cos(angle) - 1) / angle * cross + (1 - std::sin(angle) / angle) * cross * cross;
+    J.block<3, 3>(3, 0) +=
+        (std::cos(angle) - 1) / angle * cross + (1 - std::sin(angle) / angle) * cross * cross;
   }
   J.block<3, 3>(6, 6).setIdentity();
   return J;

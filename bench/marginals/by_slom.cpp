@@ -22,7 +22,8 @@ Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids, const
   std::unique_ptr<slom::Marginals> marginals;
   for (int i = 0; i < repetitions; ++i) {
     est.changeSolver(std::make_unique<BlockSolver>());
-    const double seconds = processorSecondsOf([&] { marginals = std::make_unique<slom::Marginals>(est.marginals()); });
+    const double seconds =
+        processorSecondsOf([&] { marginals = std::make_unique<slom::Marginals>(est.marginals()); });
     result.seconds = std::min(result.seconds, seconds);
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -57,7 +58,8 @@ Marginals marginalsBySlom(app::bundle::Scene& scene) {
   fit.optimize({});
   fit.writeTo(scene);
   for (const auto& point : fit.points()) {
-    fit.estimator().insertMeasurement([](const auto& p) { return p; }, point, measured(*point), StandardDeviation(kPointSigma));
+    fit.estimator().insertMeasurement([](const auto& p) { return p; }, point, measured(*point),
+                                      StandardDeviation(kPointSigma));
   }
   std::vector<char> is_held(scene.cameras.size(), 0);
   is_held[0] = 1;

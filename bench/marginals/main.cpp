@@ -33,7 +33,8 @@ constexpr double kTolerance = 1e-6;
 std::string packed(const Marginals& marginals) {
   std::string text(reinterpret_cast<const char*>(&marginals.seconds), sizeof(double));
   for (const MatrixXd& block : marginals.blocks) {
-    text.append(reinterpret_cast<const char*>(block.data()), sizeof(double) * static_cast<std::size_t>(block.size()));
+    text.append(reinterpret_cast<const char*>(block.data()),
+                sizeof(double) * static_cast<std::size_t>(block.size()));
   }
   return text;
 }
@@ -68,11 +69,13 @@ double difference(const Marginals& x, const Marginals& y) {
   return largest;
 }
 
-void printRow(const Problem& problem, const Marginals& own, const std::optional<Marginals>& peer, const std::string& why) {
+void printRow(const Problem& problem, const Marginals& own, const std::optional<Marginals>& peer,
+              const std::string& why) {
   std::size_t unknowns = 0, blocks = 0;
-  for (const MatrixXd& block : own.blocks) unknowns += static_cast<std::size_t>(block.rows()), blocks += block.size() > 0;
-  std::printf("| %s | %zu x %zu | %.4g | ", problem.name.c_str(), blocks, unknowns / std::max<std::size_t>(blocks, 1),
-              own.seconds);
+  for (const MatrixXd& block : own.blocks)
+    unknowns += static_cast<std::size_t>(block.rows()), blocks += block.size() > 0;
+  std::printf("| %s | %zu x %zu | %.4g | ", problem.name.c_str(), blocks,
+              unknowns / std::max<std::size_t>(blocks, 1), own.seconds);
   if (peer) {
     std::printf("%.4g | %.1f | %.0e |\n", peer->seconds, peer->seconds / own.seconds, difference(own, *peer));
   } else {
@@ -87,9 +90,11 @@ bool compare(Problem& problem, [[maybe_unused]] double time_limit) {
   std::optional<Marginals> peer;
   std::string why = "-";
 #ifdef SLOM_BENCH_CERES
-  const ChildOutcome outcome =
-      runInChild([&] { return packed(std::visit([](const auto& data) { return marginalsByCeres(data); }, problem.data)); },
-                 {time_limit, 0});
+  const ChildOutcome outcome = runInChild(
+      [&] {
+        return packed(std::visit([](const auto& data) { return marginalsByCeres(data); }, problem.data));
+      },
+      {time_limit, 0});
   if (outcome.ok) {
     peer = unpacked(outcome.text, own);
   } else {
@@ -107,10 +112,12 @@ int main(int argc, char** argv) {
   std::vector<std::string> sources;
   double time_limit = 300;
   app.add_option("problems", sources, "as bench_fit takes them")->required()->type_name("");
-  app.add_option("--time-limit", time_limit, "of Ceres for each problem [s]; 0: none")->check(CLI::NonNegativeNumber);
+  app.add_option("--time-limit", time_limit, "of Ceres for each problem [s]; 0: none")
+      ->check(CLI::NonNegativeNumber);
   CLI11_PARSE(app, argc, argv);
-  std::cout << "| problem | blocks | SLoM [s] | Ceres [s] | ratio | difference |\n| --- | ---: | ---: | ---: | ---: | ---: |"
-            << std::endl;
+  std::cout
+      << "| problem | blocks | SLoM [s] | Ceres [s] | ratio | difference |\n| --- | ---: | ---: | ---: | ---: | ---: |"
+      << std::endl;
   bool ok = true;
   try {
     for (const std::string& source : sources) {
@@ -121,7 +128,8 @@ int main(int argc, char** argv) {
     std::cerr << "bench_marginals: " << error.what() << "\n";
     return 2;
   }
-  std::cout << "\nProcessor time, one thread; " << processorName() << "; " << compilerName() << "; " << compileFlags() << ".\n";
+  std::cout << "\nProcessor time, one thread; " << processorName() << "; " << compilerName() << "; "
+            << compileFlags() << ".\n";
   if (!ok) std::cerr << "bench_marginals: covariances differ by more than " << kTolerance << "\n";
   return ok ? 0 : 1;
 }

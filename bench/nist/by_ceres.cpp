@@ -31,7 +31,8 @@ constexpr int kMostParameters = 9;  // of all problems: derivatives in one pass
 ceres::Solver::Options optionsFor(CeresMethod method, double initial_radius) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.trust_region_strategy_type = method == CeresMethod::dog_leg ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
+  options.trust_region_strategy_type =
+      method == CeresMethod::dog_leg ? ceres::DOGLEG : ceres::LEVENBERG_MARQUARDT;
   options.initial_trust_region_radius = initial_radius;
   options.max_num_iterations = testing::nist::toTheLastDigit().max_iterations;
   options.max_num_consecutive_invalid_steps = 100;
@@ -55,12 +56,14 @@ Eigen::VectorXd deviations(ceres::Problem& problem, const double* b, Eigen::Inde
 
 }  // namespace
 
-Fit fitByCeres(const Problem& problem, const Eigen::VectorXd& start, CeresMethod method, double initial_radius) {
+Fit fitByCeres(const Problem& problem, const Eigen::VectorXd& start, CeresMethod method,
+               double initial_radius) {
   Fit fit;
   fit.parameters = start;
   ceres::Problem fitted;
   for (const Datum& datum : problem.data) {
-    auto* const cost = new ceres::DynamicAutoDiffCostFunction<Residual, kMostParameters>(new Residual{problem.model, datum});
+    auto* const cost =
+        new ceres::DynamicAutoDiffCostFunction<Residual, kMostParameters>(new Residual{problem.model, datum});
     cost->AddParameterBlock(static_cast<int>(start.size()));
     cost->SetNumResiduals(1);
     fitted.AddResidualBlock(cost, nullptr, fit.parameters.data());

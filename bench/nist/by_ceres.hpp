@@ -12,7 +12,7 @@ constexpr double kCeresRadius = 1e4;
 
 /// Tolerances and iterations as in Ceres' own program for these problems (examples/nist.cc), but for the function tolerance;
 /// derivatives are automatic, systems are solved by dense QR. Standard deviations: ceres::Covariance times RSS / redundancy.
-testing::nist::Fit fitByCeres(const testing::nist::Problem& problem, const Eigen::VectorXd& start, CeresMethod method,
-                              double initial_radius);
+testing::nist::Fit fitByCeres(const testing::nist::Problem& problem, const Eigen::VectorXd& start,
+                              CeresMethod method, double initial_radius);
 
 }  // namespace slom::bench

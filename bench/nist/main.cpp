@@ -33,13 +33,15 @@ struct Method {
 /// By SLoM, to the last digit.
 template <class A>
 Method bySlom(std::string name, std::string what, const A& algorithm) {
-  return {std::move(name), std::move(what), [algorithm](const Problem& problem, const Eigen::VectorXd& start) {
+  return {std::move(name), std::move(what),
+          [algorithm](const Problem& problem, const Eigen::VectorXd& start) {
             return testing::nist::fitBySlom(problem, start, algorithm, testing::nist::toTheLastDigit());
           }};
 }
 
 Method asItComes() {
-  return {"SLoM, as it comes", "`est.optimize()`: default algorithm, options and solver", testing::nist::fitAsItComes};
+  return {"SLoM, as it comes", "`est.optimize()`: default algorithm, options and solver",
+          testing::nist::fitAsItComes};
 }
 
 #ifdef SLOM_BENCH_CERES
@@ -57,18 +59,20 @@ std::vector<Method> methods() {
              LevenbergMarquardt(kCautiousDamping)),
       bySlom("SLoM, default damping", "`LevenbergMarquardt()`", LevenbergMarquardt()),
       bySlom("SLoM, dog leg", "`DogLeg()`", DogLeg()),
-      bySlom("SLoM, Gauss-Newton", "`GaussNewton()`, which goes on with Levenberg-Marquardt when a step leads uphill",
+      bySlom("SLoM, Gauss-Newton",
+             "`GaussNewton()`, which goes on with Levenberg-Marquardt when a step leads uphill",
              GaussNewton()),
       asItComes()};
 #ifdef SLOM_BENCH_CERES
   using enum bench::CeresMethod;
+  all.push_back(byCeres("Ceres", "Levenberg-Marquardt with the default trust region, 1e4",
+                        levenberg_marquardt, bench::kCeresRadius));
   all.push_back(
-      byCeres("Ceres", "Levenberg-Marquardt with the default trust region, 1e4", levenberg_marquardt, bench::kCeresRadius));
-  all.push_back(byCeres("Ceres, short steps",
-                        "the same from a trust region of 1e-3, the inverse of SLoM's damping in the first column",
-                        levenberg_marquardt, 1 / kCautiousDamping));
-  all.push_back(
-      byCeres("Ceres, dog leg", "its traditional dog leg with the default trust region", dog_leg, bench::kCeresRadius));
+      byCeres("Ceres, short steps",
+              "the same from a trust region of 1e-3, the inverse of SLoM's damping in the first column",
+              levenberg_marquardt, 1 / kCautiousDamping));
+  all.push_back(byCeres("Ceres, dog leg", "its traditional dog leg with the default trust region", dog_leg,
+                        bench::kCeresRadius));
 #endif
   return all;
 }
@@ -91,8 +95,8 @@ std::vector<Row> scoreAll(const std::vector<Problem>& problems, const std::vecto
       Row row{&problem, s + 1, {}};
       for (const Method& method : all) {
         const Fit fit = method.fit(problem, problem.starts[static_cast<std::size_t>(s)]);
-        row.scores.push_back(
-            {digits(fit.parameters, problem.parameters), digits(fit.deviations, problem.deviations), fit.iterations});
+        row.scores.push_back({digits(fit.parameters, problem.parameters),
+                              digits(fit.deviations, problem.deviations), fit.iterations});
       }
       rows.push_back(std::move(row));
     }
@@ -138,7 +142,8 @@ void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::
     }
     out << " | " << all[m].what << " |\n";
   }
-  out << "\nAll but \"as it comes\" go on as long as digits come: " << testing::nist::toTheLastDigit().max_iterations
+  out << "\nAll but \"as it comes\" go on as long as digits come: "
+      << testing::nist::toTheLastDigit().max_iterations
       << " iterations at most, tolerances at the machine's precision,\nexact derivatives, dense QR (`slom::DenseQR`, Ceres' "
          "`DENSE_QR`); "
          "`est.setSigma(slom::Sigma::estimated)`, in Ceres `Covariance` by `DENSE_SVD`\ntimes RSS / redundancy.\n\n"
@@ -173,7 +178,8 @@ int run(const std::string& data, const std::string& output) {
   if (!output.empty()) {
     std::ofstream file(output);
     file << page.str();
-    if (!file.flush()) throw std::runtime_error(output + ": cannot be written; name a file in a folder that you may write to");
+    if (!file.flush())
+      throw std::runtime_error(output + ": cannot be written; name a file in a folder that you may write to");
   }
   return countFrom(rows, 0, &Score::parameters, 8) == static_cast<int>(rows.size()) ? 0 : 1;
 }

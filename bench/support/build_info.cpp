@@ -1,9 +1,8 @@
 #include "support/build_info.hpp"
 
+#include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
-
-#include <dlfcn.h>
 
 namespace slom::bench {
 

@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <system_error>
-
 #include <poll.h>
+#include <system_error>
+#include <unistd.h>
+
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 namespace slom::bench {
 

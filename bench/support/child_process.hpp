@@ -7,7 +7,7 @@
 namespace slom::bench {
 
 struct ChildLimits {
-  double seconds = 0;  ///< 0: none
+  double seconds = 0;       ///< 0: none
   double memory_bytes = 0;  ///< of data, 0: none
 };
 

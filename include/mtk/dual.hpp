@@ -27,14 +27,18 @@ namespace detail {
 
 constexpr int countColumns(std::uint64_t columns) { return std::popcount(columns); }
 /// The bits 0 .. n - 1.
-constexpr std::uint64_t lowColumns(int n) { return n >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1; }
+constexpr std::uint64_t lowColumns(int n) {
+  return n >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1;
+}
 /// Number of the i-th column in the set.
 constexpr int columnAt(std::uint64_t columns, int i) {
   for (; i > 0; --i) columns &= columns - 1;
   return std::countr_zero(columns);
 }
 /// Place of a column that is in the set among its members.
-constexpr int placeOf(std::uint64_t columns, int column) { return std::popcount(columns & lowColumns(column)); }
+constexpr int placeOf(std::uint64_t columns, int column) {
+  return std::popcount(columns & lowColumns(column));
+}
 
 /// Partial derivatives with respect to the columns in the set C; all others are zero.
 template <class S, std::uint64_t C>
@@ -64,7 +68,8 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
         }
       };
       (one(std::integral_constant<int, I>{}), ...);
-    }(std::make_integer_sequence<int, countColumns(A | B)>{});
+    }
+    (std::make_integer_sequence<int, countColumns(A | B)>{});
     return r;
   }
 }
@@ -100,29 +105,27 @@ class SparseDual {
   SparseDual() = default;
   /// A constant.
   template <class T>
-    requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
-  SparseDual(const T& constant) : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
+  requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>) SparseDual(const T& constant)
+      : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
   /// With the partial derivatives that make() returns, which are not copied.
   template <class Make>
-    requires requires(const Make& make) {
-      { make() } -> std::same_as<Partials>;
-    }
+  requires requires(const Make& make) {
+    { make() } -> std::same_as<Partials>;
+  }
   SparseDual(const S& value, const Make& make) : v_(value), d_(make()) {}
   /// The same number among more columns.
   template <std::uint64_t A>
-    requires((A & ~C) == 0 && A != C)
-  SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
+  requires((A & ~C) == 0 && A != C)
+      SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
     *this = x;
   }
   template <std::uint64_t A>
-    requires((A & ~C) == 0 && A != C)
-  SparseDual& operator=(const SparseDual<S, A>& x) {
+  requires((A & ~C) == 0 && A != C) SparseDual& operator=(const SparseDual<S, A>& x) {
     v_ = x.value();
     if constexpr (Partials::lanes > 1) d_ = Partials::zero();
-    [&]<int... I>(std::integer_sequence<int, I...>) {
-      (d_.set(I, x.partial(detail::columnAt(C, I))), ...);
-    }(std::make_integer_sequence<int, size>{});
+    [&]<int... I>(std::integer_sequence<int, I...>) { (d_.set(I, x.partial(detail::columnAt(C, I))), ...); }
+    (std::make_integer_sequence<int, size>{});
     return *this;
   }
 
@@ -166,7 +169,7 @@ template <class S, int N>
 using Dual = SparseDual<S, detail::lowColumns(N)>;
 
 template <class S, std::uint64_t C>
-  requires is_scalar_v<S>
+requires is_scalar_v<S>
 inline constexpr bool is_scalar_v<SparseDual<S, C>> = true;
 
 namespace detail {
@@ -190,16 +193,19 @@ SparseDual<S, C> chainOrZero(const SparseDual<S, C>& x, const S& f, const S& df)
 }
 /// The function with value f and derivatives da, db at (a, b).
 template <class S, std::uint64_t A, std::uint64_t B>
-SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da, const S& db) {
+SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da,
+                           const S& db) {
   return {f, [&] {
-            return combine<A, B, S>(a.partials(), b.partials(), [&](const auto& x, const auto& y) { return da * x + db * y; },
-                                    [&](const auto& x) { return da * x; }, [&](const auto& y) { return db * y; });
+            return combine<A, B, S>(
+                a.partials(), b.partials(), [&](const auto& x, const auto& y) { return da * x + db * y; },
+                [&](const auto& x) { return da * x; }, [&](const auto& y) { return db * y; });
           }};
 }
 
 /// The same where da or db may be infinite or not exist.
 template <class S, std::uint64_t A, std::uint64_t B>
-SparseDual<S, A | B> chainOrZero(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da, const S& db) {
+SparseDual<S, A | B> chainOrZero(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f,
+                                 const S& da, const S& db) {
   const SparseDual<S, A> by_a(f, [&] { return scaledOrZero(da, a.partials()); });
   const SparseDual<S, B> by_b(S(0), [&] { return scaledOrZero(db, b.partials()); });
   return by_a + by_b;
@@ -227,13 +233,15 @@ template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator+(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
   const auto same = [](const auto& x) { return x; };
   const auto plus = [](const auto& x, const auto& y) { return x + y; };
-  return {a.value() + b.value(), [&] { return detail::combine<A, B, S>(a.partials(), b.partials(), plus, same, same); }};
+  return {a.value() + b.value(),
+          [&] { return detail::combine<A, B, S>(a.partials(), b.partials(), plus, same, same); }};
 }
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> operator-(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {
   return {a.value() - b.value(), [&] {
-            return detail::combine<A, B, S>(a.partials(), b.partials(), [](const auto& x, const auto& y) { return x - y; },
-                                            [](const auto& x) { return x; }, [](const auto& y) { return -y; });
+            return detail::combine<A, B, S>(
+                a.partials(), b.partials(), [](const auto& x, const auto& y) { return x - y; },
+                [](const auto& x) { return x; }, [](const auto& y) { return -y; });
           }};
 }
 template <class S, std::uint64_t A, std::uint64_t B>
@@ -282,18 +290,18 @@ SparseDual<S, C> operator/(const T& a, const SparseDual<S, C>& b) {
 }
 
 // Comparisons look at the values.
-#define MTK_COMPARE_DUALS(op)                                                                   \
-  template <class S, std::uint64_t A, std::uint64_t B>                                          \
-  auto operator op(const SparseDual<S, A>& a, const SparseDual<S, B>& b) {                      \
-    return a.value() op b.value();                                                              \
-  }                                                                                             \
-  template <class S, std::uint64_t C, detail::ConstantFor<S> T>                                 \
-  auto operator op(const SparseDual<S, C>& a, const T& b) {                                     \
-    return a.value() op S(b);                                                                   \
-  }                                                                                             \
-  template <class S, std::uint64_t C, detail::ConstantFor<S> T>                                 \
-  auto operator op(const T& a, const SparseDual<S, C>& b) {                                     \
-    return S(a) op b.value();                                                                   \
+#define MTK_COMPARE_DUALS(op)                                              \
+  template <class S, std::uint64_t A, std::uint64_t B>                     \
+  auto operator op(const SparseDual<S, A>& a, const SparseDual<S, B>& b) { \
+    return a.value() op b.value();                                         \
+  }                                                                        \
+  template <class S, std::uint64_t C, detail::ConstantFor<S> T>            \
+  auto operator op(const SparseDual<S, C>& a, const T& b) {                \
+    return a.value() op S(b);                                              \
+  }                                                                        \
+  template <class S, std::uint64_t C, detail::ConstantFor<S> T>            \
+  auto operator op(const T& a, const SparseDual<S, C>& b) {                \
+    return S(a) op b.value();                                              \
   }
 MTK_COMPARE_DUALS(==)
 MTK_COMPARE_DUALS(!=)
@@ -305,27 +313,28 @@ MTK_COMPARE_DUALS(>=)
 
 /// Lane by lane for dual numbers over packs.
 template <class Mask, class S, std::uint64_t C>
-  requires(!std::is_same_v<Mask, bool>)
-SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
+requires(!std::is_same_v<Mask, bool>) SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a,
+                                                              const SparseDual<S, C>& b) {
   detail::Partials<S, C> d;
-  detail::unrolled<detail::Partials<S, C>::count>([&](int i) { d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]); });
+  detail::unrolled<detail::Partials<S, C>::count>(
+      [&](int i) { d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]); });
   return {select(mask, a.value(), b.value()), d};
 }
 
 // Functions. `f` is the value, `df` the derivative; `x` is the argument's value.
-#define MTK_DUAL_FUNCTION(name, derivative)               \
-  template <class S, std::uint64_t C>                     \
+#define MTK_DUAL_FUNCTION(name, derivative)                 \
+  template <class S, std::uint64_t C>                       \
   SparseDual<S, C> name(const SparseDual<S, C>& argument) { \
-    using std::cos;                                       \
-    using std::cosh;                                      \
-    using std::exp;                                       \
-    using std::name;                                      \
-    using std::sin;                                       \
-    using std::sinh;                                      \
-    using std::sqrt;                                      \
-    const S& x = argument.value();                        \
-    const S f = name(x);                                  \
-    return derivative;                                    \
+    using std::cos;                                         \
+    using std::cosh;                                        \
+    using std::exp;                                         \
+    using std::name;                                        \
+    using std::sin;                                         \
+    using std::sinh;                                        \
+    using std::sqrt;                                        \
+    const S& x = argument.value();                          \
+    const S f = name(x);                                    \
+    return derivative;                                      \
   }
 MTK_DUAL_FUNCTION(sqrt, detail::chainOrZero(argument, f, S(S(0.5) / f)))
 MTK_DUAL_FUNCTION(cbrt, detail::chainOrZero(argument, f, S(S(1) / (S(3) * f * f))))
@@ -347,7 +356,8 @@ MTK_DUAL_FUNCTION(tanh, detail::chain(argument, f, S((S(1) - f) * (S(1) + f))))
 MTK_DUAL_FUNCTION(asinh, detail::chain(argument, f, S(S(1) / sqrt(S(S(1) + x * x)))))
 MTK_DUAL_FUNCTION(acosh, detail::chainOrZero(argument, f, S(S(1) / sqrt(S((x - S(1)) * (x + S(1)))))))
 MTK_DUAL_FUNCTION(atanh, detail::chainOrZero(argument, f, S(S(1) / ((S(1) - x) * (S(1) + x)))))
-MTK_DUAL_FUNCTION(erf, detail::chain(argument, f, S(S(1.1283791670955125738961589031215452L) * exp(S(-x * x)))))
+MTK_DUAL_FUNCTION(erf,
+                  detail::chain(argument, f, S(S(1.1283791670955125738961589031215452L) * exp(S(-x * x)))))
 MTK_DUAL_FUNCTION(floor, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(ceil, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))
@@ -442,7 +452,8 @@ SparseDual<S, A | B> pow(const SparseDual<S, A>& base, const SparseDual<S, B>& e
   using std::log;
   using std::pow;
   const S f = pow(base.value(), exponent.value());
-  const S slope = select(exponent.value() == S(0), S(0), S(exponent.value() * pow(base.value(), S(exponent.value() - S(1)))));
+  const S slope = select(exponent.value() == S(0), S(0),
+                         S(exponent.value() * pow(base.value(), S(exponent.value() - S(1)))));
   // Of a negative base there is no derivative by the exponent; one that does not move does without.
   return detail::chainOrZero(base, exponent, f, slope, select(f == S(0), S(0), S(f * log(base.value()))));
 }
@@ -498,18 +509,17 @@ struct NumTraits<mtk::SparseDual<S, C>> {
 };
 
 template <class T, class S, std::uint64_t C, class Op>
-  requires mtk::detail::ConstantFor<T, S>
+requires mtk::detail::ConstantFor<T, S>
 struct ScalarBinaryOpTraits<T, mtk::SparseDual<S, C>, Op> {
   using ReturnType = mtk::SparseDual<S, C>;
 };
 template <class T, class S, std::uint64_t C, class Op>
-  requires mtk::detail::ConstantFor<T, S>
+requires mtk::detail::ConstantFor<T, S>
 struct ScalarBinaryOpTraits<mtk::SparseDual<S, C>, T, Op> {
   using ReturnType = mtk::SparseDual<S, C>;
 };
 template <class S, std::uint64_t A, std::uint64_t B, class Op>
-  requires(A != B)
-struct ScalarBinaryOpTraits<mtk::SparseDual<S, A>, mtk::SparseDual<S, B>, Op> {
+requires(A != B) struct ScalarBinaryOpTraits<mtk::SparseDual<S, A>, mtk::SparseDual<S, B>, Op> {
   using ReturnType = mtk::SparseDual<S, A | B>;
 };
 

@@ -24,7 +24,8 @@ class Error : public std::runtime_error {
 namespace detail {
 
 /// Throws an error whose sentence has numbers in its middle: `before`(1, 2.5, 0)`after`.
-[[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before, std::initializer_list<double> numbers,
+[[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before,
+                                                                   std::initializer_list<double> numbers,
                                                                    const char* after) {
   std::string text = before;
   for (const double& x : numbers) {

@@ -115,7 +115,10 @@ inline std::string joinPath(const std::string& path, std::string_view name) {
 }
 
 template <class M>
-concept HasScalar = requires { typename M::scalar; } && is_scalar_v<typename M::scalar>;
+concept HasScalar = requires {
+  typename M::scalar;
+}
+&&is_scalar_v<typename M::scalar>;
 
 template <class M>
 concept HasDof = requires {
@@ -124,15 +127,15 @@ concept HasDof = requires {
 
 template <class M>
 concept HasBoxplus = HasScalar<M> && HasDof<M> &&
-                     requires(M& x, vectview<const typename M::scalar, int(M::DOF)> d) {
-                       x.boxplus(d, typename M::scalar(1));
-                     };
+    requires(M& x, vectview<const typename M::scalar, int(M::DOF)> d) {
+  x.boxplus(d, typename M::scalar(1));
+};
 
 template <class M>
 concept HasBoxminus = HasScalar<M> && HasDof<M> &&
-                      requires(const M& x, const M& y, vectview<typename M::scalar, int(M::DOF)> out) {
-                        x.boxminus(out, y);
-                      };
+    requires(const M& x, const M& y, vectview<typename M::scalar, int(M::DOF)> out) {
+  x.boxminus(out, y);
+};
 
 template <class M>
 concept HasRuntimeDof = requires(const M& x) {
@@ -143,7 +146,9 @@ template <class M>
 concept IsEigenColumn = std::is_base_of_v<Eigen::PlainObjectBase<M>, M> && int(M::ColsAtCompileTime) == 1;
 
 template <class M>
-concept DerivesFromEigen = requires(const M& x) { []<class D>(const Eigen::MatrixBase<D>&) {}(x); };
+concept DerivesFromEigen = requires(const M& x) {
+  []<class D>(const Eigen::MatrixBase<D>&) {}(x);
+};
 
 /// x, y, z for vectors of two or three entries, numbers otherwise.
 template <class Sink>
@@ -157,8 +162,9 @@ template <class X, class Y>
 void requireSameSize(const X& x, const Y& y, const char* operation) {
   if constexpr (X::SizeAtCompileTime == Dynamic || Y::SizeAtCompileTime == Dynamic) {
     if (x.size() == y.size()) return;
-    throw Error("mtk.size-mismatch", std::string("the operands of ") + operation + " have " + std::to_string(x.size()) +
-                                         " and " + std::to_string(y.size()) + " entries; give both the same size");
+    throw Error("mtk.size-mismatch", std::string("the operands of ") + operation + " have " +
+                                         std::to_string(x.size()) + " and " + std::to_string(y.size()) +
+                                         " entries; give both the same size");
   }
 }
 
@@ -167,7 +173,7 @@ void requireSameSize(const X& x, const Y& y, const char* operation) {
 /// The type brings the operations itself (or inherits them).
 template <class M>
 concept ManifoldByMembers = detail::HasBoxplus<M> && detail::HasBoxminus<M> &&
-                            (int(M::DOF) != Dynamic || detail::HasRuntimeDof<M>);
+    (int(M::DOF) != Dynamic || detail::HasRuntimeDof<M>);
 
 /// Compound types name their members: `mtkMembers(x)` gives references, `mtkMemberNames()` their names.
 template <class M>
@@ -189,15 +195,17 @@ void forEachPart(TupleX&& x, TupleY&& y, F&& f) {
       offset += n;
     };
     (one(std::get<I>(x), std::get<I>(y)), ...);
-  }(std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
+  }
+  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
 }
 
 /// Scalar and degrees of freedom of a compound of the manifolds P.
 template <class First, class... P>
 struct MemberTypes {
-  static_assert((Manifold<First> && ... && Manifold<P>),
-                "mtk: a member of this compound is not a manifold; its type needs `scalar`, `DOF`, `boxplus` and "
-                "`boxminus`, or must be a struct without constructors whose members are all manifolds");
+  static_assert(
+      (Manifold<First> && ... && Manifold<P>),
+      "mtk: a member of this compound is not a manifold; its type needs `scalar`, `DOF`, `boxplus` and "
+      "`boxminus`, or must be a struct without constructors whose members are all manifolds");
   using scalar = scalar_t<First>;
   static constexpr int DOF =
       ((DOF_v<First> == Dynamic) || ... || (DOF_v<P> == Dynamic)) ? Dynamic : (DOF_v<First> + ... + DOF_v<P>);
@@ -236,9 +244,9 @@ struct CompoundTraits {
   static void visitComponentNames(const M& x, const std::string& path, Sink&& sink) {
     const auto names = Parts::names();
     std::size_t i = 0;
-    std::apply([&](const auto&... part) {
-      (mtk::visitComponentNames(part, joinPath(path, names[i++]), sink), ...);
-    }, Parts::of(x));
+    std::apply(
+        [&](const auto&... part) { (mtk::visitComponentNames(part, joinPath(path, names[i++]), sink), ...); },
+        Parts::of(x));
   }
   static void magnitudes(vectview<scalar, DOF> out, const M& x) {
     forEachPart(Parts::of(x), Parts::of(x), [&](const auto& part, const auto&, int offset) {
@@ -326,7 +334,7 @@ struct ManifoldTraits<M> {
 };
 
 template <class S>
-  requires is_scalar_v<S>
+requires is_scalar_v<S>
 struct ManifoldTraits<S> {
   using scalar = S;
   static constexpr bool is_manifold = true;
@@ -342,8 +350,8 @@ struct ManifoldTraits<S> {
 };
 
 template <class V>
-  requires(detail::IsEigenColumn<V> && !ManifoldByMembers<V> && is_scalar_v<typename V::Scalar>)
-struct ManifoldTraits<V> {
+requires(detail::IsEigenColumn<V> && !ManifoldByMembers<V> &&
+         is_scalar_v<typename V::Scalar>) struct ManifoldTraits<V> {
   using scalar = typename V::Scalar;
   static constexpr bool is_manifold = true;
   static constexpr int DOF = V::RowsAtCompileTime;
@@ -364,8 +372,7 @@ struct ManifoldTraits<V> {
 };
 
 template <Manifold M, std::size_t N>
-  requires(N > 0)
-struct ManifoldTraits<std::array<M, N>> {
+requires(N > 0) struct ManifoldTraits<std::array<M, N>> {
   using Array = std::array<M, N>;
   using scalar = scalar_t<M>;
   static constexpr bool is_manifold = true;
@@ -415,8 +422,9 @@ template <class M>
 constexpr void requireManifold() {
   constexpr bool ok = Manifold<M>;
   constexpr bool partly = detail::HasScalar<M> || detail::HasDof<M>;
-  static_assert(ok || !partly || detail::HasScalar<M>,
-                "mtk: this type has DOF but is not a manifold: it lacks the member type `scalar` (float or double)");
+  static_assert(
+      ok || !partly || detail::HasScalar<M>,
+      "mtk: this type has DOF but is not a manifold: it lacks the member type `scalar` (float or double)");
   static_assert(ok || !partly || detail::HasDof<M>,
                 "mtk: this type has `scalar` but is not a manifold: it lacks the constant `DOF`");
   static_assert(ok || !(detail::HasScalar<M> && detail::HasDof<M>) || detail::HasBoxplus<M>,

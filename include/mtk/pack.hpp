@@ -104,8 +104,7 @@ class Pack {
   Pack() = default;
   /// The same number in all lanes.
   template <class T>
-    requires std::is_arithmetic_v<T>
-  Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
+  requires std::is_arithmetic_v<T> Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
     for (int i = 0; i < count; ++i) lanes.v[i] = typename Numbers::Vector{} + static_cast<double>(x);
   }
   explicit Pack(const Numbers& x) : lanes(x) {}
@@ -124,22 +123,22 @@ class Pack {
     return r;
   }
   friend Pack operator+(const Pack& a) { return a; }
-#define MTK_PACK_OPERATOR(op)                                                           \
-  friend Pack operator op(const Pack& a, const Pack& b) {                               \
-    Pack r;                                                                             \
-    for (int i = 0; i < count; ++i) r.lanes.v[i] = a.lanes.v[i] op b.lanes.v[i];        \
-    return r;                                                                           \
+#define MTK_PACK_OPERATOR(op)                                                    \
+  friend Pack operator op(const Pack& a, const Pack& b) {                        \
+    Pack r;                                                                      \
+    for (int i = 0; i < count; ++i) r.lanes.v[i] = a.lanes.v[i] op b.lanes.v[i]; \
+    return r;                                                                    \
   }
   MTK_PACK_OPERATOR(+)
   MTK_PACK_OPERATOR(-)
   MTK_PACK_OPERATOR(*)
   MTK_PACK_OPERATOR(/)
 #undef MTK_PACK_OPERATOR
-#define MTK_PACK_COMPARE(op)                                                            \
-  friend PackMask<Width> operator op(const Pack& a, const Pack& b) {                    \
-    PackMask<Width> r;                                                                  \
-    for (int i = 0; i < count; ++i) r.v[i] = a.lanes.v[i] op b.lanes.v[i];              \
-    return r;                                                                           \
+#define MTK_PACK_COMPARE(op)                                               \
+  friend PackMask<Width> operator op(const Pack& a, const Pack& b) {       \
+    PackMask<Width> r;                                                     \
+    for (int i = 0; i < count; ++i) r.v[i] = a.lanes.v[i] op b.lanes.v[i]; \
+    return r;                                                              \
   }
   MTK_PACK_COMPARE(==)
   MTK_PACK_COMPARE(!=)
@@ -180,7 +179,8 @@ template <class Vector>
 Vector vectorSqrt(const Vector& x) {
   if constexpr (std::is_same_v<Vector, double>) {
     return std::sqrt(x);
-  } else if constexpr (requires { Eigen::internal::psqrt(x); } && sizeof(Vector) == EIGEN_MAX_STATIC_ALIGN_BYTES) {
+  } else if constexpr (requires { Eigen::internal::psqrt(x); } &&
+                       sizeof(Vector) == EIGEN_MAX_STATIC_ALIGN_BYTES) {
     using Packet = typename Eigen::internal::packet_traits<double>::type;
     return reinterpret_cast<Vector>(Eigen::internal::psqrt(reinterpret_cast<Packet>(x)));
   } else {
@@ -217,17 +217,19 @@ void sinCos(const Pack<W>& x, Pack<W>& sine, Pack<W>& cosine) {
   const Pack<W> r = ((x - turns * 1.57079632673412561417e+00) - turns * 6.07710050630396597660e-11) -
                     turns * 2.02226624879595063154e-21;
   const Pack<W> r2 = r * r;
-  static constexpr double s[] = {-1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800, 1.0 / 6227020800.0,
-                                 -1.0 / 1307674368000.0};
-  static constexpr double c[] = {1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600.0,
-                                 -1.0 / 87178291200.0, 1.0 / 20922789888000.0};
+  static constexpr double s[] = {-1.0 / 6,        1.0 / 120,          -1.0 / 5040,           1.0 / 362880,
+                                 -1.0 / 39916800, 1.0 / 6227020800.0, -1.0 / 1307674368000.0};
+  static constexpr double c[] = {
+      1.0 / 24,          -1.0 / 720,           1.0 / 40320,           -1.0 / 3628800,
+      1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0};
   const Pack<W> sin_r = r + r * r2 * polynomial(r2, s);
   const Pack<W> half = r2 * 0.5;
   const Pack<W> cos_r = 1.0 - (half - r2 * r2 * polynomial(r2, c));
   // Quadrant q = turns mod 4, one of -1, 0, 1, 2: odd ones swap sine and cosine.
   const Pack<W> q = turns - 4.0 * roundToInteger(Pack<W>(turns * 0.25 - 0.0625));
   const PackMask<W> plus_one = q == Pack<W>(1.0), minus_one = q == Pack<W>(-1.0), two = q == Pack<W>(2.0);
-  const Pack<W> a = select(plus_one || minus_one, cos_r, sin_r), b = select(plus_one || minus_one, sin_r, cos_r);
+  const Pack<W> a = select(plus_one || minus_one, cos_r, sin_r),
+                b = select(plus_one || minus_one, sin_r, cos_r);
   sine = select(minus_one || two, -a, a);
   cosine = select(plus_one || two, -b, b);
   const PackMask<W> far = !((x <= Pack<W>(1e5)) && (x >= Pack<W>(-1e5)));
@@ -262,10 +264,10 @@ Pack<W> cos(const Pack<W>& x) {
   return cosine;
 }
 
-#define MTK_PACK_FUNCTION(name)                                           \
-  template <int W>                                                        \
-  Pack<W> name(const Pack<W>& x) {                                        \
-    return detail::laneByLane(x, [](double t) { return std::name(t); });  \
+#define MTK_PACK_FUNCTION(name)                                          \
+  template <int W>                                                       \
+  Pack<W> name(const Pack<W>& x) {                                       \
+    return detail::laneByLane(x, [](double t) { return std::name(t); }); \
   }
 MTK_PACK_FUNCTION(cbrt)
 MTK_PACK_FUNCTION(exp)
@@ -303,18 +305,22 @@ Pack<W> atan2(const Pack<W>& y, const Pack<W>& x) {
   divisor = select(divisor == P(0.0), P(1.0), divisor);
   const P t = select(beyond, P(small - large), small) / divisor;
   const P z = t * t;
-  static constexpr double p[] = {-6.485021904942025371773e1, -1.228866684490136173410e2, -7.500855792314704667340e1,
-                                 -1.615753718733365076637e1, -8.750608600031904122785e-1};
-  static constexpr double q[] = {1.945506571482613964425e2, 4.853903996359136964868e2, 4.328810604912902668951e2,
-                                 1.650270098316988542046e2, 2.485846490142306297962e1, 1.0};
+  static constexpr double p[] = {-6.485021904942025371773e1, -1.228866684490136173410e2,
+                                 -7.500855792314704667340e1, -1.615753718733365076637e1,
+                                 -8.750608600031904122785e-1};
+  static constexpr double q[] = {1.945506571482613964425e2, 4.853903996359136964868e2,
+                                 4.328810604912902668951e2, 1.650270098316988542046e2,
+                                 2.485846490142306297962e1, 1.0};
   const P correction = t * z * detail::polynomial(z, p) / detail::polynomial(z, q);
-  P angle = select(beyond, P(0.78539816339744830962 + (t + (correction + 3.061616997868382943e-17))), P(t + correction));
+  P angle = select(beyond, P(0.78539816339744830962 + (t + (correction + 3.061616997868382943e-17))),
+                   P(t + correction));
   angle = select(steep, P(1.57079632679489661923 - (angle - 6.123233995736765886e-17)), angle);
   angle = select(x < P(0.0), P(3.14159265358979323846 - (angle - 1.2246467991473531772e-16)), angle);
   angle = select(y < P(0.0), -angle, angle);
   const PackMask<W> ordinary = large <= P(std::numeric_limits<double>::max());
   if (all(ordinary)) return angle;
-  return select(ordinary, angle, detail::laneByLane(y, x, [](double a, double b) { return std::atan2(a, b); }));
+  return select(ordinary, angle,
+                detail::laneByLane(y, x, [](double a, double b) { return std::atan2(a, b); }));
 }
 template <int W>
 Pack<W> atan(const Pack<W>& x) {
@@ -329,17 +335,13 @@ Pack<W> pow(const Pack<W>& x, const Pack<W>& y) {
   return detail::laneByLane(x, y, [](double a, double b) { return std::pow(a, b); });
 }
 // With a number that is the same for all lanes.
-#define MTK_PACK_AND_NUMBER(name)                 \
-  template <int W, class T>                       \
-    requires std::is_arithmetic_v<T>              \
-  Pack<W> name(const Pack<W>& x, const T& y) {    \
-    return name(x, Pack<W>(y));                   \
-  }                                               \
-  template <int W, class T>                       \
-    requires std::is_arithmetic_v<T>              \
-  Pack<W> name(const T& x, const Pack<W>& y) {    \
-    return name(Pack<W>(x), y);                   \
-  }
+#define MTK_PACK_AND_NUMBER(name)                                               \
+  template <int W, class T>                                                     \
+  requires std::is_arithmetic_v<T> Pack<W> name(const Pack<W>& x, const T& y) { \
+    return name(x, Pack<W>(y));                                                 \
+  }                                                                             \
+  template <int W, class T>                                                     \
+  requires std::is_arithmetic_v<T> Pack<W> name(const T& x, const Pack<W>& y) { return name(Pack<W>(x), y); }
 MTK_PACK_AND_NUMBER(pow)
 MTK_PACK_AND_NUMBER(atan2)
 MTK_PACK_AND_NUMBER(hypot)
@@ -364,12 +366,12 @@ struct NumTraits<mtk::Pack<W>> : NumTraits<double> {
   enum { RequireInitialization = 0 };
 };
 template <int W, class T, class Op>
-  requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 struct ScalarBinaryOpTraits<T, mtk::Pack<W>, Op> {
   using ReturnType = mtk::Pack<W>;
 };
 template <int W, class T, class Op>
-  requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 struct ScalarBinaryOpTraits<mtk::Pack<W>, T, Op> {
   using ReturnType = mtk::Pack<W>;
 };

@@ -15,8 +15,8 @@
 #include "mtk/manifold.hpp"
 #include "mtk/pack.hpp"
 #include "mtk/types/s2.hpp"
-#include "mtk/types/seed.hpp"
 #include "mtk/types/scalar.hpp"
+#include "mtk/types/seed.hpp"
 #include "mtk/types/so2.hpp"
 #include "mtk/types/so3.hpp"
 #include "mtk/types/trafo.hpp"
@@ -32,7 +32,7 @@ struct Rebind {
   using type = void;
 };
 template <class T, class S>
-  requires std::is_floating_point_v<T>
+requires std::is_floating_point_v<T>
 struct Rebind<T, S> {
   using type = S;
 };
@@ -50,18 +50,21 @@ struct Rebind<vect<N, A>, S> {
 template <class A, int R, int C, int O, int MR, int MC, class S>
 struct Rebind<Eigen::Matrix<A, R, C, O, MR, MC>, S> {
   // Columns become mtk's, which do not convert to vectors of doubles.
-  using type = std::conditional_t<C == 1, vect<R, S>,
-                                  Eigen::Matrix<S, R, C, detail::plainStorage<S, R, C>() | (O & Eigen::RowMajor)>>;
+  using type =
+      std::conditional_t<C == 1, vect<R, S>,
+                         Eigen::Matrix<S, R, C, detail::plainStorage<S, R, C>() | (O & Eigen::RowMajor)>>;
 };
 template <class T, std::size_t N, class S>
-  requires(!std::is_void_v<rebound_t<T, S>>)
-struct Rebind<std::array<T, N>, S> {
+requires(!std::is_void_v<rebound_t<T, S>>) struct Rebind<std::array<T, N>, S> {
   using type = std::array<rebound_t<T, S>, N>;
 };
 
 /// Compounds of MTK_BUILD_MANIFOLD, not what derives from them.
 template <class T>
-concept MacroCompound = requires { typename T::MtkSelf; } && std::is_same_v<typename T::MtkSelf, T>;
+concept MacroCompound = requires {
+  typename T::MtkSelf;
+}
+&&std::is_same_v<typename T::MtkSelf, T>;
 template <class S>
 struct UniformMap {
   template <class Member, int Index>
@@ -75,15 +78,14 @@ template <class T, class S, class... M>
 inline constexpr bool members_rebindable<T, S, std::tuple<M&...>> = (!std::is_void_v<rebound_t<M, S>> && ...);
 
 template <MacroCompound T, class S>
-  requires members_rebindable<T, S>
+requires members_rebindable<T, S>
 struct Rebind<T, S> {
   using type = typename T::template MtkRebound<UniformMap<S>>;
 };
 
 /// Class templates over scalars and manifolds.
 template <template <class...> class T, class... A, class S>
-  requires(Manifold<T<A...>> && (!std::is_void_v<rebound_t<A, S>> && ...))
-struct Rebind<T<A...>, S> {
+requires(Manifold<T<A...>> && (!std::is_void_v<rebound_t<A, S>> && ...)) struct Rebind<T<A...>, S> {
   using type = T<rebound_t<A, S>...>;
 };
 
@@ -102,15 +104,10 @@ namespace detail {
 /// The numbers that a basic manifold is stored as, as an Eigen vector or as one number.
 struct State {
   template <class S>
-    requires is_scalar_v<S>
-  static S& of(S& x) {
-    return x;
-  }
+  requires is_scalar_v<S>
+  static S& of(S& x) { return x; }
   template <class S>
-    requires(!is_dual<S>)
-  static S& of(Scalar<S>& x) {
-    return x.value_;
-  }
+  requires(!is_dual<S>) static S& of(Scalar<S>& x) { return x.value_; }
   template <class S, std::uint64_t C>
   static SparseDual<S, C>& of(Scalar<SparseDual<S, C>>& x) {
     return x;
@@ -164,7 +161,8 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
         offset += dof(part_x);
       };
       (one(std::get<I>(to), std::get<I>(from)), ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(from)>>{});
+    }
+    (std::make_index_sequence<std::tuple_size_v<decltype(from)>>{});
   } else if constexpr (StdArray<X>) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       forEachBasicPart(y[i], x[i], offset, f);
@@ -176,9 +174,13 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
 }
 
 template <class X>
-concept HasState = requires(X& x) { State::of(x); };
+concept HasState = requires(X& x) {
+  State::of(x);
+};
 template <class X>
-concept EigenState = requires(X& x) { State::of(x).size(); };
+concept EigenState = requires(X& x) {
+  State::of(x).size();
+};
 
 /// y := x for a basic part over a type that loses nothing.
 template <class Y, class X>
@@ -202,7 +204,10 @@ void liftPart(Y& y, const X& x) {
 template <class Y, class X>
 void seedPart(Y& y, const X& x, int offset, int width) {
   const auto column = [&](int i) { return offset + i < width ? offset + i : -1; };
-  if constexpr (requires { y.partials(); y.value().coeffs(); }) {  // SO3
+  if constexpr (requires {
+                  y.partials();
+                  y.value().coeffs();
+                }) {  // SO3
     y.value() = x;
     for (int i = 0; i < 3; ++i) {
       typename Y::scalar row;
@@ -215,9 +220,8 @@ void seedPart(Y& y, const X& x, int offset, int width) {
     if constexpr (EigenState<X>) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
       if constexpr (DOF_v<X> != Dynamic && DOF_v<X> <= 32) {
-        [&]<int... I>(std::integer_sequence<int, I...>) {
-          (state[I].seed(value[I], column(I)), ...);
-        }(std::make_integer_sequence<int, DOF_v<X>>{});
+        [&]<int... I>(std::integer_sequence<int, I...>) { (state[I].seed(value[I], column(I)), ...); }
+        (std::make_integer_sequence<int, DOF_v<X>>{});
       } else {
         for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(value[i], column(i));
       }
@@ -239,23 +243,27 @@ Y seededAs(const X& x, int offset, int width) {
   if constexpr (is_seed_rotation<Y> || requires { Y(x).values(); }) {
     return Y(x);
   } else if constexpr (is_trafo<Y> && !std::is_aggregate_v<Y>) {
-    return Y(seededAs<decltype(Y::orient)>(x.orient, offset + X::DIM, width), seededAs<decltype(Y::pos)>(x.pos, offset, width));
+    return Y(seededAs<decltype(Y::orient)>(x.orient, offset + X::DIM, width),
+             seededAs<decltype(Y::pos)>(x.pos, offset, width));
   } else if constexpr (Compound<X> && std::is_aggregate_v<Y>) {
     const auto from = membersOf(x);
     using To = decltype(membersOf(std::declval<Y&>()));
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       int next = offset;
       const auto begin = [&](int dofs) { return std::exchange(next, next + dofs); };
-      return Y{seededAs<std::remove_cvref_t<std::tuple_element_t<I, To>>>(std::get<I>(from), begin(dof(std::get<I>(from))),
-                                                                          width)...};
-    }(std::make_index_sequence<std::tuple_size_v<To>>{});
+      return Y{seededAs<std::remove_cvref_t<std::tuple_element_t<I, To>>>(
+          std::get<I>(from), begin(dof(std::get<I>(from))), width)...};
+    }
+    (std::make_index_sequence<std::tuple_size_v<To>>{});
   } else if constexpr (std::is_constructible_v<Y, Uninitialized> && EigenState<X>) {
     Y y{Uninitialized()};
     seedPart(y, x, offset, width);
     return y;
   } else {
     Y y{};
-    forEachBasicPart(y, x, offset, [width](auto& part_y, const auto& part_x, int at) { seedPart(part_y, part_x, at, width); });
+    forEachBasicPart(y, x, offset, [width](auto& part_y, const auto& part_x, int at) {
+      seedPart(part_y, part_x, at, width);
+    });
     return y;
   }
 }
@@ -292,7 +300,8 @@ void gatherParts(Y& y, const std::array<const X*, W>& x) {
         gatherParts(std::get<J>(to), parts);
       };
       (one(std::integral_constant<std::size_t, I>{}), ...);
-    }(std::make_index_sequence<std::tuple_size_v<Members>>{});
+    }
+    (std::make_index_sequence<std::tuple_size_v<Members>>{});
   } else if constexpr (StdArray<X>) {
     for (std::size_t i = 0; i < y.size(); ++i) {
       std::array<const typename X::value_type*, W> parts;
@@ -315,8 +324,7 @@ struct SparseRebind<trafo<R>, S, Offset> {
 };
 /// Class templates over their number type that say that they read their entries by get<I>() alone.
 template <class T, class S, int Offset>
-  requires(T::has_separate_entries)
-struct SparseRebind<T, S, Offset> {
+requires(T::has_separate_entries) struct SparseRebind<T, S, Offset> {
   using type = rebound_t<T, SeparateUnknowns<S, Offset>>;
 };
 template <class S, int Offset>
@@ -324,8 +332,7 @@ struct SparseRebind<SO3<>, S, Offset> {
   using type = SeedRotation<S, lowColumns(3) << Offset>;
 };
 template <int N, class S, int Offset>
-  requires(N > 0)
-struct SparseRebind<vect<N>, S, Offset> {
+requires(N > 0) struct SparseRebind<vect<N>, S, Offset> {
   using type = SeedVector<N, S, Offset>;
 };
 /// Degrees of freedom of the first `count` of the members M.
@@ -340,7 +347,8 @@ template <class T, class S, int Offset>
 struct SparseMap {
   template <class Member, int Index>
   using member =
-      typename SparseRebind<Member, S, Offset + dofOfFirst(Index, std::type_identity<MemberTypesOf<T>>{})>::type;
+      typename SparseRebind<Member, S,
+                            Offset + dofOfFirst(Index, std::type_identity<MemberTypesOf<T>>{})>::type;
 };
 template <MacroCompound T, class S, int Offset>
 struct SparseRebind<T, S, Offset> {
@@ -355,7 +363,8 @@ using sparse_rebind_t = typename SparseRebind<T, S, Offset>::type;
 template <class S, class X>
 rebind_t<X, S> lifted(const X& x) {
   rebind_t<X, S> y{};
-  detail::forEachBasicPart(y, x, 0, [](auto& part_y, const auto& part_x, int) { detail::liftPart(part_y, part_x); });
+  detail::forEachBasicPart(y, x, 0,
+                           [](auto& part_y, const auto& part_x, int) { detail::liftPart(part_y, part_x); });
   return y;
 }
 

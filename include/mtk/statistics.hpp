@@ -20,7 +20,8 @@ S checkedWeightSum(std::size_t samples, std::span<const S> weights) {
   if (samples == 0) throw Error("mtk.no-samples", "the mean of no samples does not exist; pass at least one");
   if (weights.empty()) return S(samples);
   if (weights.size() != samples) {
-    throw Error("mtk.weight-count", std::to_string(weights.size()) + " weights for " + std::to_string(samples) +
+    throw Error("mtk.weight-count", std::to_string(weights.size()) + " weights for " +
+                                        std::to_string(samples) +
                                         " samples; pass one weight for each sample, or none");
   }
   S sum(0);
@@ -79,8 +80,9 @@ M weightedMean(const Samples& samples, std::span<const scalar_t<M>> weights = {}
     const S small = S(8) * std::numeric_limits<S>::epsilon();
     if ((step.array().abs() <= small * (scale.array() + S(1))).all()) return mean;
   }
-  throw Error("mtk.no-mean", "the mean of " + std::to_string(std::size(samples)) +
-                                 " samples did not settle in 200 iterations; they spread too evenly over the manifold");
+  throw Error("mtk.no-mean",
+              "the mean of " + std::to_string(std::size(samples)) +
+                  " samples did not settle in 200 iterations; they spread too evenly over the manifold");
 }
 
 template <Manifold M>
@@ -92,7 +94,8 @@ M weightedMean(const std::vector<M>& samples, const std::vector<scalar_t<M>>& we
 /// DOF x DOF. About the samples' own mean this is the covariance of the distribution that the samples are; for the
 /// unbiased estimate from n equally weighted draws multiply by n / (n - 1).
 template <Manifold M>
-auto weightedCovariance(const std::vector<M>& samples, const M& center, const std::vector<scalar_t<M>>& weights = {}) {
+auto weightedCovariance(const std::vector<M>& samples, const M& center,
+                        const std::vector<scalar_t<M>>& weights = {}) {
   using S = scalar_t<M>;
   const S sum = detail::checkedWeightSum<S>(samples.size(), std::span<const S>(weights));
   using Matrix = Eigen::Matrix<S, DOF_v<M>, DOF_v<M>>;

@@ -51,10 +51,12 @@ bool isNearlyUnit(std::istream& is, const V& v) {
 
 template <class Tuple>
 std::ostream& writeMembers(std::ostream& os, const Tuple& members) {
-  std::apply([&](const auto& first, const auto&... rest) {
-    write(os, first);
-    ((os << " ", write(os, rest)), ...);
-  }, members);
+  std::apply(
+      [&](const auto& first, const auto&... rest) {
+        write(os, first);
+        ((os << " ", write(os, rest)), ...);
+      },
+      members);
   return os;
 }
 
@@ -159,7 +161,7 @@ constexpr bool isWritable() {
   } else if constexpr (detail::is_std_array<M>) {
     return isWritable<typename M::value_type>();
   } else {
-    return requires(std::ostream& os, const M& x) { os << x; };
+    return requires(std::ostream & os, const M& x) { os << x; };
   }
 }
 
@@ -186,7 +188,8 @@ std::istream& read(std::istream& is, M& x) {
     if (detail::readMembers(is, detail::tieAny(read_in))) x = read_in;
   } else if constexpr (detail::is_std_array<M>) {
     M read_in = x;
-    if (detail::readMembers(is, std::apply([](auto&... part) { return std::tie(part...); }, read_in))) x = read_in;
+    if (detail::readMembers(is, std::apply([](auto&... part) { return std::tie(part...); }, read_in)))
+      x = read_in;
   } else if constexpr (detail::IsEigenColumn<M> && !ManifoldByMembers<M>) {
     vect<DOF_v<M>, scalar_t<M>> read_in;
     if (is >> read_in) x = read_in;
@@ -201,9 +204,7 @@ template <class M>
 struct Streamed {
   M& value;
   friend std::ostream& operator<<(std::ostream& os, const Streamed& s) { return write(os, s.value); }
-  friend std::istream& operator>>(std::istream& is, const Streamed& s)
-    requires(!std::is_const_v<M>)
-  {
+  friend std::istream& operator>>(std::istream& is, const Streamed& s) requires(!std::is_const_v<M>) {
     return read(is, s.value);
   }
 };

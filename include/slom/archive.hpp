@@ -144,26 +144,33 @@ void Archive::variable(std::string name) {
 
 template <class T>
 void Archive::knowVariable(std::string name) {
-  static_assert(std::is_default_constructible_v<T>, "slom: to be loaded, a variable type needs a default constructor");
-  static_assert(mtk::isWritable<T>(), "slom: to be saved, this variable type or one of its parts needs an operator<<");
+  static_assert(std::is_default_constructible_v<T>,
+                "slom: to be loaded, a variable type needs a default constructor");
+  static_assert(mtk::isWritable<T>(),
+                "slom: to be saved, this variable type or one of its parts needs an operator<<");
   const bool is_named = !name.empty();
   add({is_named ? std::move(name) : typeName<T>(), typeid(VariableStore<T>),
-      [](std::ostream& os, const VariableStoreBase& store, std::uint32_t slot) { mtk::write(os, store.value<T>(slot)); },
-      [](std::istream& is, Problem* problem, bool optimize, const std::string& own_name, VariableHandle& id) {
-        T value{};
-        if (!mtk::read(is, value)) return false;
-        if (problem != nullptr) id = problem->insertVariable<T>(value, optimize, own_name);
-        return true;
-      }}, is_named);
+       [](std::ostream& os, const VariableStoreBase& store, std::uint32_t slot) {
+         mtk::write(os, store.value<T>(slot));
+       },
+       [](std::istream& is, Problem* problem, bool optimize, const std::string& own_name,
+          VariableHandle& id) {
+         T value{};
+         if (!mtk::read(is, value)) return false;
+         if (problem != nullptr) id = problem->insertVariable<T>(value, optimize, own_name);
+         return true;
+       }},
+      is_named);
 }
 
 /// A callable: its stored arguments are the data.
 template <class F, class... Args>
 struct Archive::Kind {
   using M = CallableMeasurement<F, Args...>;
-  static_assert(std::is_empty_v<F> && std::is_default_constructible_v<F>,
-                "slom: only function objects without captures or members can be loaded: pass what they hold as further "
-                "arguments of insertMeasurement, and put a function into a lambda");
+  static_assert(
+      std::is_empty_v<F> && std::is_default_constructible_v<F>,
+      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
+      "arguments of insertMeasurement, and put a function into a lambda");
 
   template <class A>
   struct Argument {
@@ -213,20 +220,25 @@ struct Archive::Kind {
   }
   static void write(std::ostream& os, const MeasurementPool& pool, int i) {
     const auto one = [&]<class Stored>(const Stored& stored) {
-      if constexpr (!std::is_base_of_v<VariableArgument, Stored>) detail::writeDatum(os, detail::held(stored));
+      if constexpr (!std::is_base_of_v<VariableArgument, Stored>)
+        detail::writeDatum(os, detail::held(stored));
     };
-    detail::applyTo(static_cast<const TypedPool<M>&>(pool)[i].arguments(), [&](const auto&... stored) { (one(stored), ...); });
+    detail::applyTo(static_cast<const TypedPool<M>&>(pool)[i].arguments(),
+                    [&](const auto&... stored) { (one(stored), ...); });
   }
-  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
+  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables,
+                   const detail::StoredOptions& options) {
     std::tuple<Argument<Args>...> arguments;
     const bool good = std::apply([&](auto&... argument) { return (argument.read(is) && ...); }, arguments);
     if (good && problem != nullptr) {
-      std::apply([&](auto&... argument) {
-        // in braces: from left to right, as the variables come
-        const std::tuple<Args...> all{argument.take(variables)...};
-        problem->insertMeasurement(std::apply([](const Args&... a) { return M(F(), a...); }, all), options.noise,
-                                   options.label, options.loss);
-      }, arguments);
+      std::apply(
+          [&](auto&... argument) {
+            // in braces: from left to right, as the variables come
+            const std::tuple<Args...> all{argument.take(variables)...};
+            problem->insertMeasurement(std::apply([](const Args&... a) { return M(F(), a...); }, all),
+                                       options.noise, options.label, options.loss);
+          },
+          arguments);
     }
     return good;
   }
@@ -250,17 +262,20 @@ struct Archive::DeclaredKind {
     std::apply([&](const auto&... datum) { (detail::writeDatum(os, datum), ...); },
                static_cast<const TypedPool<M>&>(pool)[i].dataArgs());
   }
-  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables, const detail::StoredOptions& options) {
+  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables,
+                   const detail::StoredOptions& options) {
     return [&]<class... T, class... D>(std::type_identity<detail::VariableList<T...>>,
                                        std::type_identity<std::tuple<const D&...>>) {
       std::tuple<D...> data;
-      if (!std::apply([&](auto&... datum) { return (detail::readDatum(is, datum) && ...); }, data)) return false;
+      if (!std::apply([&](auto&... datum) { return (detail::readDatum(is, datum) && ...); }, data))
+        return false;
       if (problem == nullptr) return true;
       const auto ids = [&]<std::size_t... I>(std::index_sequence<I...>) {
         return std::tuple<VarID<T>...>(idOf<T>(variables[I])...);
-      }(std::index_sequence_for<T...>{});
-      problem->insertMeasurement(std::make_from_tuple<M>(std::tuple_cat(ids, data)), options.noise, options.label,
-                                 options.loss);
+      }
+      (std::index_sequence_for<T...>{});
+      problem->insertMeasurement(std::make_from_tuple<M>(std::tuple_cat(ids, data)), options.noise,
+                                 options.label, options.loss);
       return true;
     }(std::type_identity<Variables>{}, std::type_identity<Data>{});
   }
@@ -271,10 +286,12 @@ void Archive::measurement(std::string name) {
   const auto addKind = [&]<class K>(std::type_identity<K>, std::type_index type) {
     std::vector<std::type_index> variables;
     K::know(*this, variables);
-    add(detail::StoredMeasurement{(name.empty() ? K::name() : std::move(name)) + K::suffix(), type, std::move(variables), &K::write, &K::read});
+    add(detail::StoredMeasurement{(name.empty() ? K::name() : std::move(name)) + K::suffix(), type,
+                                  std::move(variables), &K::write, &K::read});
   };
   if constexpr (Measurement<F>) {
-    static_assert(sizeof...(Args) == 0, "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
+    static_assert(sizeof...(Args) == 0,
+                  "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
     addKind(std::type_identity<DeclaredKind<F>>{}, typeid(F));
   } else {
     using Function = std::remove_const_t<F>;  // that of a constexpr lambda is const

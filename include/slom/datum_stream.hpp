@@ -22,7 +22,10 @@ inline constexpr bool is_std_vector = false;
 template <class D, class A>
 inline constexpr bool is_std_vector<std::vector<D, A>> = true;
 template <class D>
-concept PlainMatrix = requires { typename D::PlainObject; requires std::is_same_v<typename D::PlainObject, D>; };
+concept PlainMatrix = requires {
+  typename D::PlainObject;
+  requires std::is_same_v<typename D::PlainObject, D>;
+};
 
 /// Sizes that no file means.
 inline constexpr long kLargestSize = 100'000'000;
@@ -36,7 +39,8 @@ void writeDatum(std::ostream& os, const D& x) {
   } else if constexpr (std::is_same_v<D, std::string>) {
     os << std::quoted(x) << ' ';
   } else if constexpr (mtk::Manifold<D>) {
-    static_assert(mtk::isWritable<D>(), "slom: to be saved, this type of data or one of its parts needs an operator<<");
+    static_assert(mtk::isWritable<D>(),
+                  "slom: to be saved, this type of data or one of its parts needs an operator<<");
     mtk::write(os, x) << ' ';
   } else if constexpr (PlainMatrix<D>) {
     if (D::SizeAtCompileTime == Eigen::Dynamic) os << x.rows() << ' ' << x.cols() << ' ';
@@ -47,7 +51,8 @@ void writeDatum(std::ostream& os, const D& x) {
     os << x.size() << ' ';
     for (const auto& element : x) writeDatum(os, element);
   } else {
-    static_assert(requires { os << x; }, "slom: to be saved, this type of data needs an operator<<");
+    static_assert(
+        requires { os << x; }, "slom: to be saved, this type of data needs an operator<<");
     os << x << ' ';
   }
 }
@@ -68,7 +73,8 @@ bool readDatum(std::istream& is, D& x) {
   } else if constexpr (PlainMatrix<D>) {
     long rows = D::RowsAtCompileTime, cols = D::ColsAtCompileTime;
     if constexpr (D::SizeAtCompileTime == Eigen::Dynamic) {
-      if (!(is >> rows >> cols) || rows < 0 || cols < 0 || (cols > 0 && rows > kLargestSize / cols)) return false;
+      if (!(is >> rows >> cols) || rows < 0 || cols < 0 || (cols > 0 && rows > kLargestSize / cols))
+        return false;
       if (D::RowsAtCompileTime != Eigen::Dynamic && rows != D::RowsAtCompileTime) return false;
       if (D::ColsAtCompileTime != Eigen::Dynamic && cols != D::ColsAtCompileTime) return false;
     }
@@ -88,7 +94,8 @@ bool readDatum(std::istream& is, D& x) {
       if (!readDatum(is, x.back())) return false;
     }
   } else {
-    static_assert(requires { is >> x; }, "slom: to be loaded, this type of data needs an operator>>");
+    static_assert(
+        requires { is >> x; }, "slom: to be loaded, this type of data needs an operator>>");
     is >> x;
   }
   return static_cast<bool>(is);

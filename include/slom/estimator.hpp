@@ -120,7 +120,7 @@ class Estimator {
   }
   /// The same with a name that the compiler checks: `est.fix(&Camera::k3, cam)`.
   template <class M, class C, std::derived_from<C> T>
-  void fix(M C::* member, const VarID<T>& id) {
+  void fix(M C::*member, const VarID<T>& id) {
     setFixed(member, id, true);
   }
   /// Releases a variable with all of its components.
@@ -128,7 +128,8 @@ class Estimator {
   void free(const VarID<T>& id) {
     const int variable = problem().indexOf(id);
     problem().setOptimized(variable, true);
-    std::vector<int> all(static_cast<std::size_t>(problem().variables()[static_cast<std::size_t>(variable)].dof));
+    std::vector<int> all(
+        static_cast<std::size_t>(problem().variables()[static_cast<std::size_t>(variable)].dof));
     for (std::size_t c = 0; c < all.size(); ++c) all[c] = static_cast<int>(c);
     problem().setFixed(variable, all, false);
   }
@@ -138,7 +139,7 @@ class Estimator {
     setFixed(id, path, false);
   }
   template <class M, class C, std::derived_from<C> T>
-  void free(M C::* member, const VarID<T>& id) {
+  void free(M C::*member, const VarID<T>& id) {
     setFixed(member, id, false);
   }
   /// Keeps the coordinates of components of vectors within [lower, upper]; infinite limits take the bound back. The fit holds
@@ -185,21 +186,22 @@ class Estimator {
   /// covariance), its loss (none: least squares), slom::named("label").
   template <Measurement M, class... Options>
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
-    static_assert((detail::is_option<Options> && ...),
-                  "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
-                  "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
-                  "(slom::named)");
+    static_assert(
+        (detail::is_option<Options> && ...),
+        "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
+        "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
+        "(slom::named)");
     const detail::Values<const Options&...> all{{options}...};
     return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
-                                       detail::labelAmong<Options...>(all), detail::lossAmong<Options...>(all));
+                                       detail::labelAmong<Options...>(all),
+                                       detail::lossAmong<Options...>(all));
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
   /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
   /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
   /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
   template <class F, class... Args>
-    requires(!Measurement<F> && sizeof...(Args) > 0)
-  auto insertMeasurement(F f, const Args&... args) {
+  requires(!Measurement<F> && sizeof...(Args) > 0) auto insertMeasurement(F f, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
     return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
                           detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all));
@@ -316,7 +318,8 @@ class Estimator {
   template <class A, class B>
   Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
     const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
-    const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse), scale_b = standardDeviation(b).unaryExpr(inverse);
+    const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse),
+                          scale_b = standardDeviation(b).unaryExpr(inverse);
     return scale_a.asDiagonal() * covariance(a, b) * scale_b.asDiagonal();
   }
   /// Covariances of all variables at once, by selected inversion of the factor: for many of them it is much faster than
@@ -346,7 +349,8 @@ class Estimator {
     };
     (fillRow(ids), ...);
     Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
-    detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()), result.covariance.data());
+    detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
+                      result.covariance.data());
     return result;
   }
   /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
@@ -410,8 +414,8 @@ class Estimator {
     return problem().template insertVariable<V>(V(value), optimize, name);
   }
   template <class F, class Arguments, std::size_t... I>
-  auto insertCallable(F f, const Arguments& args, std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
-                      const Loss& loss) {
+  auto insertCallable(F f, const Arguments& args, std::index_sequence<I...>, const NoiseView& noise,
+                      std::string_view label, const Loss& loss) {
     using M = CallableMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
     return problem().insertMeasurement(M(std::move(f), detail::valueAt<I>(args)...), noise, label, loss);
   }
@@ -422,7 +426,7 @@ class Estimator {
     problem().setFixed(variable, problem().componentsAt(variable, path), is_fixed);
   }
   template <class M, class C, class T>
-  void setFixed(M C::* member, const VarID<T>& id, bool is_fixed) {
+  void setFixed(M C::*member, const VarID<T>& id, bool is_fixed) {
     const int variable = problem().indexOf(id);
     const auto [first, count] = detail::componentsOf(*id, &((*id).*member), typeid(M), 0);
     if (first < 0) raiseNoMember(variable);

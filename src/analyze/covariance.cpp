@@ -6,7 +6,8 @@
 
 namespace slom {
 
-Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGauge gauge, int variable_a, int variable_b) {
+Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGauge gauge, int variable_a,
+                                int variable_b) {
   system.linearize();
   const ProblemStructure& structure = system.structure();
   const auto& table = system.problem().variables();
@@ -24,7 +25,8 @@ Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGaug
     const SolveStatus status = system.solveFor(unit, columns);
     if (!status.ok) throw undeterminedError(system, linearizer, status);
     for (int i = 0; i < dof_b; ++i) {  // conjugate gradients do not notice a loss of rank
-      if (!(columns(b + i, i) >= 0)) throw undeterminedError(system, linearizer, SolveStatus{false, b + i, 0, 0});
+      if (!(columns(b + i, i) >= 0))
+        throw undeterminedError(system, linearizer, SolveStatus{false, b + i, 0, 0});
     }
   }
   const Eigen::MatrixXd block = columns.middleRows(a, dof_a);

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -21,16 +21,19 @@ double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 /// What would turn `reference` into `used`. `left`: what turns perturbations on the left into such on the right.
-std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& reference, const Eigen::MatrixXd& left) {
+std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& reference,
+                       const Eigen::MatrixXd& left) {
   constexpr double same = 1e-3;
-  if (!used.allFinite()) return "an entry is not finite: the function that gives the derivatives left it unset";
+  if (!used.allFinite())
+    return "an entry is not finite: the function that gives the derivatives left it unset";
   if (!reference.allFinite()) return "the function is not finite next to this point";
   if (used.isZero(0)) return "all derivatives by this variable are zero: they were forgotten";
   if (reference.isZero(0)) return "the residual does not depend on this variable";
   if (distance(used, -reference) < same) return "the sign is wrong";
   const bool square = used.rows() == used.cols() && used.rows() > 1;
   if (square && distance(used, reference.transpose()) < same) return "it is transposed";
-  if (square && distance(used, -reference.transpose()) < same) return "it is transposed, and the sign is wrong";
+  if (square && distance(used, -reference.transpose()) < same)
+    return "it is transposed, and the sign is wrong";
   const Eigen::MatrixXd on_the_left = reference * left;
   if (distance(used, on_the_left) < same) {
     return "it is the derivative by a rotation on the left, exp(d) R; rotations are perturbed on the right, R exp(d): "
@@ -44,11 +47,13 @@ std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& refer
   if (std::abs(factor) > 0 && distance(used, factor * reference) < same) {
     constexpr double degrees = 57.29577951308232;
     std::string text = "it is too large by the factor " + number(factor, 6);
-    if (std::abs(factor / degrees - 1) < same || std::abs(factor * degrees - 1) < same) text += ": degrees instead of radians, or the other way round";
+    if (std::abs(factor / degrees - 1) < same || std::abs(factor * degrees - 1) < same)
+      text += ": degrees instead of radians, or the other way round";
     return text;
   }
   for (Eigen::Index c = 0; c < used.cols(); ++c) {
-    if (used.col(c).isZero(0) && !reference.col(c).isZero(0)) return "the derivatives by this component are zero: they were forgotten";
+    if (used.col(c).isZero(0) && !reference.col(c).isZero(0))
+      return "the derivatives by this component are zero: they were forgotten";
   }
   return "no simple cause: compare the formula with the function";
 }
@@ -65,7 +70,8 @@ class Comparison {
 
   GroupDerivativeCheck run(int most) {
     const int count = std::min(pool_.size(), most);
-    for (int i = 0; i < count; ++i) compare(static_cast<int>(static_cast<long long>(i) * pool_.size() / count));
+    for (int i = 0; i < count; ++i)
+      compare(static_cast<int>(static_cast<long long>(i) * pool_.size() / count));
     if (result_.error <= DerivativeCheck::kTolerance) result_.guess.clear();
     return result_;
   }
@@ -98,7 +104,8 @@ class Comparison {
 
   void compareBlock(int i, int variable, const VariableRecord& record, int rows, std::ptrdiff_t start) {
     if (rows == 0 || record.dof == 0) return;
-    const Block used(used_.data() + start, rows, record.dof), reference(reference_.data() + start, rows, record.dof);
+    const Block used(used_.data() + start, rows, record.dof),
+        reference(reference_.data() + start, rows, record.dof);
     if (is_cautious_ && !canJudge(used, reference, start)) return;
     const double scale = std::max(used.cwiseAbs().maxCoeff(), reference.cwiseAbs().maxCoeff());
     Eigen::Index row = 0, column = 0;
@@ -130,13 +137,16 @@ class Comparison {
 
   /// Whether the differences are the same by another step and to one side, beside what they differ by from what is given.
   bool canJudge(const Block& used, const Block& reference, std::ptrdiff_t start) const {
-    const Block central(central_.data() + start, used.rows(), used.cols()), forward(forward_.data() + start, used.rows(), used.cols());
-    if (!used.allFinite() || !reference.allFinite() || !central.allFinite() || !forward.allFinite()) return false;
+    const Block central(central_.data() + start, used.rows(), used.cols()),
+        forward(forward_.data() + start, used.rows(), used.cols());
+    if (!used.allFinite() || !reference.allFinite() || !central.allFinite() || !forward.allFinite())
+      return false;
     for (Eigen::Index c = 0; c < used.cols(); ++c) {  // a staircase, as of a table, is flat between its steps
       if (reference.col(c).isZero(0) && !used.col(c).isZero(0)) return false;
     }
     const double error = (used - reference).cwiseAbs().maxCoeff();
-    return 5 * (central - reference).cwiseAbs().maxCoeff() < error && 5 * (forward - reference).cwiseAbs().maxCoeff() < error;
+    return 5 * (central - reference).cwiseAbs().maxCoeff() < error &&
+           5 * (forward - reference).cwiseAbs().maxCoeff() < error;
   }
 
   Problem& problem_;
@@ -149,12 +159,14 @@ class Comparison {
 }  // namespace
 
 std::string GroupDerivativeCheck::sentence() const {
-  return "the " + std::string(toString(source)) + " derivative of residual " + std::to_string(row) + " of " + measurement + " by " +
-         component + " is " + number(used, 6) + ", differences give " + number(reference, 6) + ": " + guess;
+  return "the " + std::string(toString(source)) + " derivative of residual " + std::to_string(row) + " of " +
+         measurement + " by " + component + " is " + number(used, 6) + ", differences give " +
+         number(reference, 6) + ": " + guess;
 }
 
 bool DerivativeCheck::ok() const {
-  return std::all_of(groups.begin(), groups.end(), [](const auto& group) { return group.error <= kTolerance; });
+  return std::all_of(groups.begin(), groups.end(),
+                     [](const auto& group) { return group.error <= kTolerance; });
 }
 
 std::string DerivativeCheck::text() const {
@@ -163,8 +175,8 @@ std::string DerivativeCheck::text() const {
     const bool agrees = g.error <= kTolerance;
     all += g.group + ": " + toString(g.source) + " derivatives of " + std::to_string(g.measurements) +
            (g.measurements == 1 ? " measurement " : " measurements ") + (agrees ? "agree" : "do NOT agree") +
-           " with differences; worst: d residual[" + std::to_string(g.row) + "] / d " + g.component + " of " + g.measurement +
-           " is " + number(g.used, 6) + ", by differences " + number(g.reference, 6) + "\n";
+           " with differences; worst: d residual[" + std::to_string(g.row) + "] / d " + g.component + " of " +
+           g.measurement + " is " + number(g.used, 6) + ", by differences " + number(g.reference, 6) + "\n";
     if (!agrees) all += "  guess: " + g.guess + "\n";
   }
   return all;
@@ -191,7 +203,8 @@ DerivativeCheck findWrongDerivatives(Problem& problem, int most_of_group) {
     Comparison comparison(problem, *pool);
     comparison.beCautious();
     GroupDerivativeCheck group = problem.naming(*pool, [&] { return comparison.run(most_of_group); });
-    if (comparison.hasEntries() && group.error > DerivativeCheck::kDoubtful) result.groups.push_back(std::move(group));
+    if (comparison.hasEntries() && group.error > DerivativeCheck::kDoubtful)
+      result.groups.push_back(std::move(group));
   }
   return result;
 }

@@ -9,9 +9,10 @@
 #include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/singular.hpp"
-#include "model/classic_numbers.hpp"
-#include "model/decompositions.hpp"
-#include "model/words.hpp"
+#include "base/classic_numbers.hpp"
+#include "base/decompositions.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -39,8 +40,6 @@ constexpr Index kMostWeak = 20;
 /// Of a group's chi-square; and the factor of its sigma from which on it is told.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// What variables of a type are called, in the singular.
 std::string nounOf(const std::string& type) {
   if (type.rfind("trafo<", 0) == 0) return "pose";
@@ -51,7 +50,10 @@ std::string nounOf(const std::string& type) {
 class Examination {
  public:
   Examination(System& system, Linearizer& linearizer)
-      : system_(system), linearizer_(linearizer), problem_(system.problem()), structure_(system.structure()) {}
+      : system_(system),
+        linearizer_(linearizer),
+        problem_(system.problem()),
+        structure_(system.structure()) {}
 
   Diagnosis run() {
     result_.residuals = structure_.residuals;
@@ -99,8 +101,9 @@ class Examination {
       if (idle == 0) continue;
       const std::string& name = problem_.pools()[g]->name();
       add(Kind::idle_measurements, false,
-          std::to_string(idle) + " of " + counted(group.size(), "measurement") + " " + name +
-              " depend" + (idle == 1 ? "s" : "") + " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
+          std::to_string(idle) + " of " + counted(group.size(), "measurement") + " " + name + " depend" +
+              (idle == 1 ? "s" : "") +
+              " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
           {name});
     }
   }
@@ -113,11 +116,12 @@ class Examination {
     for (const auto& [block, names] : components_of) {
       const int variable = structure_.variable_of_block[at(block)];
       if (recordOf(block).uses == 0) {
-        add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)), {problem_.variableName(variable)},
-            static_cast<int>(names.size()));
+        add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)),
+            {problem_.variableName(variable)}, static_cast<int>(names.size()));
       } else {
         add(Kind::idle_component, true,
-            "no residual changes with " + listed(names) + ", to first order: add measurements that do or a prior, or fix " +
+            "no residual changes with " + listed(names) +
+                ", to first order: add measurements that do or a prior, or fix " +
                 (names.size() == 1 ? "it" : "them"),
             names, static_cast<int>(names.size()));
       }
@@ -161,13 +165,17 @@ class Examination {
     for (const auto& [noun, members] : members_of) {
       const int count = static_cast<int>(members.names.size());
       if (count == 0) continue;
-      who.push_back((count == members.of ? "all " : "") + counted(count, noun) + " (" + abridged(members.names) + ")");
+      who.push_back((count == members.of ? "all " : "") + counted(count, noun) + " (" +
+                    abridged(members.names) + ")");
     }
-    std::string text = listed(who) + " can move together (" + gauge.text + ") without changing any residual: ";
+    std::string text =
+        listed(who) + " can move together (" + gauge.text + ") without changing any residual: ";
     text[0] = static_cast<char>(std::toupper(text[0]));
     const bool has_pose = members_of.contains("pose"), is_rigid = gauge.has_translation || gauge.has_rotation;
-    if (is_rigid) text += has_pose ? "fix one pose or add a prior" : "fix as many of them as that takes, or add priors";
-    if (gauge.has_scale) text += std::string(is_rigid ? ", and measure a length" : "measure a length or fix one");
+    if (is_rigid)
+      text += has_pose ? "fix one pose or add a prior" : "fix as many of them as that takes, or add priors";
+    if (gauge.has_scale)
+      text += std::string(is_rigid ? ", and measure a length" : "measure a length or fix one");
     add(Kind::gauge, true, text, names, static_cast<int>(gauge.count()));
   }
 
@@ -190,7 +198,8 @@ class Examination {
   struct Movement {
     std::vector<std::string> names, amounts;
   };
-  Movement movement(const std::vector<int>& unknowns, const VectorXd& direction, const VectorXd& scale) const {
+  Movement movement(const std::vector<int>& unknowns, const VectorXd& direction,
+                    const VectorXd& scale) const {
     const double told = kSmall * direction.cwiseAbs().maxCoeff();
     std::vector<Index> order;
     for (Index i = 0; i < direction.size(); ++i) {
@@ -202,7 +211,9 @@ class Examination {
     });
     Movement result;
     for (const Index i : order) {
-      const auto amount = [&](Index k) { return direction[k] / scale[unknowns[static_cast<std::size_t>(k)]]; };
+      const auto amount = [&](Index k) {
+        return direction[k] / scale[unknowns[static_cast<std::size_t>(k)]];
+      };
       const double relative = amount(i) / amount(order.front());
       result.names.push_back(nameOf(unknowns[static_cast<std::size_t>(i)]));
       result.amounts.push_back((relative > 0 ? "+" : "") + number(relative));
@@ -216,14 +227,17 @@ class Examination {
       const Movement moves = movement(part.unknowns, basis.col(j), scale);
       std::string text;
       if (moves.names.size() == 1) {
-        text = "nothing determines " + moves.names[0] + ": it can move without changing any residual; add measurements that it "
+        text = "nothing determines " + moves.names[0] +
+               ": it can move without changing any residual; add measurements that it "
                "changes or a prior, or fix it";
       } else if (moves.names.size() == 2) {
-        text = moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " + moves.amounts[0] + " and " +
-               moves.amounts[1] + " changes no residual; fix one of them, or add a prior or measurements that depend on them in "
+        text = moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " +
+               moves.amounts[0] + " and " + moves.amounts[1] +
+               " changes no residual; fix one of them, or add a prior or measurements that depend on them in "
                "another way";
       } else {
-        text = listed(moves.names) + " can move together (by " + listed(moves.amounts) + ") without changing any residual; fix " +
+        text = listed(moves.names) + " can move together (by " + listed(moves.amounts) +
+               ") without changing any residual; fix " +
                "one of them, or add a prior or measurements that depend on them in another way";
       }
       add(Kind::undetermined, true, text, moves.names, 1);
@@ -250,7 +264,8 @@ class Examination {
     if (weak > none + kMostWeak) {
       const Index more = weak - none - kMostWeak;
       add(Kind::weak, false,
-          (least.may_miss_some ? "at least " : "") + counted(static_cast<int>(more), "more direction") + (more == 1 ? " is" : " are") +
+          (least.may_miss_some ? "at least " : "") + counted(static_cast<int>(more), "more direction") +
+              (more == 1 ? " is" : " are") +
               " hardly determined: are all measurements as certain as they say in all their components?",
           {}, static_cast<int>(more));
     }
@@ -261,10 +276,12 @@ class Examination {
     std::vector<std::string> who;
     for (const Part& part : parts) {
       std::vector<std::string> names;
-      for (const int block : part.blocks) names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
+      for (const int block : part.blocks)
+        names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
       who.push_back(abridged(names));
     }
-    std::string text = "the variables fall into " + std::to_string(parts.size()) + " groups that no measurement connects: ";
+    std::string text =
+        "the variables fall into " + std::to_string(parts.size()) + " groups that no measurement connects: ";
     for (std::size_t p = 0; p < who.size() && p < 3; ++p) text += (p > 0 ? "; " : "") + who[p];
     if (who.size() > 3) text += "; and " + std::to_string(who.size() - 3) + " more";
     add(Kind::disconnected, false, text, who);
@@ -273,14 +290,17 @@ class Examination {
   void findBadScales(const LeastInfluence& least) {
     Index small = -1, large = -1;
     for (Index i = 0; i < least.scale.size(); ++i) {
-      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) || isHeld(static_cast<int>(i))) continue;
+      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) ||
+          isHeld(static_cast<int>(i)))
+        continue;
       if (small < 0 || least.scale[i] < least.scale[small]) small = i;
       if (large < 0 || least.scale[i] > least.scale[large]) large = i;
     }
     if (small < 0 || !(least.scale[large] > kBadScale * least.scale[small])) return;
     const std::string a = nameOf(static_cast<int>(large)), b = nameOf(static_cast<int>(small));
     add(Kind::badly_scaled, false,
-        "a unit of " + a + " changes the residuals " + number(least.scale[large] / least.scale[small], 1) + " times as much as a unit of " + b +
+        "a unit of " + a + " changes the residuals " + number(least.scale[large] / least.scale[small], 1) +
+            " times as much as a unit of " + b +
             ": choose units in which both are of a size that can be told apart from 0",
         {a, b});
   }
@@ -319,10 +339,13 @@ class Examination {
         if (std::abs(correlation) > kCorrelated) pairs.push_back({i, j, correlation});
       }
     }
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+      return std::abs(a.correlation) > std::abs(b.correlation);
+    });
     if (pairs.size() > kMostCorrelations) pairs.resize(kMostCorrelations);
     for (const Pair& pair : pairs) {
-      const std::string a = nameOf(unknowns[static_cast<std::size_t>(pair.i)]), b = nameOf(unknowns[static_cast<std::size_t>(pair.j)]);
+      const std::string a = nameOf(unknowns[static_cast<std::size_t>(pair.i)]),
+                        b = nameOf(unknowns[static_cast<std::size_t>(pair.j)]);
       const ClassicNumbers points;
       char text[32];
       std::snprintf(text, sizeof text, "%.*f", std::abs(pair.correlation) > 0.9999 ? 6 : 4, pair.correlation);
@@ -336,14 +359,19 @@ class Examination {
   /// Residuals say something of sigmas at a minimum alone, and nothing when the data were computed without noise.
   void judgeSigmas() {
     if (!(system_.gradientCosine() < kAtMinimum)) return;
-    for (const GroupCheck& group : checkResiduals(system_, linearizer_, OutlierOptions{.worst = 0}, 1).groups) {
+    for (const GroupCheck& group :
+         checkResiduals(system_, linearizer_, OutlierOptions{.worst = 0}, 1).groups) {
       if (group.has_losses || !(group.redundancy > 0)) continue;
       const double factor = std::sqrt(group.chi2 / group.redundancy);
-      if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) || factor < kNoNoise) continue;
+      if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) ||
+          factor < kNoNoise)
+        continue;
       add(Kind::implausible_sigma, false,
-          "the residuals of " + group.name + " contradict its stated uncertainty: chi-square " + number(group.chi2) + " where " +
-              number(group.redundancy) + " is expected; if function and data are right, its standard deviations are " +
-              number(factor > 1 ? factor : 1 / factor) + " times as " + (factor > 1 ? "large" : "small") + " as stated",
+          "the residuals of " + group.name + " contradict its stated uncertainty: chi-square " +
+              number(group.chi2) + " where " + number(group.redundancy) +
+              " is expected; if function and data are right, its standard deviations are " +
+              number(factor > 1 ? factor : 1 / factor) + " times as " + (factor > 1 ? "large" : "small") +
+              " as stated",
           {group.name});
     }
   }
@@ -369,8 +397,10 @@ Error undeterminedError(System& system, Linearizer& linearizer, const SolveStatu
 }
 
 std::string Diagnosis::text() const {
-  std::string all = "rank " + std::to_string(rank) + " of " + counted(unknowns, "unknown") + ", " + counted(residuals, "residual") + "\n";
-  for (const Finding& finding : findings) all += std::string(finding.is_fault ? "  fault: " : "  hint: ") + finding.text + "\n";
+  std::string all = "rank " + std::to_string(rank) + " of " + counted(unknowns, "unknown") + ", " +
+                    counted(residuals, "residual") + "\n";
+  for (const Finding& finding : findings)
+    all += std::string(finding.is_fault ? "  fault: " : "  hint: ") + finding.text + "\n";
   return all;
 }
 

@@ -2,16 +2,18 @@
 
 #include "analyze/diagnose.hpp"
 #include "analyze/null_space.hpp"
-#include "model/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace slom {
 
 using Eigen::MatrixXd;
 
 FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
-    : structure_(system.structure().system), solver_(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky}) {
+    : structure_(system.structure().system),
+      solver_(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky}) {
   for (const Finding& finding : diagnose(system, linearizer).findings) {
-    if (finding.is_fault && finding.kind != Finding::Kind::gauge) throw Error("slom.rank-deficient", finding.text);
+    if (finding.is_fault && finding.kind != Finding::Kind::gauge)
+      throw Error("slom.rank-deficient", finding.text);
   }
   const StoredJacobian jacobian(system.problem(), linearizer, structure_);
   const double none = system.digitsOfDerivatives();

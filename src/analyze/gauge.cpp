@@ -3,8 +3,9 @@
 #include <map>
 #include <numeric>
 
-#include "model/decompositions.hpp"
-#include "model/words.hpp"
+#include "base/decompositions.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -15,8 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kSame = 1e-6;  // of directions, which are of unit length
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Columns of length 1; `length` holds what they had.
 MatrixXd normalized(MatrixXd A, VectorXd& length) {
@@ -37,8 +36,8 @@ struct Class {
 };
 
 /// The variables that take part in the null space, by the store of their type.
-std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, const ProblemStructure& structure, const Part& part,
-                                                    const MatrixXd& null_space) {
+std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, const ProblemStructure& structure,
+                                                    const Part& part, const MatrixXd& null_space) {
   std::map<const VariableStoreBase*, Class> classes;
   int row = 0;
   for (const int block : part.blocks) {
@@ -55,7 +54,8 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
 }
 
 /// What motions of the world do to the scaled unknowns of the class.
-MatrixXd motionsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role, const VectorXd& scale) {
+MatrixXd motionsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
+                   const VectorXd& scale) {
   MatrixXd all(own.rows, kWorldMotions);
   Index row = 0;
   for (std::size_t i = 0; i < own.variables.size(); ++i) {
@@ -90,7 +90,8 @@ MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
 }
 
 /// The rows of unknowns that no motion of the world changes.
-MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure, const Part& part, const MatrixXd& null_space) {
+MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure, const Part& part,
+                       const MatrixXd& null_space) {
   std::vector<int> rows;
   int row = 0;
   for (const int block : part.blocks) {
@@ -107,7 +108,8 @@ MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure
 
 /// The motions of the world that, on this class, lie in the null space.
 /// `elsewhere`: the rows of the null space that no motion of the world changes, as those of focal lengths.
-Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space, const MatrixXd& elsewhere) {
+Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space,
+                    const MatrixXd& elsewhere) {
   Gauge result;
   VectorXd length;
   const MatrixXd G = normalized(motions, length);
@@ -149,7 +151,8 @@ std::string axes(const MatrixXd& A) {
       basis.col(j).cwiseAbs().maxCoeff(&largest);
       const Eigen::Vector3d axis = basis.col(j) / (basis(largest, j) > 0 ? 1.0 : -1.0);
       std::string text = "(";
-      for (int i = 0; i < 3; ++i) text += (i > 0 ? " " : "") + number(std::abs(axis[i]) < kSame ? 0 : axis[i]);
+      for (int i = 0; i < 3; ++i)
+        text += (i > 0 ? " " : "") + number(std::abs(axis[i]) < kSame ? 0 : axis[i]);
       names.push_back(text + ")");
     }
   }
@@ -170,7 +173,8 @@ void describe(Gauge& gauge) {
   gauge.has_rotation = motions.cols() - translations.cols() > (gauge.has_scale ? 1 : 0);
   const auto append = [&](const std::string& part) { gauge.text += (gauge.text.empty() ? "" : "; ") + part; };
   if (gauge.has_translation) append("translation " + axes(inUnits(translations, 0)));
-  if (gauge.has_rotation) append("rotation about " + axes(inUnits(vanishingIn(motions, motions.bottomRows(1)), 3)));
+  if (gauge.has_rotation)
+    append("rotation about " + axes(inUnits(vanishingIn(motions, motions.bottomRows(1)), 3)));
   if (gauge.has_scale) append("scale");
 }
 
@@ -205,19 +209,21 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
       parts.emplace_back();
     }
     parts[at(part)].blocks.push_back(b);
-    for (int c = 0; c < structure.dof(b); ++c) parts[at(part)].unknowns.push_back(structure.offset[at(b)] + c);
+    for (int c = 0; c < structure.dof(b); ++c)
+      parts[at(part)].unknowns.push_back(structure.offset[at(b)] + c);
   }
   return parts;
 }
 
-Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part, const MatrixXd& null_space,
-                const VectorXd& scale) {
+Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part,
+                const MatrixXd& null_space, const VectorXd& scale) {
   Gauge best;
   const MatrixXd elsewhere = rowsElsewhere(problem, structure, part, null_space);
   for (const auto& [store, own] : classesOf(problem, structure, part, null_space)) {
     const MatrixXd null_rows = rowsOf(null_space, problem, own);
     for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
-      Gauge found = commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space, elsewhere);
+      Gauge found =
+          commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space, elsewhere);
       if (found.count() > best.count()) best = std::move(found);
     }
   }

@@ -21,9 +21,10 @@ std::vector<Part> connectedParts(const BlockStructure& structure);
 
 /// World motions in a null space.
 struct Gauge {
-  Eigen::MatrixXd motions;     ///< kWorldMotions x count: motions of the world, each row times `length`
-  Eigen::VectorXd length;      ///< by how much scaled unknowns move with each unit motion of the world
-  Eigen::MatrixXd directions;  ///< unknowns of the part x count: what they do to the scaled unknowns, orthonormal
+  Eigen::MatrixXd motions;  ///< kWorldMotions x count: motions of the world, each row times `length`
+  Eigen::VectorXd length;   ///< by how much scaled unknowns move with each unit motion of the world
+  Eigen::MatrixXd
+      directions;  ///< unknowns of the part x count: what they do to the scaled unknowns, orthonormal
   bool has_translation = false, has_rotation = false, has_scale = false;
   std::string text;  ///< `translation x, y; rotation about z`
 
@@ -32,7 +33,7 @@ struct Gauge {
 
 /// `null_space`: unknowns of the part x k, orthonormal, in unknowns scaled by `scale` (all unknowns). A variable alone has no
 /// gauge: its directions are those of a thing that is not measured.
-Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part, const Eigen::MatrixXd& null_space,
-                const Eigen::VectorXd& scale);
+Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part,
+                const Eigen::MatrixXd& null_space, const Eigen::VectorXd& scale);
 
 }  // namespace slom

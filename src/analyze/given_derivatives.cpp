@@ -17,8 +17,9 @@ void GivenDerivatives::check(Problem& problem, std::vector<std::string>& warning
     found_.clear();
     try {
       for (const GroupDerivativeCheck& group : findWrongDerivatives(problem, kMeasurements).groups) {
-        found_.push_back(group.sentence() + "; with wrong derivatives a fit ends elsewhere, or has wrong standard deviations: "
-                                            "checkDerivatives() compares them all");
+        found_.push_back(group.sentence() +
+                         "; with wrong derivatives a fit ends elsewhere, or has wrong standard deviations: "
+                         "checkDerivatives() compares them all");
       }
     } catch (...) {  // a function that throws next to the fit: nothing can be said
     }

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <ostream>
 
-#include "linearize/parallel.hpp"
-#include "model/classic_numbers.hpp"
-#include "model/decompositions.hpp"
-#include "model/words.hpp"
+#include "base/classic_numbers.hpp"
+#include "base/decompositions.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
+#include "base/words.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/covariance.hpp"
 
@@ -23,13 +24,14 @@ using Eigen::VectorXd;
 constexpr double kUnchecked = 1e-8;
 constexpr int kMeasurementsPerTask = 64;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 class GroupExamination {
  public:
   GroupExamination(System& system, const InverseBlocks& inverse, std::size_t group, double variance_factor)
-      : problem_(system.problem()), structure_(system.structure()), inverse_(inverse),
-        pool_(*problem_.pools()[group]), variance_factor_(variance_factor) {}
+      : problem_(system.problem()),
+        structure_(system.structure()),
+        inverse_(inverse),
+        pool_(*problem_.pools()[group]),
+        variance_factor_(variance_factor) {}
 
   struct Result {
     MeasurementCheck check;
@@ -64,7 +66,8 @@ class GroupExamination {
         if (block[at(k)] < 0 || block[at(l)] < 0) continue;
         C.resize(structure_.system.dof(block[at(k)]), structure_.system.dof(block[at(l)]));
         inverse_.block(block[at(k)], block[at(l)], C.data());
-        result.noalias() += J.middleCols(column[at(k)], C.rows()) * C * J.middleCols(column[at(l)], C.cols()).transpose();
+        result.noalias() +=
+            J.middleCols(column[at(k)], C.rows()) * C * J.middleCols(column[at(l)], C.cols()).transpose();
       }
     }
     return (result + result.transpose()) / 2;
@@ -121,7 +124,8 @@ class GroupExamination {
   double variance_factor_;
 };
 
-GroupCheck summarized(std::vector<GroupExamination::Result> results, const OutlierOptions& options, double significance) {
+GroupCheck summarized(std::vector<GroupExamination::Result> results, const OutlierOptions& options,
+                      double significance) {
   GroupCheck group;
   group.measurements = static_cast<int>(results.size());
   for (auto& [check, chi2, redundancy] : results) {
@@ -140,7 +144,8 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, const Outli
     return x.probability != y.probability ? x.probability < y.probability : x.studentized > y.studentized;
   };
   const std::size_t count = std::min(results.size(), static_cast<std::size_t>(std::max(0, options.worst)));
-  std::partial_sort(results.begin(), results.begin() + static_cast<std::ptrdiff_t>(count), results.end(), worse);
+  std::partial_sort(results.begin(), results.begin() + static_cast<std::ptrdiff_t>(count), results.end(),
+                    worse);
   for (std::size_t i = 0; i < count; ++i) group.worst.push_back(std::move(results[i].check));
   return group;
 }
@@ -148,17 +153,19 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, const Outli
 std::string row(const char* name, const MeasurementCheck& check) {
   const ClassicNumbers points;
   char text[160];
-  std::snprintf(text, sizeof text, "  %-24s %9.3g %11.3g %10.3g %7.3g %11.2g %9.3g%s\n", name, check.residual, check.studentized,
-                check.redundancy, check.weight, check.probability, check.effect, check.is_suspect ? "  suspect" : "");
+  std::snprintf(text, sizeof text, "  %-24s %9.3g %11.3g %10.3g %7.3g %11.2g %9.3g%s\n", name, check.residual,
+                check.studentized, check.redundancy, check.weight, check.probability, check.effect,
+                check.is_suspect ? "  suspect" : "");
   return text;
 }
 
 }  // namespace
 
-OutlierReport checkResiduals(System& system, Linearizer& linearizer, const OutlierOptions& options, double variance_factor,
-                             FreeGauge gauge) {
+OutlierReport checkResiduals(System& system, Linearizer& linearizer, const OutlierOptions& options,
+                             double variance_factor, FreeGauge gauge) {
   if (!(options.significance > 0 && options.significance < 1)) {
-    throw Error("slom.bad-option", "the significance of OutlierOptions is " + number(options.significance, 6) +
+    throw Error("slom.bad-option", "the significance of OutlierOptions is " +
+                                       number(options.significance, 6) +
                                        "; pass a probability between 0 and 1, such as 0.01");
   }
   OutlierReport report;
@@ -171,7 +178,8 @@ OutlierReport checkResiduals(System& system, Linearizer& linearizer, const Outli
   for (std::size_t g = 0; g < problem.pools().size(); ++g) {
     MeasurementPool& pool = *problem.pools()[g];
     if (pool.size() == 0) continue;
-    report.groups.push_back(summarized(GroupExamination(system, *inverse, g, variance_factor).run(), options, report.significance));
+    report.groups.push_back(summarized(GroupExamination(system, *inverse, g, variance_factor).run(), options,
+                                       report.significance));
     report.groups.back().name = pool.name();
     report.groups.back().has_losses = pool.lossCount() > 0;
   }
@@ -189,12 +197,13 @@ std::string OutlierReport::text() const {
   std::string all;
   char line[200];
   for (const GroupCheck& group : groups) {
-    std::snprintf(line, sizeof line, "%s: %s, chi-square %.6g where %.6g is expected (probability %.2g), %s\n", group.name.c_str(),
-                  counted(group.measurements, "measurement").c_str(), group.chi2, group.redundancy, group.probability,
-                  counted(group.suspects, "suspect").c_str());
+    std::snprintf(line, sizeof line,
+                  "%s: %s, chi-square %.6g where %.6g is expected (probability %.2g), %s\n",
+                  group.name.c_str(), counted(group.measurements, "measurement").c_str(), group.chi2,
+                  group.redundancy, group.probability, counted(group.suspects, "suspect").c_str());
     all += line;
-    std::snprintf(line, sizeof line, "  %-24s %9s %11s %10s %7s %11s %9s\n", "measurement", "residual", "studentized", "redundancy",
-                  "weight", "probability", "effect");
+    std::snprintf(line, sizeof line, "  %-24s %9s %11s %10s %7s %11s %9s\n", "measurement", "residual",
+                  "studentized", "redundancy", "weight", "probability", "effect");
     all += line;
     for (const MeasurementCheck& check : group.worst) all += row(check.measurement.c_str(), check);
   }

@@ -8,7 +8,7 @@
 namespace slom {
 
 /// Throws what inverseBlocks throws. `variance_factor` divides chi-squares.
-OutlierReport checkResiduals(System& system, Linearizer& linearizer, const OutlierOptions& options, double variance_factor,
-                             FreeGauge gauge = FreeGauge::error);
+OutlierReport checkResiduals(System& system, Linearizer& linearizer, const OutlierOptions& options,
+                             double variance_factor, FreeGauge gauge = FreeGauge::error);
 
 }  // namespace slom

@@ -33,10 +33,11 @@ std::vector<std::string> weightlessMeasurements(const std::vector<GroupSummary>&
   for (const GroupSummary& group : groups) {
     for (const LossSummary& summary : group.losses) {
       if (summary.weightless == 0) continue;
-      result.push_back("the loss " + summary.loss + " gives weight 0 to " + std::to_string(summary.weightless) +
-                       " of " + std::to_string(summary.measurements) + " measurements " + group.name +
-                       ", which then determine nothing; start nearer to the solution, pass a larger scale, or set "
-                       "Options::graduated_non_convexity");
+      result.push_back(
+          "the loss " + summary.loss + " gives weight 0 to " + std::to_string(summary.weightless) + " of " +
+          std::to_string(summary.measurements) + " measurements " + group.name +
+          ", which then determine nothing; start nearer to the solution, pass a larger scale, or set "
+          "Options::graduated_non_convexity");
     }
   }
   return result;

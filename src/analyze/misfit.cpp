@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 #include "problem/stated_noise.hpp"
 
 namespace slom {

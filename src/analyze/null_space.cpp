@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/decompositions.hpp"
+#include "base/decompositions.hpp"
 #include "slom/solve/block_solver.hpp"
 
 namespace slom {
@@ -93,14 +93,15 @@ void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
   const SVD svd = svdOf(image, Eigen::ComputeFullV);
   const Index count = result.direction.cols();
   result.influence.setZero(count);
-  for (Index k = 0; k < svd.singularValues().size(); ++k) result.influence[count - 1 - k] = svd.singularValues()[k];
+  for (Index k = 0; k < svd.singularValues().size(); ++k)
+    result.influence[count - 1 - k] = svd.singularValues()[k];
   result.direction = result.direction * svd.matrixV().rowwise().reverse();
 }
 
 }  // namespace
 
-LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
-                              Linearizer& linearizer, double limit) {
+LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure,
+                              Problem& problem, Linearizer& linearizer, double limit) {
   LeastInfluence result;
   const VectorXd diagonal = withoutRounding(jacobian.rows().diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
@@ -124,7 +125,8 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
     bool all_determined = false;
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
-      const SolveStatus status = solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
+      const SolveStatus status =
+          solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
       for (const int i : result.idle) moved.row(i).setZero();
       result.direction = result.scale.asDiagonal() * moved;
@@ -133,7 +135,8 @@ LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructu
       if (all_determined) break;
     }
     sortByInfluence(jacobian, result);
-    if (all_determined || count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated))) return result;
+    if (all_determined || count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated)))
+      return result;
     const Index next = std::min(4 * count, dimension);
     if (count >= kMostCount || static_cast<double>(diagonal.size() * next * next) > kMostWork) {
       result.may_miss_some = true;

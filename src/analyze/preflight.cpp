@@ -7,21 +7,21 @@
 
 #include "analyze/diagnose.hpp"
 #include "analyze/singular.hpp"
-#include "model/classic_numbers.hpp"
-#include "model/words.hpp"
+#include "base/classic_numbers.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
 namespace {
 
-constexpr int kDerivativesOfGroup = 50;  // measurements whose derivatives are compared
+constexpr int kDerivativesOfGroup = 50;    // measurements whose derivatives are compared
 constexpr std::size_t kMostVariables = 3;  // that are named for having too few residuals
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Inspection {
  public:
-  Inspection(System& system, Linearizer& linearizer) : system_(system), linearizer_(linearizer), problem_(system.problem()) {}
+  Inspection(System& system, Linearizer& linearizer)
+      : system_(system), linearizer_(linearizer), problem_(system.problem()) {}
 
   Preflight run() {
     for (const auto& pool : problem_.pools()) evaluate(*pool);
@@ -56,7 +56,8 @@ class Inspection {
       }
       if (!fault.empty()) {
         if (bad++ == 0) {
-          first = pool.measurementName(i) + " " + fault + " at " + problem_.valuesText(pool.variables(i), pool.arity());
+          first = pool.measurementName(i) + " " + fault + " at " +
+                  problem_.valuesText(pool.variables(i), pool.arity());
         }
         continue;
       }
@@ -69,8 +70,10 @@ class Inspection {
       }
     }
     if (bad > 0) {
-      result_.faults.push_back("the residual of " + first + (bad > 1 ? "; so are those of " + std::to_string(bad - 1) + " more of the group" : "") +
-                               "; check data, start values, and where the function divides, takes roots or logarithms");
+      result_.faults.push_back(
+          "the residual of " + first +
+          (bad > 1 ? "; so are those of " + std::to_string(bad - 1) + " more of the group" : "") +
+          "; check data, start values, and where the function divides, takes roots or logarithms");
     }
     if (group.measurements > 0) result_.groups.push_back(std::move(group));
   }
@@ -88,7 +91,8 @@ class Inspection {
     const ProblemStructure& structure = system_.structure();
     const int unknowns = structure.system.unknowns() - problem_.heldCount();
     if (structure.residuals < unknowns) {
-      result_.faults.push_back("there are " + counted(structure.residuals, "residual") + " for " + counted(unknowns, "unknown") +
+      result_.faults.push_back("there are " + counted(structure.residuals, "residual") + " for " +
+                               counted(unknowns, "unknown") +
                                ": add measurements or priors, or fix variables");
     }
     std::vector<int> residuals_of(problem_.variables().size(), 0);
@@ -106,11 +110,13 @@ class Inspection {
       int free = 0;
       for (int c = 0; c < record.dof; ++c) free += record.isHeld(c) ? 0 : 1;
       if (record.uses > 0 && residuals_of[at(v)] < free) {
-        lacking.push_back(problem_.variableName(v) + " (" + std::to_string(residuals_of[at(v)]) + " for " + std::to_string(free) + ")");
+        lacking.push_back(problem_.variableName(v) + " (" + std::to_string(residuals_of[at(v)]) + " for " +
+                          std::to_string(free) + ")");
       }
     }
     if (!lacking.empty()) {
-      result_.faults.push_back("fewer residuals than unknowns depend on " + listed(lacking, kMostVariables + 1) +
+      result_.faults.push_back("fewer residuals than unknowns depend on " +
+                               listed(lacking, kMostVariables + 1) +
                                ": add measurements or a prior, or fix what they lack");
     }
   }
@@ -126,14 +132,17 @@ class Inspection {
 Preflight preflight(System& system, Linearizer& linearizer) { return Inspection(system, linearizer).run(); }
 
 std::string Preflight::text() const {
-  std::string all = faults.empty() ? "ready to be solved\n" : "not ready to be solved: " + counted(static_cast<int>(faults.size()), "fault") + "\n";
+  std::string all =
+      faults.empty() ? "ready to be solved\n"
+                     : "not ready to be solved: " + counted(static_cast<int>(faults.size()), "fault") + "\n";
   for (const std::string& fault : faults) all += "  fault: " + fault + "\n";
   for (const std::string& warning : warnings) all += "  hint: " + warning + "\n";
   const ClassicNumbers points;
   char line[240];
   for (const PreflightGroup& group : groups) {
-    std::snprintf(line, sizeof line, "  %s: %s, RSS %.6g; the worst is %s with %.3g standard deviations\n", group.name.c_str(),
-                  counted(group.measurements, "measurement").c_str(), group.rss, group.worst.c_str(), group.worst_residual);
+    std::snprintf(line, sizeof line, "  %s: %s, RSS %.6g; the worst is %s with %.3g standard deviations\n",
+                  group.name.c_str(), counted(group.measurements, "measurement").c_str(), group.rss,
+                  group.worst.c_str(), group.worst_residual);
     all += line;
   }
   return all;

@@ -19,7 +19,8 @@ double profileRoot(const std::function<double(double)>& f, double guess, double 
   }
   int side = 0;
   for (int i = 0; i < 60 && high - low > 1e-7 * high; ++i) {
-    const double t = std::isfinite(at_high) ? (low * at_high - high * at_low) / (at_high - at_low) : (low + high) / 2;
+    const double t =
+        std::isfinite(at_high) ? (low * at_high - high * at_low) / (at_high - at_low) : (low + high) / 2;
     const double at_t = excess(t);
     if (std::abs(at_t) < 1e-8) return t;
     if (at_t > 0) {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <ostream>
 
-#include "model/classic_numbers.hpp"
+#include "base/classic_numbers.hpp"
 
 namespace slom {
 
@@ -25,14 +25,14 @@ std::string groupTable(const Summary& summary) {
   std::size_t width = 11;
   for (const GroupSummary& group : summary.groups) width = std::max(width, group.name.size());
   const int w = static_cast<int>(width);
-  std::string text = format("  %-*s %8s %10s %14s %14s  %s\n", w, "measurement", "count", "residuals", "RSS before",
-                            "RSS after", "derivatives");
+  std::string text = format("  %-*s %8s %10s %14s %14s  %s\n", w, "measurement", "count", "residuals",
+                            "RSS before", "RSS after", "derivatives");
   for (const GroupSummary& g : summary.groups) {
-    text += format("  %-*s %8d %10d %14.6g %14.6g  %s\n", w, g.name.c_str(), g.measurements, g.residuals, g.initial_rss,
-                   g.final_rss, g.derivatives.c_str());
+    text += format("  %-*s %8d %10d %14.6g %14.6g  %s\n", w, g.name.c_str(), g.measurements, g.residuals,
+                   g.initial_rss, g.final_rss, g.derivatives.c_str());
   }
-  return text + format("  %-*s %8s %10d %14.6g %14.6g\n", w, "all", "", summary.measurements, summary.initial_rss,
-                       summary.final_rss);
+  return text + format("  %-*s %8s %10d %14.6g %14.6g\n", w, "all", "", summary.measurements,
+                       summary.initial_rss, summary.final_rss);
 }
 
 /// A line for each loss of the group, or one for all when there are many.
@@ -62,7 +62,8 @@ std::string parameterTable(const Summary& summary) {
   std::string text = format("  %-*s %14s %20s\n", w, "parameter", "value", "standard deviation");
   for (const ParameterSummary& parameter : summary.parameters) {
     const std::string value = std::isnan(parameter.value) ? "" : format("%.8g", parameter.value);
-    text += format("  %-*s %14s %20.3g\n", w, parameter.name.c_str(), value.c_str(), parameter.standard_deviation);
+    text += format("  %-*s %14s %20.3g\n", w, parameter.name.c_str(), value.c_str(),
+                   parameter.standard_deviation);
   }
   for (const CorrelationSummary& pair : summary.correlations) {
     text += format("  correlation of %s and %s: %.4f\n", pair.a.c_str(), pair.b.c_str(), pair.correlation);
@@ -76,8 +77,8 @@ std::string groupChiSquares(const Summary& summary) {
   if (summary.groups.size() < 2 || summary.hasLosses()) return text;
   for (const GroupSummary& group : summary.groups) {
     if (group.redundancy > 0.5 && group.losses.empty()) {
-      text += format("  %s: chi-square / dof = %.6g / %.4g = %.6g\n", group.name.c_str(), group.final_rss, group.redundancy,
-                     group.final_rss / group.redundancy);
+      text += format("  %s: chi-square / dof = %.6g / %.4g = %.6g\n", group.name.c_str(), group.final_rss,
+                     group.redundancy, group.final_rss / group.redundancy);
     }
   }
   return text;
@@ -89,21 +90,25 @@ std::string Summary::report() const { return slom::report(*this); }
 
 std::string report(const Summary& summary) {
   std::string text = (summary.converged ? "Converged: " : "NOT converged: ") + summary.message + "\n";
-  text += format("  %d iterations of %s; %s\n", summary.iterations, summary.algorithm.c_str(), summary.solver.c_str());
-  text += format("  %d residuals - %d unknowns (%d variables) = redundancy %d\n", summary.measurements, summary.unknowns,
-                 summary.variables, summary.redundancy);
+  text += format("  %d iterations of %s; %s\n", summary.iterations, summary.algorithm.c_str(),
+                 summary.solver.c_str());
+  text += format("  %d residuals - %d unknowns (%d variables) = redundancy %d\n", summary.measurements,
+                 summary.unknowns, summary.variables, summary.redundancy);
   if (summary.stages > 0) text += format("  graduated non-convexity, stages begun: %d\n", summary.stages);
   text += groupTable(summary);
   for (const GroupSummary& group : summary.groups) text += lossLines(group);
   if (summary.redundancy > 0) {
-    text += format("  %s / dof = %.6g; ", summary.hasLosses() ? "robust RSS" : "chi-square", summary.chi2PerDof());
+    text += format("  %s / dof = %.6g; ", summary.hasLosses() ? "robust RSS" : "chi-square",
+                   summary.chi2PerDof());
     text += summary.sigma_is_estimated
-                ? format("standard deviations are estimated: those stated, times %.4g\n", std::sqrt(summary.chi2PerDof()))
+                ? format("standard deviations are estimated: those stated, times %.4g\n",
+                         std::sqrt(summary.chi2PerDof()))
                 : std::string("standard deviations are taken as stated\n");
   }
   text += groupChiSquares(summary);
   if (!summary.parameters.empty()) text += parameterTable(summary);
-  for (const std::string& bound : summary.active_bounds) text += "  " + bound + "; standard deviations hold on that condition\n";
+  for (const std::string& bound : summary.active_bounds)
+    text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;
 }
@@ -113,13 +118,13 @@ std::ostream& operator<<(std::ostream& os, const Summary& summary) { return os <
 Observer progressTable(std::ostream& os) {
   return [&os](const IterationRecord& line) {
     if (line.iteration == 0) {
-      os << format("%4s %16s %11s %10s %10s %10s  %s\n", "iter", "RSS", "decrease", "gradient", "step", "damping",
-                   "algorithm");
+      os << format("%4s %16s %11s %10s %10s %10s  %s\n", "iter", "RSS", "decrease", "gradient", "step",
+                   "damping", "algorithm");
       os << format("%4d %16.9g %11s %10.2e\n", 0, line.rss, "", line.gradient);
       return;
     }
-    os << format("%4d %16.9g %11.2e %10.2e %10.2e %10.2e  %s", line.iteration, line.rss, line.relative_decrease,
-                 line.gradient, line.step, line.damping, line.algorithm.c_str())
+    os << format("%4d %16.9g %11.2e %10.2e %10.2e %10.2e  %s", line.iteration, line.rss,
+                 line.relative_decrease, line.gradient, line.step, line.damping, line.algorithm.c_str())
        << (line.trials > 1 ? format(", %d trials", line.trials) : "")
        << (line.widening > 1 ? format(", mu = %.3g\n", line.widening) : "\n");
   };

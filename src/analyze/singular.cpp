@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 #include "slom/solve/block_qr.hpp"
 
 namespace slom {

@@ -6,16 +6,13 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "model/decompositions.hpp"
-#include "model/words.hpp"
+#include "base/decompositions.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 #include "mtk/error.hpp"
 #include "slom/solve/block_solver.hpp"
 
 namespace slom::initialize {
-
-namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
 
 double* LinearRelaxation::valueAt(int block) { return values_.data() + at(block) * at(rows_ * columns_); }
 const double* LinearRelaxation::value(int block) const {

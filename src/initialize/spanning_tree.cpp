@@ -5,6 +5,8 @@
 #include <queue>
 #include <string>
 
+#include "base/index.hpp"
+
 namespace slom::initialize {
 
 Unreached::Unreached(int pose)
@@ -14,8 +16,6 @@ Unreached::Unreached(int pose)
       pose_(pose) {}
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The edges at each pose: those of pose p are edges[first[p]] .. edges[first[p + 1] - 1].
 struct EdgesAtPoses {

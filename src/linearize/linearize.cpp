@@ -5,10 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/task_arena.h>
-
-#include "model/words.hpp"
-#include "parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
+#include "base/words.hpp"
 #include "reweight.hpp"
 
 namespace slom {
@@ -19,8 +18,6 @@ namespace {
 /// One thread alone needs but one, which stays in the first.
 constexpr int kChunksPerThread = 8;
 int chunksInFlight(int threads) { return threads == 1 ? 1 : kChunksPerThread * threads; }
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Measurements in a chunk: at most 64, fewer where their Jacobians would not stay in the first-level cache.
 int perChunk(const MeasurementPool& pool) {
@@ -35,7 +32,8 @@ double squaredNorm(const std::vector<double>& r) {
 
 }  // namespace
 
-std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem, std::span<const MeasurementPlace> parts) {
+std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem,
+                                                  std::span<const MeasurementPlace> parts) {
   std::vector<Range> result;
   auto cut = parts.begin();
   for (int g = 0; g < static_cast<int>(problem.pools().size()); ++g) {
@@ -54,7 +52,8 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
   const int count = range.last - range.first;
   // Chunks that are used again always have a Jacobian.
-  const bool is_laid_out = chunk.type == &pool.type() && pool.hasFixedSizes() && chunk.rows.size() >= at(count);
+  const bool is_laid_out =
+      chunk.type == &pool.type() && pool.hasFixedSizes() && chunk.rows.size() >= at(count);
   chunk.type = &pool.type();
   chunk.group = range.group;
   chunk.first = range.first;
@@ -147,7 +146,8 @@ void Linearizer::residuals(Problem& problem, double* r) {
 void Linearizer::linearizeChunk(Problem& problem, const Range& range, Chunk& chunk) const {
   prepare(problem, range, true, chunk);
   try {
-    chunk.bad = problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+    chunk.bad =
+        problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
     if (chunk.bad < 0) {
       addLosses(problem, true, chunk);
       if (!problem.constrained().empty()) clearHeld(problem, chunk);
@@ -165,7 +165,7 @@ void Linearizer::requireGood(Problem& problem, const Chunk& chunk) {
 double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   const std::span<const MeasurementPlace> parts = sink.parts();
   const std::vector<Range> all = ranges(problem, parts);
-  const int threads = tbb::this_task_arena::max_concurrency();
+  const int threads = detail::threadCount();
   const std::size_t per_wave = at(chunksInFlight(threads));
   std::vector<double> rss(all.size()), squared_norm(all.size());
   held_.clear();
@@ -186,8 +186,11 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
   if (parts.size() > 1 && (parts.size() >= at(threads) || all.size() > per_wave)) {
     std::vector<std::size_t> first;
     for (const MeasurementPlace& part : parts) {
-      const auto is_before = [&](const Range& range) { return std::pair(range.group, range.first) < std::pair(part.group, part.index); };
-      first.push_back(at(static_cast<int>(std::partition_point(all.begin(), all.end(), is_before) - all.begin())));
+      const auto is_before = [&](const Range& range) {
+        return std::pair(range.group, range.first) < std::pair(part.group, part.index);
+      };
+      first.push_back(
+          at(static_cast<int>(std::partition_point(all.begin(), all.end(), is_before) - all.begin())));
     }
     first.push_back(all.size());
     chunks_.resize(threads == 1 ? 1 : parts.size());
@@ -296,21 +299,23 @@ void Linearizer::raiseOverflow(Problem& problem) {
   worst_pool->evaluate(worst, worst + 1, r.data());
   double residual = 0;
   for (int i = 0; i < rows; ++i) residual = std::max(residual, std::abs(r[at(i)]));
-  throw Error("slom.overflow", "measurement " + worst_pool->measurementName(worst) + " has a residual of " + number(residual, 6) +
-                                   " standard deviations or a derivative of " + number(largest, 6) + " at " +
-                                   problem.valuesText(worst_pool->variables(worst), worst_pool->arity()) +
-                                   ", too large for sums of squares; check its data, its uncertainty and the start values");
+  throw Error("slom.overflow",
+              "measurement " + worst_pool->measurementName(worst) + " has a residual of " +
+                  number(residual, 6) + " standard deviations or a derivative of " + number(largest, 6) +
+                  " at " + problem.valuesText(worst_pool->variables(worst), worst_pool->arity()) +
+                  ", too large for sums of squares; check its data, its uncertainty and the start values");
 }
 
 void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {
   MeasurementPool& pool = *problem.pools()[at(group)];
   std::vector<double> r(at(pool.rows(measurement)));
   const bool residual_is_bad = pool.evaluate(measurement, measurement + 1, r.data()) >= 0;
-  throw Error("slom.not-finite", std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
-                                     pool.measurementName(measurement) + " is not finite at " +
-                                     problem.valuesText(pool.variables(measurement), pool.arity()) +
-                                     "; check its data, the function where it divides, takes roots or logarithms or "
-                                     "leaves an entry of its result unset, and the start values");
+  throw Error("slom.not-finite",
+              std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
+                  pool.measurementName(measurement) + " is not finite at " +
+                  problem.valuesText(pool.variables(measurement), pool.arity()) +
+                  "; check its data, the function where it divides, takes roots or logarithms or "
+                  "leaves an entry of its result unset, and the start values");
 }
 
 }  // namespace slom

@@ -49,8 +49,8 @@ double robustCost(const MeasurementPool& pool, int first, int last, double widen
   return sum;
 }
 
-double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening, double* r,
-                double* J) {
+double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening,
+                double* r, double* J) {
   double sum = 0;
   for (int i = first; i < last; ++i) {
     const int rows = pool.rows(i);
@@ -59,7 +59,8 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     const LossValue value = valueOf(pool.lossOf(i), s, widening);
     const Factors factors = factorsFor(value, s);
     sum += value.rho;
-    if (factors.of_J == 1 && factors.k == 0) {  // without a loss, and with Huber's where the residual is small, as most are
+    if (factors.of_J == 1 &&
+        factors.k == 0) {  // without a loss, and with Huber's where the residual is small, as most are
       J += static_cast<std::ptrdiff_t>(rows) * pool.columns(i);
       r += rows;
       continue;
@@ -86,7 +87,8 @@ double largestLossArgument(const MeasurementPool& pool, int first, int last, con
   for (int i = first; i < last; ++i) {
     const int rows = pool.rows(i);
     if (const Loss* loss = pool.lossOf(i)) {
-      largest = std::max(largest, Map<const VectorXd>(r, rows).squaredNorm() / (loss->scale() * loss->scale()));
+      largest =
+          std::max(largest, Map<const VectorXd>(r, rows).squaredNorm() / (loss->scale() * loss->scale()));
     }
     r += rows;
   }

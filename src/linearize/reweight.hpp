@@ -22,8 +22,8 @@ namespace slom {
 double robustCost(const MeasurementPool& pool, int first, int last, double widening, const double* r);
 
 /// The same, and scales r and J (as in JacobianBatch) in place.
-double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening, double* r,
-                double* J);
+double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening,
+                double* r, double* J);
 
 /// max s / c^2 over those of them that have a loss of scale c; -1 when none has.
 double largestLossArgument(const MeasurementPool& pool, int first, int last, const double* r);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 #include "mtk/error.hpp"
 
 namespace slom {
@@ -58,8 +58,8 @@ LossValue barron(double t, double alpha) {
   // phi = 2 b/alpha ((1 + t/b)^(alpha/2) - 1), in a form for each end: for small b the power is t/b times the weight,
   // for alpha around 0 the quotient tends to the logarithm.
   const double x = alpha / 2 * log;
-  const double phi =
-      alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log)) : b * log * (x == 0 ? 1 : std::expm1(x) / x);
+  const double phi = alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log))
+                                : b * log * (x == 0 ? 1 : std::expm1(x) / x);
   return {phi, weight, -weight / 2 * (b / (b + t))};
 }
 
@@ -71,13 +71,20 @@ LossValue Loss::evaluate(double s, double widening) const {
   const double t = std::min(s / c2, std::numeric_limits<double>::max());
   const LossValue unit = [&]() -> LossValue {
     switch (kind_) {
-      case Kind::none: break;
-      case Kind::huber: return huber(t);
-      case Kind::pseudo_huber: return pseudoHuber(t);
-      case Kind::cauchy: return cauchy(t);
-      case Kind::tukey: return tukey(t);
-      case Kind::geman_mcclure: return gemanMcClure(t);
-      case Kind::barron: return barron(t, shape_);
+      case Kind::none:
+        break;
+      case Kind::huber:
+        return huber(t);
+      case Kind::pseudo_huber:
+        return pseudoHuber(t);
+      case Kind::cauchy:
+        return cauchy(t);
+      case Kind::tukey:
+        return tukey(t);
+      case Kind::geman_mcclure:
+        return gemanMcClure(t);
+      case Kind::barron:
+        return barron(t, shape_);
     }
     return {t, 1, 0};
   }();
@@ -87,13 +94,25 @@ LossValue Loss::evaluate(double s, double widening) const {
 std::string Loss::text() const {
   const char* name = "none";
   switch (kind_) {
-    case Kind::none: return name;
-    case Kind::huber: name = "Huber"; break;
-    case Kind::pseudo_huber: name = "PseudoHuber"; break;
-    case Kind::cauchy: name = "Cauchy"; break;
-    case Kind::tukey: name = "Tukey"; break;
-    case Kind::geman_mcclure: name = "GemanMcClure"; break;
-    case Kind::barron: return "Barron(" + number(shape_, 6) + ", " + number(scale_, 6) + ")";
+    case Kind::none:
+      return name;
+    case Kind::huber:
+      name = "Huber";
+      break;
+    case Kind::pseudo_huber:
+      name = "PseudoHuber";
+      break;
+    case Kind::cauchy:
+      name = "Cauchy";
+      break;
+    case Kind::tukey:
+      name = "Tukey";
+      break;
+    case Kind::geman_mcclure:
+      name = "GemanMcClure";
+      break;
+    case Kind::barron:
+      return "Barron(" + number(shape_, 6) + ", " + number(scale_, 6) + ")";
   }
   return std::string(name) + "(" + number(scale_, 6) + ")";
 }

@@ -5,25 +5,30 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "model/decompositions.hpp"
-#include "model/words.hpp"
+#include "base/decompositions.hpp"
+#include "base/words.hpp"
 #include "mtk/error.hpp"
 
 namespace slom {
 
 namespace {
 
+using detail::NoiseComplaint;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using detail::NoiseComplaint;
 
 const char* nameOf(NoiseForm form) {
   switch (form) {
-    case NoiseForm::covariance: return "covariance";
-    case NoiseForm::standard_deviation: return "standard deviation";
-    case NoiseForm::inv_covariance: return "inverse covariance";
-    case NoiseForm::inv_standard_deviation: return "inverse standard deviation";
-    case NoiseForm::whitening: return "whitening matrix";
+    case NoiseForm::covariance:
+      return "covariance";
+    case NoiseForm::standard_deviation:
+      return "standard deviation";
+    case NoiseForm::inv_covariance:
+      return "inverse covariance";
+    case NoiseForm::inv_standard_deviation:
+      return "inverse standard deviation";
+    case NoiseForm::whitening:
+      return "whitening matrix";
   }
   return "noise";
 }
@@ -35,11 +40,15 @@ bool isDeviation(NoiseForm form) {
 /// The factor by which a component is multiplied to whiten it.
 double whiteningFactor(NoiseForm form, double x) {
   switch (form) {
-    case NoiseForm::covariance: return 1 / std::sqrt(x);
-    case NoiseForm::standard_deviation: return 1 / x;
-    case NoiseForm::inv_covariance: return std::sqrt(x);
+    case NoiseForm::covariance:
+      return 1 / std::sqrt(x);
+    case NoiseForm::standard_deviation:
+      return 1 / x;
+    case NoiseForm::inv_covariance:
+      return std::sqrt(x);
     case NoiseForm::inv_standard_deviation:
-    case NoiseForm::whitening: return x;
+    case NoiseForm::whitening:
+      return x;
   }
   return 1;
 }
@@ -81,7 +90,8 @@ bool checkFinite(const MatrixXd& m, NoiseComplaint& complaint) {
   for (int j = 0; j < m.cols(); ++j) {
     for (int i = 0; i < m.rows(); ++i) {
       if (std::isfinite(m(i, j))) continue;
-      complaint = {"slom.not-positive-definite", "", "has entry " + entryText(i, j, m(i, j)), "pass finite numbers"};
+      complaint = {"slom.not-positive-definite", "", "has entry " + entryText(i, j, m(i, j)),
+                   "pass finite numbers"};
       return false;
     }
   }
@@ -106,9 +116,10 @@ bool checkLowerTriangular(const MatrixXd& m, NoiseComplaint& complaint) {
   for (int j = 0; j < m.cols(); ++j) {
     for (int i = 0; i < j; ++i) {
       if (m(i, j) == 0) continue;
-      complaint = {"slom.not-lower-triangular", "", "has entry " + entryText(i, j, m(i, j)) + " above the diagonal",
-                   "pass the lower triangular Cholesky factor L of the covariance L L^T (or its inverse), or the "
-                   "covariance itself"};
+      complaint = {
+          "slom.not-lower-triangular", "", "has entry " + entryText(i, j, m(i, j)) + " above the diagonal",
+          "pass the lower triangular Cholesky factor L of the covariance L L^T (or its inverse), or the "
+          "covariance itself"};
       return false;
     }
     if (!(m(j, j) > 0)) {
@@ -141,7 +152,8 @@ bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
 
 /// Judged with rows of length 1, so that units do not matter.
 bool checkInvertible(const MatrixXd& m, NoiseComplaint& complaint) {
-  if (m.rowwise().norm().minCoeff() > 0 && m.rowwise().normalized().eval().fullPivLu().isInvertible()) return true;
+  if (m.rowwise().norm().minCoeff() > 0 && m.rowwise().normalized().eval().fullPivLu().isInvertible())
+    return true;
   complaint = {"slom.not-positive-definite", "", "is singular", "pass an invertible matrix"};
   return false;
 }
@@ -204,7 +216,8 @@ bool detail::appendWhitening(const NoiseView& noise, int dim, std::vector<double
 }
 
 void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject) {
-  throw mtk::Error(complaint.id, complaint.name + " of " + subject + " " + complaint.value + "; " + complaint.remedy);
+  throw mtk::Error(complaint.id,
+                   complaint.name + " of " + subject + " " + complaint.value + "; " + complaint.remedy);
 }
 
 namespace {
@@ -222,18 +235,29 @@ void multiply(const double* W, double* m, int dim, int cols) {
 template <int N>
 void scale(const double* w, double* m, int dim, int cols) {
   const Eigen::Vector<double, N> factors = Eigen::Map<const Eigen::Vector<double, N>>(w, dim);
-  for (int j = 0; j < cols; ++j, m += dim) Eigen::Map<Eigen::Vector<double, N>>(m, dim).array() *= factors.array();
+  for (int j = 0; j < cols; ++j, m += dim)
+    Eigen::Map<Eigen::Vector<double, N>>(m, dim).array() *= factors.array();
 }
 
 /// f of a number that is one of the usual dimensions at compile time, Dynamic for others.
 template <class F>
 void withDimension(int dim, const F& f) {
   switch (dim) {
-    case 1: f(std::integral_constant<int, 1>{}); break;
-    case 2: f(std::integral_constant<int, 2>{}); break;
-    case 3: f(std::integral_constant<int, 3>{}); break;
-    case 6: f(std::integral_constant<int, 6>{}); break;
-    default: f(std::integral_constant<int, Eigen::Dynamic>{}); break;
+    case 1:
+      f(std::integral_constant<int, 1>{});
+      break;
+    case 2:
+      f(std::integral_constant<int, 2>{});
+      break;
+    case 3:
+      f(std::integral_constant<int, 3>{});
+      break;
+    case 6:
+      f(std::integral_constant<int, 6>{});
+      break;
+    default:
+      f(std::integral_constant<int, Eigen::Dynamic>{});
+      break;
   }
 }
 }  // namespace

@@ -7,7 +7,8 @@ namespace slom {
 namespace {
 
 void eraseAll(std::string& text, std::string_view part) {
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at)) text.erase(at, part.size());
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at))
+    text.erase(at, part.size());
 }
 
 /// Removes `qualifier::` before names: everything from the start of a name up to its last `::`.

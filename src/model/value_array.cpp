@@ -11,7 +11,8 @@ ValueArray::~ValueArray() {
 void* ValueArray::place() {
   if (size_ == chunks_.size() * kChunk) {
     chunks_.reserve(chunks_.size() + 1);
-    chunks_.push_back(static_cast<std::byte*>(::operator new(kChunk * value_size_, std::align_val_t(alignment_))));
+    chunks_.push_back(
+        static_cast<std::byte*>(::operator new(kChunk* value_size_, std::align_val_t(alignment_))));
   }
   return (*this)[size_];
 }

@@ -15,16 +15,21 @@ std::string textOf(const void* value, void (*write)(std::ostream&, const void*))
 }
 
 void raiseStaleHandle(std::string (*type)(), bool was_valid) {
-  throw Error("slom.stale-handle",
-              "the VarID<" + type() + "> " +
-                  (was_valid ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
-                             : "refers to no variable; assign it the result of insertRV first"));
+  throw Error(
+      "slom.stale-handle",
+      "the VarID<" + type() + "> " +
+          (was_valid
+               ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
+               : "refers to no variable; assign it the result of insertRV first"));
 }
 
 }  // namespace detail
 
 VariableStoreBase::VariableStoreBase(std::size_t value_size, std::size_t alignment)
-    : value_size_(value_size), alignment_(alignment), values_(value_size, alignment), saved_(value_size, alignment) {}
+    : value_size_(value_size),
+      alignment_(alignment),
+      values_(value_size, alignment),
+      saved_(value_size, alignment) {}
 
 VariableStoreBase::~VariableStoreBase() = default;
 

@@ -10,6 +10,8 @@ namespace {
 constexpr double kMostRounding = 1e-4;
 /// An RSS that is rounding error, where the first one was not.
 constexpr double kPerfect = 1e-30, kLittleOfTheFirst = 1e-20;
+/// Part of the RSS that rounding the values may change where rank is lost, and from which on the RSS is rounding itself.
+constexpr double kMostHidden = 1e-10, kIsRounding = 1e-2;
 /// Where residuals have no scale, the cosine of residual and columns below which a small decrease by a damped
 /// step is the end.
 constexpr double kFlat = 1e-2;
@@ -36,6 +38,16 @@ bool Convergence::isRounding(double promised, double rss) {
   return promised <= kMostRounding * variance(rss) && promised <= system_.roundingOfPromises();
 }
 
+/// Without full rank, residuals that are small differences of large numbers (x - y with both near 1e9) say nothing of
+/// directions in which these move together, unless all of them is rounding.
+System::Promise Convergence::promiseAt(double rss, bool carefully) {
+  System::Promise promise = system_.promise(carefully);
+  if (!promise.is_known || promise.has_full_rank) return promise;
+  const double rounding = system_.roundingOfPromises();
+  promise.is_known = rounding <= kMostHidden * rss || rounding >= kIsRounding * rss;
+  return promise;
+}
+
 std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, double gradient,
                                                  double decrease_tolerance) {
   const double perfect = std::max(kPerfect, decrease_tolerance * decrease_tolerance);
@@ -59,7 +71,7 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   if (!outcome.is_undamped) {
     // Each answer costs a factorisation.
     if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
-    const System::Promise promise = system_.promise(!is_relative);
+    const System::Promise promise = promiseAt(outcome.rss_after, !is_relative);
     if (!promise.is_known) return std::nullopt;
     promised = promise.decrease;
     has_decrease = has_decrease && promised <= little;
@@ -75,7 +87,7 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
   has_advanced_ = false;
   const double rss = system_.linearize();
   System::Promise promise;
-  if (has_rank) promise = system_.promise(std::isfinite(options_.deviation_tolerance));
+  if (has_rank) promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   if (promise.is_known) {
     if (isRounding(promise.decrease, rss)) return StopReason::decrease;
     if (isNear(promise.decrease, rss)) {
@@ -97,7 +109,7 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
 bool Convergence::isHidden() {
   constexpr double small = 1e-8;  // of a variance: 1e-4 standard deviations
   const double rss = system_.linearize();
-  const System::Promise promise = system_.promise(std::isfinite(options_.deviation_tolerance));
+  const System::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   return promise.is_known && promise.decrease <= System::kRounding * rss &&
          promise.decrease <= small * variance(rss);
 }

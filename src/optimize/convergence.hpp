@@ -35,6 +35,7 @@ class Convergence {
   double variance(double rss) const;
   bool isNear(double promised, double rss) const;
   bool isRounding(double promised, double rss);
+  System::Promise promiseAt(double rss, bool carefully);
 
   System& system_;
   const Options& options_;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 #include "mtk/error.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"

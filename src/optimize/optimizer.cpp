@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "model/words.hpp"
+#include "base/words.hpp"
 #include "optimize/convergence.hpp"
 #include "problem/value_snapshot.hpp"
 #include "slom/optimize/system.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "linearize/stopwatch.hpp"
+#include "base/stopwatch.hpp"
 
 namespace slom {
 
@@ -236,6 +236,30 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   return unseen;
 }
 
+/// Whether J shows, to its last digits, that a motion of the whole world changes no residual. Then no solver finds
+/// full rank. `solver` keeps J itself.
+bool System::hasFreeGauge(const LinearSolver& solver) const {
+  constexpr double nothing = 1e-12;  // of the lengths of the columns
+  const Eigen::VectorXd& H = solver.diagonal();
+  std::vector<double> motions;
+  for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(H.size(), kWorldMotions);
+    for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
+      const VariableRecord& record =
+          problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[b])];
+      motions.resize(static_cast<std::size_t>(record.dof * kWorldMotions));
+      record.store->worldMotions(record.store->valueAt(record.slot), role, motions.data());
+      moved.middleRows(structure_.system.offset[b], record.dof) =
+          Eigen::Map<const Eigen::MatrixXd>(motions.data(), record.dof, kWorldMotions);
+    }
+    for (int k = 0; k < kWorldMotions; ++k) {
+      const double size = H.dot(moved.col(k).cwiseAbs2());
+      if (size > 0 && solver.squaredImage(moved.col(k)) <= nothing * nothing * size) return true;
+    }
+  }
+  return false;
+}
+
 /// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
 /// last word, and sets `has_changed` where there is another solver to ask.
 SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
@@ -247,6 +271,11 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
   if (careful == nullptr) return status;
   careful->analyze(structure_.system);
   linearizer_.linearize(problem_, *careful);
+  if (hasFreeGauge(*careful)) {
+    careful_failed_at_ = structured_at_;
+    status.least = 0;  // it is certain, whatever a solver takes for its limit
+    return status;
+  }
   Eigen::VectorXd ignored;
   SolveStatus second = careful->solve({}, ignored);
   second.least = careful->leastOfColumn();
@@ -316,10 +345,10 @@ System::Promise System::promise(bool carefully) {
   if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
       solveUndamped(result.step).ok) {
     result.decrease = decreaseBy(result.step);
-    result.is_known = std::isfinite(result.decrease);
+    result.is_known = result.has_full_rank = std::isfinite(result.decrease);
     return result;
   }
-  bool sees_all = true;
+  std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
   const auto promised = [&](double damping, Eigen::VectorXd& step) {
     Eigen::VectorXd D = damping * H;
@@ -328,27 +357,76 @@ System::Promise System::promise(bool carefully) {
     }
     if (!solver_->solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
     clearHeld(step);
-    // One that is out of sight and still explains most of the residual has left the place where it can be
-    // seen.
-    for (const int u : unseenUnknowns(step)) {
-      const double g = solver_->gradient()[u];
-      sees_all = sees_all && g * g <= 0.5 * squared_norm_ * H[u];
-      step[u] = 0;
-    }
+    unseen = unseenUnknowns(step);
+    for (const int u : unseen) step[u] = 0;
     return decreaseBy(step);
   };
   for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {
     result.decrease = promised(damping, result.step);
     if (!std::isfinite(result.decrease)) continue;
+    const std::vector<int> out_of_sight = unseen;
     // A promise that damping makes smaller is larger without.
     constexpr double more = 100, similar = 1.1;
     Eigen::VectorXd ignored;
     const bool is_similar =
         damping == 0 || result.decrease <= similar * promised(more * damping, ignored) + kRounding * rss_;
-    result.is_known = is_similar && sees_all;
+    result.is_known = is_similar && std::none_of(out_of_sight.begin(), out_of_sight.end(),
+                                                 [this](int u) { return hasRunAway(u); });
+    if (result.is_known && carefully && solver_->isExact()) lookDeeper(out_of_sight, result);
     break;
   }
   return result;
+}
+
+/// What the linear model promises along columns so nearly dependent that J^T J shows nothing of them: by factorising J
+/// itself, with as little damping as keeps out what is rounding. Taken over where it is a part of the RSS that
+/// rounding cannot be.
+void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
+  constexpr double of_the_digits = 0.1, least_pivot = 1e-15, most_rounding = 1e-5;
+  if (mustStop()) return;
+  const std::unique_ptr<LinearSolver> rows = given_->careful(least_pivot);
+  if (rows == nullptr) return;
+  rows->analyze(structure_.system);
+  linearizer_.linearize(problem_, *rows);
+  const Eigen::VectorXd& H = rows->diagonal();
+  Eigen::VectorXd damping = std::pow(of_the_digits * digitsOfDerivatives(), 2) * H;
+  for (Eigen::Index i = 0; i < H.size(); ++i) {
+    if (!(H[i] > 0)) damping[i] = 1;
+  }
+  for (const int u : out_of_sight) damping[u] = H.maxCoeff();
+  Eigen::VectorXd step;
+  if (!rows->solve(damping, step).ok) return;
+  clearHeld(step);
+  const double decrease = -rows->gradient().dot(step);
+  if (decrease > std::max(promise.decrease, most_rounding * rss_)) promise = {true, false, decrease, std::move(step)};
+}
+
+/// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
+/// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
+/// would gain. A column of rounding errors stays one everywhere.
+bool System::hasRunAway(int unknown) {
+  constexpr int decades = 40;
+  const auto& offset = structure_.system.offset;
+  const auto block =
+      static_cast<std::size_t>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin() - 1);
+  const VariableRecord& record =
+      problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[block])];
+  std::vector<double> x(static_cast<std::size_t>(record.dof));
+  record.store->coordinates(record.store->valueAt(record.slot), x.data());
+  const double coordinate = x[static_cast<std::size_t>(unknown - offset[block])];
+  if (!std::isfinite(coordinate)) return false;  // an angle, which comes back by itself
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(structure_.system.unknowns());
+  for (int k = 1; k <= decades; ++k) {
+    d[unknown] = coordinate * (std::pow(10.0, -k) - 1);
+    const double rss = tryStep(d);
+    undo();
+    if (!(std::abs(rss - rss_) <= kNoise * rss_)) {
+      linearize();
+      return true;
+    }
+  }
+  linearize();
+  return false;
 }
 
 bool System::advance(const Promise& promise) {

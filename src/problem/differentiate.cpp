@@ -19,7 +19,7 @@ namespace {
 
 /// Width of the narrowest functions that extrapolated differences follow, relative to the argument: rounding leaves half the digits.
 constexpr double kNarrowest = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoGap = std::numeric_limits<double>::infinity();
 
 /// Points a measurement's variable to a copy of its value, which can be moved, for as long as this object lives.
 class Redirected {
@@ -83,16 +83,25 @@ class CentralDifferences {
  public:
   /// `delta`: zeros, one for each component; `workspace`: 4 * rows numbers.
   /// `here` is the residual at the value itself.
-  CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, const double* here, Differences kind,
-                     const Evaluate& evaluate)
-      : variable_(variable), rows_(rows), delta_(delta), plus_(workspace), minus_(plus_ + rows), coarse_(minus_ + rows),
-        fine_(coarse_ + rows), here_(here), kind_(kind), evaluate_(evaluate) {}
+  CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, const double* here,
+                     Differences kind, const Evaluate& evaluate)
+      : variable_(variable),
+        rows_(rows),
+        delta_(delta),
+        plus_(workspace),
+        minus_(plus_ + rows),
+        coarse_(minus_ + rows),
+        fine_(coarse_ + rows),
+        here_(here),
+        kind_(kind),
+        evaluate_(evaluate) {}
 
   /// The derivative along component c, whose size is given. Returns the length of the residual; `out` is complete when
   /// that is the right one.
   int column(int c, double size, double* out) {
     constexpr double cube_root_of_epsilon = 6.0554544523933395e-06;
-    if (kind_ == Differences::forward) return forward(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
+    if (kind_ == Differences::forward)
+      return forward(c, cube_root_of_epsilon * std::cbrt(std::max(size, 1.0)), out);
     if (size >= 0.1 && kind_ == Differences::extrapolated) {
       return extrapolated(c, 7.4e-4 * std::max(size, 1.0), kNarrowest * std::max(size, 1.0), out);
     }
@@ -119,7 +128,7 @@ class CentralDifferences {
   /// of it may agree by chance, so that a third step must agree as well.
   int extrapolated(int c, double h, double smallest, double* best) {
     constexpr double agreeing = 1e-3;  // then the error of the extrapolation is about its square
-    for (double best_gap = kInfinity;; h = std::max(h / 4, smallest)) {
+    for (double best_gap = kNoGap;; h = std::max(h / 4, smallest)) {
       if (const int got = difference(c, h, coarse_); got != rows_) return got;
       if (const int got = difference(c, h / 2, fine_); got != rows_) return got;
       double gap = relativeGap();
@@ -152,7 +161,7 @@ class CentralDifferences {
   int refined(int c, double h, double smallest, double* best) {
     if (const int got = difference(c, h, coarse_); got != rows_) return got;
     std::copy_n(coarse_, rows_, best);
-    double best_gap = kInfinity;
+    double best_gap = kNoGap;
     for (int worse = 0; worse < 2 && h > std::max(smallest, 1e-30);) {
       h /= 8;
       if (const int got = difference(c, h, fine_); got != rows_) return got;
@@ -160,7 +169,7 @@ class CentralDifferences {
       const double gap = largest(plus_, rows_);  // NaN compares as not better
       const bool agrees = gap <= 1e-8 * largest(fine_, rows_);
       if (gap < best_gap || !std::isfinite(largest(best, rows_))) {
-        std::copy_n(best_gap == kInfinity && agrees ? coarse_ : fine_, rows_, best);
+        std::copy_n(best_gap == kNoGap && agrees ? coarse_ : fine_, rows_, best);
         best_gap = std::isfinite(gap) ? gap : best_gap;
         worse = 0;
       } else {

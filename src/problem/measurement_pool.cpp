@@ -21,9 +21,10 @@ bool isFinite(const double* x, std::ptrdiff_t n) {
 }
 
 [[noreturn]] void raiseWrongLength(const std::string& measurement, int expected, int got) {
-  throw Error("slom.residual-length", "measurement " + measurement + " returned a residual of length " +
-                                          std::to_string(got) + " but had length " + std::to_string(expected) +
-                                          " when it was inserted; return the same length for all values of the variables");
+  throw Error("slom.residual-length",
+              "measurement " + measurement + " returned a residual of length " + std::to_string(got) +
+                  " but had length " + std::to_string(expected) +
+                  " when it was inserted; return the same length for all values of the variables");
 }
 
 /// Runs f, which runs the user's functions; what they throw becomes a MeasurementThrew. `i`: the measurement at work.
@@ -54,8 +55,8 @@ struct MeasurementPool::Losses {
   std::set<Loss> all;
 };
 
-MeasurementPool::MeasurementPool(const std::string& name, const std::string& label, const MeasurementType& type,
-                                 const std::vector<VariableRecord>& table)
+MeasurementPool::MeasurementPool(const std::string& name, const std::string& label,
+                                 const MeasurementType& type, const std::vector<VariableRecord>& table)
     : name_(name),
       label_(label),
       type_(type),
@@ -66,7 +67,9 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
 
 MeasurementPool::~MeasurementPool() = default;
 
-std::string MeasurementPool::measurementName(int i) const { return name_ + " #" + std::to_string(serial_[at(i)]); }
+std::string MeasurementPool::measurementName(int i) const {
+  return name_ + " #" + std::to_string(serial_[at(i)]);
+}
 std::string MeasurementPool::nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
 
 int MeasurementPool::sumOfDof(int i) const {
@@ -79,7 +82,8 @@ void MeasurementPool::sizes(int first, int last, int* row, int* dof) const {
   const int* variable = variables(first);
   for (int i = first; i < last; ++i) {
     *row++ = rows(i);
-    for (int k = 0; k < arity_; ++k, ++variable) *dof++ = type_.dof[k] != Dynamic ? type_.dof[k] : table_[at(*variable)].dof;
+    for (int k = 0; k < arity_; ++k, ++variable)
+      *dof++ = type_.dof[k] != Dynamic ? type_.dof[k] : table_[at(*variable)].dof;
   }
 }
 
@@ -129,8 +133,13 @@ bool MeasurementPool::areFreeColumnsFinite(int i, const double* J) const {
   bool finite = true;
   for (int k = 0; k < arity_; ++k) {
     const VariableRecord& record = table_[at(variables(i)[k])];
-    const std::ptrdiff_t entries = static_cast<std::ptrdiff_t>(rows(i)) * record.dof;
-    if (record.optimize) finite = finite && isFinite(J, entries);
+    const std::ptrdiff_t length = rows(i), entries = length * record.dof;
+    if (record.optimize && record.fixed.empty()) {
+      finite = finite && isFinite(J, entries);
+    } else if (record.optimize) {
+      for (int c = 0; c < record.dof; ++c)
+        finite = finite && (record.fixed[at(c)] != 0 || isFinite(J + c * length, length));
+    }
     J += entries;
   }
   return finite;
@@ -148,7 +157,8 @@ void MeasurementPool::differenceRaw(int i, double* r, double* J, Differences kin
   if (got != rows(i)) raiseWrongLength(measurementName(i), rows(i), got);
 }
 
-SlotRef MeasurementPool::insert(void* measurement, const int* variables, const NoiseView& noise, const Loss& loss) {
+SlotRef MeasurementPool::insert(void* measurement, const int* variables, const NoiseView& noise,
+                                const Loss& loss) {
   int rows = type_.rows;
   if (rows == Dynamic) {
     const int next = size();
@@ -165,9 +175,10 @@ SlotRef MeasurementPool::insert(void* measurement, const int* variables, const N
 
 int MeasurementPool::indexOf(SlotRef ref) const {
   if (has(ref)) return index_of_slot_[ref.slot];
-  throw Error("slom.stale-handle", "the MeasID<" + name_ +
-                                       "> refers to a measurement that has been removed; keep the MeasID that "
-                                       "insertMeasurement returned last");
+  throw Error("slom.stale-handle",
+              "the MeasID<" + name_ +
+                  "> refers to a measurement that has been removed; keep the MeasID that "
+                  "insertMeasurement returned last");
 }
 
 void MeasurementPool::reserveOne() {
@@ -208,7 +219,8 @@ const Loss* MeasurementPool::keepLoss(const Loss& loss) {
   return &*losses_->all.insert(loss).first;
 }
 
-SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss) {
+SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::size_t noise_at,
+                                const Loss* loss) {
   const int index = size();
   variables_.insert(variables_.end(), variables, variables + arity_);
   noise_kind_.push_back(kind);

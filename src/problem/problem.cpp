@@ -5,16 +5,17 @@
 #include <limits>
 #include <new>
 
-#include "model/words.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
 namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::string intervalText(double lower, double upper) { return "[" + number(lower, 6) + ", " + number(upper, 6) + "]"; }
+std::string intervalText(double lower, double upper) {
+  return "[" + number(lower, 6) + ", " + number(upper, 6) + "]";
+}
 }  // namespace
 
 /// Measurements that depend on each variable. Handles of removed measurements stay until somebody asks, or until they are more than
@@ -63,9 +64,10 @@ void Problem::bookVariable(int index, VariableRecord record) {
   ++value_revision_;
 }
 
-VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                       std::string_view name) {
-  auto found = std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) { return own.type == type; });
+VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
+                                       bool optimize, std::string_view name) {
+  auto found =
+      std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) { return own.type == type; });
   if (found == stores_.end()) {
     stores_.push_back({type, std::shared_ptr<VariableStoreBase>(make())});
     found = stores_.end() - 1;
@@ -73,7 +75,8 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   const std::shared_ptr<VariableStoreBase>& store = found->store;
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::string(name), {}, {}});
+  bookVariable(index,
+               {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::string(name), {}, {}});
   return VariableHandle(store, ref);
 }
 
@@ -96,22 +99,25 @@ int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::stri
   for (const TypedStore& own : stores_) {
     if (own.store.get() != store) continue;
     if (store->isCurrent(ref)) return store->variable(ref.slot);
-    throw Error("slom.stale-handle", "the VarID<" + type() + "> refers to a variable that has been removed; keep the "
-                                     "VarID that insertRV returned last");
+    throw Error("slom.stale-handle", "the VarID<" + type() +
+                                         "> refers to a variable that has been removed; keep the "
+                                         "VarID that insertRV returned last");
   }
   if (store == nullptr) {
     throw Error("slom.stale-handle",
                 "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
   }
-  throw Error("slom.foreign-handle", "the VarID<" + type() + "> belongs to another estimator; use it only with the "
-                                     "estimator whose insertRV returned it");
+  throw Error("slom.foreign-handle", "the VarID<" + type() +
+                                         "> belongs to another estimator; use it only with the "
+                                         "estimator whose insertRV returned it");
 }
 
 void Problem::setValue(int variable, const void* value) {
   const VariableRecord& record = table_[at(variable)];
   const int dof = record.store->dofOf(value);
   if (record.dof != dof) {
-    throw Error("slom.size-change", "variable " + variableName(variable) + " has " + std::to_string(record.dof) +
+    throw Error("slom.size-change", "variable " + variableName(variable) + " has " +
+                                        std::to_string(record.dof) +
                                         " degrees of freedom, the new value has " + std::to_string(dof) +
                                         "; insert a new variable instead");
   }
@@ -134,8 +140,9 @@ void Problem::checkBounds(int variable, const void* value) const {
   for (const ComponentBound& bound : record.bounds) {
     const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
     if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
-    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " + number(x[at(bound.component)], 6) +
-                                          ", outside of its bound " + intervalText(bound.lower, bound.upper) +
+    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " +
+                                          number(x[at(bound.component)], 6) + ", outside of its bound " +
+                                          intervalText(bound.lower, bound.upper) +
                                           "; give it a value inside, or another bound");
   }
 }
@@ -151,8 +158,9 @@ std::vector<int> Problem::componentsAt(int variable, const std::string& path) co
   if (!found.empty() && (names.size() == 1 || !path.empty())) return found;
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  throw Error("slom.no-component", "variable " + variableName(variable) + " has no component \"" + path +
-                                       "\"; it has " + (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all));
+  throw Error("slom.no-component",
+              "variable " + variableName(variable) + " has no component \"" + path + "\"; it has " +
+                  (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all));
 }
 
 void Problem::setFixed(int variable, const std::vector<int>& components, bool is_fixed) {
@@ -168,17 +176,21 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
   VariableRecord& record = table_[at(variable)];
   if (!(lower <= upper) || lower == kInfinity || upper == -kInfinity) {
-    throw Error("slom.bad-bound", "the bound of " + componentNames(variable)[at(components.front())] + " is " + intervalText(lower, upper) +
-                                      (lower <= upper ? ", which holds no finite number; pass -infinity and infinity to take a bound back"
-                                                      : "; pass a lower limit that is not above the upper one"));
+    throw Error("slom.bad-bound",
+                "the bound of " + componentNames(variable)[at(components.front())] + " is " +
+                    intervalText(lower, upper) +
+                    (lower <= upper
+                         ? ", which holds no finite number; pass -infinity and infinity to take a bound back"
+                         : "; pass a lower limit that is not above the upper one"));
   }
   std::vector<double> x(at(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
   std::vector<ComponentBound> bounds = record.bounds;
   for (const int c : components) {
     if (std::isnan(x[at(c)])) {
-      throw Error("slom.bad-bound", componentNames(variable)[at(c)] + " has no coordinate that could be bounded, as it is part of a "
-                                    "rotation or the like; bound components of vectors, or add a prior");
+      throw Error("slom.bad-bound", componentNames(variable)[at(c)] +
+                                        " has no coordinate that could be bounded, as it is part of a "
+                                        "rotation or the like; bound components of vectors, or add a prior");
     }
   }
   std::vector<char> is_new(at(record.dof), 0);
@@ -187,7 +199,8 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
   if (std::isfinite(lower) || std::isfinite(upper)) {
     for (const int c : components) bounds.push_back({c, lower, upper});
   }
-  std::sort(bounds.begin(), bounds.end(), [](const auto& a, const auto& b) { return a.component < b.component; });
+  std::sort(bounds.begin(), bounds.end(),
+            [](const auto& a, const auto& b) { return a.component < b.component; });
   std::swap(record.bounds, bounds);
   try {
     checkBounds(variable, record.store->valueAt(record.slot));
@@ -208,7 +221,8 @@ void Problem::bookConstraint(int variable) {
 int Problem::heldCount() const {
   int count = 0;
   for (const int v : constrained_) {
-    for (int c = 0; table_[at(v)].optimize && c < table_[at(v)].dof; ++c) count += table_[at(v)].isHeld(c) ? 1 : 0;
+    for (int c = 0; table_[at(v)].optimize && c < table_[at(v)].dof; ++c)
+      count += table_[at(v)].isHeld(c) ? 1 : 0;
   }
   return count;
 }
@@ -216,10 +230,13 @@ int Problem::heldCount() const {
 int Problem::freeCount() const {
   if (counted_at_ == structure_revision_) return free_count_;
   int count = 0;
-  for (const VariableRecord& record : table_) count += record.store != nullptr && record.optimize ? record.dof : 0;
+  for (const VariableRecord& record : table_)
+    count += record.store != nullptr && record.optimize ? record.dof : 0;
   for (const int v : constrained_) {
     const VariableRecord& record = table_[at(v)];
-    if (record.optimize) count -= static_cast<int>(std::count_if(record.fixed.begin(), record.fixed.end(), [](char fixed) { return fixed != 0; }));
+    if (record.optimize)
+      count -= static_cast<int>(
+          std::count_if(record.fixed.begin(), record.fixed.end(), [](char fixed) { return fixed != 0; }));
   }
   counted_at_ = structure_revision_;
   return free_count_ = count;
@@ -234,10 +251,10 @@ void Problem::setOptimized(int variable, bool optimize) {
 void Problem::removeVariable(int variable) {
   VariableRecord& record = table_[at(variable)];
   if (record.uses > 0) {
-    throw Error("slom.variable-in-use", "variable " + variableName(variable) + " cannot be removed: " +
-                                            std::to_string(record.uses) +
-                                            (record.uses == 1 ? " measurement depends" : " measurements depend") +
-                                            " on it; remove " + (record.uses == 1 ? "it" : "them") + " first");
+    throw Error("slom.variable-in-use",
+                "variable " + variableName(variable) + " cannot be removed: " + std::to_string(record.uses) +
+                    (record.uses == 1 ? " measurement depends" : " measurements depend") + " on it; remove " +
+                    (record.uses == 1 ? "it" : "them") + " first");
   }
   record.store->release(record.slot);
   record = VariableRecord{};
@@ -264,10 +281,11 @@ std::vector<std::string> Problem::componentNames(int variable) const {
   return record.store->componentNames(record.slot, variableName(variable));
 }
 
-std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const MeasurementType& type, void* measurement,
+std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const MeasurementType& type,
+                                                                void* measurement,
                                                                 VariableArgument* const* arguments,
-                                                                const NoiseView& noise, std::string_view label,
-                                                                const Loss& loss) {
+                                                                const NoiseView& noise,
+                                                                std::string_view label, const Loss& loss) {
   MeasurementPool* pool = findPool(*type.id, label);
   if (pool == nullptr) {
     const std::string own_label(label);
@@ -297,10 +315,12 @@ void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, 
   if (!uses_) return;
   try {
     for (int k = 0; k < arity; ++k) {
-      if (std::find(variables, variables + k, variables[k]) == variables + k) uses_->add(variables[k], {pool, ref});
+      if (std::find(variables, variables + k, variables[k]) == variables + k)
+        uses_->add(variables[k], {pool, ref});
     }
   } catch (...) {
-    uses_ = detail::Hidden<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
+    uses_ =
+        detail::Hidden<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
   }
 }
 
@@ -308,7 +328,8 @@ const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
   if (!uses_) {
     uses_ = detail::Hidden<Uses>(new Uses);
     for (const auto& pool : pools_) {
-      for (int i = 0; i < pool->size(); ++i) noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());
+      for (int i = 0; i < pool->size(); ++i)
+        noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());
     }
   }
   if (!uses_) throw std::bad_alloc();
@@ -322,10 +343,12 @@ std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, Sl
     if (own.get() == pool) return {own.get(), own->indexOf(ref)};
   }
   if (pool == nullptr) {
-    throw Error("slom.stale-handle", "the MeasID refers to no measurement; assign it the result of insertMeasurement");
+    throw Error("slom.stale-handle",
+                "the MeasID refers to no measurement; assign it the result of insertMeasurement");
   }
-  throw Error("slom.foreign-handle", "the MeasID belongs to another estimator; use it only with the estimator whose "
-                                     "insertMeasurement returned it");
+  throw Error("slom.foreign-handle",
+              "the MeasID belongs to another estimator; use it only with the estimator whose "
+              "insertMeasurement returned it");
 }
 
 void Problem::removeMeasurement(MeasurementPool& pool, int i) {
@@ -345,9 +368,10 @@ std::string Problem::valuesText(const int* variables, int arity) const {
 void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,
                          const std::exception_ptr& exception) const {
   const auto error = [&](const std::string& what) {
-    return Error("slom.measurement-threw", "the function of measurement " + measurement + " threw " + what + " at " +
-                                               valuesText(variables, arity) +
-                                               "; let it return NaN where it has no value, steps there are taken back");
+    return Error("slom.measurement-threw",
+                 "the function of measurement " + measurement + " threw " + what + " at " +
+                     valuesText(variables, arity) +
+                     "; let it return NaN where it has no value, steps there are taken back");
   };
   try {
     std::rethrow_exception(exception);
@@ -360,7 +384,8 @@ void Problem::raiseThrew(const std::string& measurement, const int* variables, i
 
 std::string Problem::nameForPool(const std::string& name) const {
   const auto taken = [&](const std::string& candidate) {
-    return std::any_of(pools_.begin(), pools_.end(), [&](const auto& pool) { return pool->name() == candidate; });
+    return std::any_of(pools_.begin(), pools_.end(),
+                       [&](const auto& pool) { return pool->name() == candidate; });
   };
   if (!taken(name)) return name;
   int copy = 2;

@@ -6,7 +6,9 @@ namespace slom {
 
 struct ValueSnapshot::Copy {
   Copy(VariableStoreBase& of, std::uint32_t slot_, int variable_)
-      : store(of), slot(slot_), variable(variable_),
+      : store(of),
+        slot(slot_),
+        variable(variable_),
         place(::operator new(of.valueSize(), std::align_val_t(of.alignment()))) {
     store.construct(place, store.valueAt(slot));
   }
@@ -23,7 +25,8 @@ struct ValueSnapshot::Copy {
 ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
   for (std::size_t v = 0; v < problem.variables().size(); ++v) {
     const VariableRecord& record = problem.variables()[v];
-    if (record.store != nullptr) copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
+    if (record.store != nullptr)
+      copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
   }
 }
 ValueSnapshot::~ValueSnapshot() = default;

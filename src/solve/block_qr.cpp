@@ -1,8 +1,8 @@
 #include "slom/solve/block_qr.hpp"
 
+#include "base/stopwatch.hpp"
 #include "block/jacobian_rows.hpp"
 #include "block/multifrontal_qr.hpp"
-#include "linearize/stopwatch.hpp"
 #include "symbolic/ordering.hpp"
 
 namespace slom {
@@ -31,7 +31,9 @@ struct BlockQR::Implementation {
   }
 };
 
-BlockQR::BlockQR(double pivot_tolerance) : self_(new Implementation) { self_->pivot_tolerance = pivot_tolerance; }
+BlockQR::BlockQR(double pivot_tolerance) : self_(new Implementation) {
+  self_->pivot_tolerance = pivot_tolerance;
+}
 BlockQR::~BlockQR() = default;
 
 double BlockQR::leastOfColumn() const { return self_->pivot_tolerance; }
@@ -79,8 +81,10 @@ const VectorXd& BlockQR::diagonal() const { return self_->diagonal; }
 double BlockQR::squaredImage(const VectorXd& d) const { return self_->rows.squaredImage(d); }
 
 std::string BlockQR::description() const {
-  return "sparse QR, " + std::to_string(self_->rows.rows()) + " x " + std::to_string(self_->structure.unknowns()) +
-         " in " + std::to_string(self_->structure.blockCount()) + " blocks, " + self_->factor.fronts().ordering + " order";
+  return "sparse QR, " + std::to_string(self_->rows.rows()) + " x " +
+         std::to_string(self_->structure.unknowns()) + " in " +
+         std::to_string(self_->structure.blockCount()) + " blocks, " + self_->factor.fronts().ordering +
+         " order";
 }
 
 }  // namespace slom

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/stopwatch.hpp"
 #include "block/block_method.hpp"
-#include "linearize/stopwatch.hpp"
 #include "mtk/error.hpp"
 #include "slom/solve/block_qr.hpp"
 
@@ -21,7 +21,8 @@ void check(const BlockSolverOptions& options) {
   }
   if (options.max_iterations < 1) {
     throw mtk::Error("slom.bad-option", "max_iterations of conjugate gradients is " +
-                                            std::to_string(options.max_iterations) + "; pass a positive number, such as 500");
+                                            std::to_string(options.max_iterations) +
+                                            "; pass a positive number, such as 500");
   }
 }
 
@@ -34,7 +35,8 @@ struct BlockSolver::Implementation {
   std::unique_ptr<BlockMethod> method;  // null before analyze()
 
   BlockMethod& ready() {
-    if (!method) throw mtk::Error("slom.not-analyzed", "the block solver knows no structure yet; call analyze() first");
+    if (!method)
+      throw mtk::Error("slom.not-analyzed", "the block solver knows no structure yet; call analyze() first");
     return *method;
   }
 };
@@ -94,7 +96,8 @@ std::unique_ptr<LinearSolver> BlockSolver::careful(double least) const {
   return isExact() ? std::make_unique<BlockQR>(least) : nullptr;
 }
 
-SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {
+SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure,
+                                      std::unique_ptr<InverseBlocks>& blocks) {
   return isExact() ? invertDamped({}, blocks) : LinearSolver::invertBlocks(structure, blocks);
 }
 

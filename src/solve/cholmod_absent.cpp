@@ -10,8 +10,9 @@ struct Cholmod::Implementation {
 bool Cholmod::isAvailable() { return false; }
 
 Cholmod::Cholmod() : self_(nullptr) {
-  throw mtk::Error("slom.no-cholmod", "this build of SLoM is without CHOLMOD; configure it with -DSLOM_WITH_CHOLMOD=ON, or use "
-                                      "the default solver");
+  throw mtk::Error("slom.no-cholmod",
+                   "this build of SLoM is without CHOLMOD; configure it with -DSLOM_WITH_CHOLMOD=ON, or use "
+                   "the default solver");
 }
 Cholmod::~Cholmod() = default;
 

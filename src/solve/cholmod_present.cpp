@@ -1,12 +1,12 @@
-#include <cholmod.h>
-
 #include <algorithm>
+#include <cholmod.h>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "base/index.hpp"
+#include "base/stopwatch.hpp"
 #include "block/normal_equations.hpp"
-#include "linearize/stopwatch.hpp"
 #include "slom/solve/cholmod.hpp"
 
 namespace slom {
@@ -17,8 +17,6 @@ namespace {
 
 /// A pivot below this share of its diagonal entry is rounding error.
 constexpr double kPivotTolerance = 1e-12;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -143,7 +141,8 @@ VectorXd Cholmod::Implementation::solve(const VectorXd& b) {
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, &right, &common);
-  const VectorXd result = scale.cwiseProduct(Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), scaled.size()));
+  const VectorXd result =
+      scale.cwiseProduct(Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), scaled.size()));
   cholmod_free_dense(&x, &common);
   return result;
 }
@@ -194,7 +193,8 @@ const VectorXd& Cholmod::diagonal() const { return self_->equations.diagonal(); 
 double Cholmod::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
 
 std::string Cholmod::description() const {
-  return "CHOLMOD, " + std::string(self_->factor != nullptr && self_->factor->is_super != 0 ? "supernodal" : "simplicial") +
+  return "CHOLMOD, " +
+         std::string(self_->factor != nullptr && self_->factor->is_super != 0 ? "supernodal" : "simplicial") +
          ", " + std::to_string(self_->structure.unknowns()) + " unknowns";
 }
 

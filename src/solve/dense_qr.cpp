@@ -1,7 +1,7 @@
 #include "slom/solve/dense_qr.hpp"
 
-#include "linearize/stopwatch.hpp"
-#include "model/decompositions.hpp"
+#include "base/decompositions.hpp"
+#include "base/stopwatch.hpp"
 
 namespace slom {
 

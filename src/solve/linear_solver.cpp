@@ -8,7 +8,8 @@ namespace {
 
 class WholeInverse final : public InverseBlocks {
  public:
-  WholeInverse(std::vector<int> offset, Eigen::MatrixXd inverse) : offset_(std::move(offset)), inverse_(std::move(inverse)) {}
+  WholeInverse(std::vector<int> offset, Eigen::MatrixXd inverse)
+      : offset_(std::move(offset)), inverse_(std::move(inverse)) {}
   void block(int a, int b, double* out) const override {
     for (int j = begin(b); j < begin(b + 1); ++j) {
       for (int i = begin(a); i < begin(a + 1); ++i) *out++ = (inverse_(i, j) + inverse_(j, i)) / 2;
@@ -23,7 +24,8 @@ class WholeInverse final : public InverseBlocks {
 
 }  // namespace
 
-SolveStatus LinearSolver::invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) {
+SolveStatus LinearSolver::invertBlocks(const BlockStructure& structure,
+                                       std::unique_ptr<InverseBlocks>& blocks) {
   const Eigen::Index n = structure.unknowns();
   Eigen::MatrixXd inverse;
   const SolveStatus status = solveFor(Eigen::MatrixXd::Identity(n, n), inverse);

@@ -22,8 +22,8 @@ TEST(BundleOutput, HelpOpensWithASampleRun) {
   const auto help = command.run({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_TRUE(help.output.starts_with("slom bundle problem.txt")) << help.output;
-  for (const std::string option : {"FILE", "--algorithm", "--solver", "--robust", "--threads", "--max-iterations",
-                                   "--tolerance", "--output", "--json", "--quiet"}) {
+  for (const std::string option : {"FILE", "--algorithm", "--solver", "--robust", "--threads",
+                                   "--max-iterations", "--tolerance", "--output", "--json", "--quiet"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;
   }
 }

@@ -230,7 +230,8 @@ TEST(CalibrateFaults, AllViewsParallel) {
     Files files;
     files.left = parallelBoards(tilt);
     const TemporaryFolder folder;
-    const auto result = runIn(folder, files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"});
+    const auto result =
+        runIn(folder, files, {"--camera", "left=DIR/left.csv", "--json", "DIR/result.json", "--quiet"});
     const std::regex sentence(
         "slom: the calibration failed: the data do not determine all parameters: all 8 images show the board at the same "
         "tilt, within (0\\.\\d+|1(\\.\\d)?) degrees, which leaves the focal length open\n");

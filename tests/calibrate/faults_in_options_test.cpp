@@ -14,8 +14,9 @@ using testing::TemporaryFolder;
 using testing::usual;
 
 TEST(CalibrateFaults, NoCamera) {
-  expectRefused(Files(), {"--imu", "DIR/imu.csv"},
-                "no --camera; give at least one, as in --camera left=left_corners.csv, or photographs by --images");
+  expectRefused(
+      Files(), {"--imu", "DIR/imu.csv"},
+      "no --camera; give at least one, as in --camera left=left_corners.csv, or photographs by --images");
 }
 TEST(CalibrateFaults, CameraSyntax) {
   for (const std::string text : {"left", "left=", "=left.csv"}) {
@@ -62,13 +63,16 @@ TEST(CalibrateFaults, Fix) {
     options.insert(options.end(), more.begin(), more.end());
     return options;
   };
-  expectRefused(Files(), with({"--fix", "k7"}),
-                "--fix k7: nothing is called \"k7\"; what can be fixed is acc_bias, gravity and cameras' parameters, f, fx, fy, cx, cy, "
-                "k1, k2, p1, p2, k3, k4, k5, k6");
-  expectRefused(Files(), with({"--fix", "k3"}), "--fix k3: the model radial1 has no k3; its parameters are f, cx, cy, k1");
+  expectRefused(
+      Files(), with({"--fix", "k7"}),
+      "--fix k7: nothing is called \"k7\"; what can be fixed is acc_bias, gravity and cameras' parameters, f, fx, fy, cx, cy, "
+      "k1, k2, p1, p2, k3, k4, k5, k6");
+  expectRefused(Files(), with({"--fix", "k3"}),
+                "--fix k3: the model radial1 has no k3; its parameters are f, cx, cy, k1");
   expectRefused(Files(), with({"--fix", "cx"}), "--fix cx: say at which value [px], as in --fix cx=320");
-  expectRefused(Files(), with({"--fix", "top.k1"}),
-                "--fix top.k1: there is no camera top; give it by --camera, or leave the name out for all cameras");
+  expectRefused(
+      Files(), with({"--fix", "top.k1"}),
+      "--fix top.k1: there is no camera top; give it by --camera, or leave the name out for all cameras");
   expectRefused(Files(), with({"--fix", "k1", "--bound", "left.k1=-1,1"}),
                 "--bound left.k1=-1,1: --fix k1 is about the same parameter; give one of them");
   expectRefused(
@@ -99,8 +103,9 @@ TEST(CalibrateFaults, Bound) {
     options.insert(options.end(), {"--bound", bound});
     return options;
   };
-  const std::string how = ": write PARAMETER=LOWER,UPPER with a camera's parameter (f, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6), as in "
-                          "--bound k3=-1,1 or --bound left.fx=400,600";
+  const std::string how =
+      ": write PARAMETER=LOWER,UPPER with a camera's parameter (f, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6), as in "
+      "--bound k3=-1,1 or --bound left.fx=400,600";
   expectRefused(Files(), with("gravity=9,10"), "--bound gravity=9,10" + how);
   expectRefused(Files(), with("k3"), "--bound k3" + how);
   expectRefused(Files(), with("k3=1"), "--bound k3=1: the value must be 2 numbers separated by commas");
@@ -124,31 +129,39 @@ TEST(CalibrateFaults, ValuesThatNoCameraHas) {
 }
 TEST(CalibrateFaults, Formats) {
   const auto with = [](std::vector<std::string> more) {
-    std::vector<std::string> options{"--camera", "left=DIR/left.csv", "--camera", "right=DIR/right.csv", "--intrinsics", "opencv4"};
+    std::vector<std::string> options{
+        "--camera", "left=DIR/left.csv", "--camera", "right=DIR/right.csv", "--intrinsics", "opencv4"};
     options.insert(options.end(), more.begin(), more.end());
     return options;
   };
-  expectRefused(Files(), with({"--format", "ros"}), "--format ros: of which file? add --output FILE, or leave it out");
-  expectRefused(Files(), with({"--format", "matlab", "--output", "DIR/c.yaml"}), "--format matlab: the formats are opencv, ros and kalibr");
-  expectRefused(Files(), with({"--format", "ros", "--output", "DIR/c.yaml"}),
-                "--output c.yaml: ROS has one file for each camera; write {name} where the camera's name is to stand, as in --output "
-                "'{name}.yaml'");
-  expectRefused(Files(), with({"--output", "DIR/{name}.yaml"}),
-                "--output {name}.yaml: camera_info stores the size of the images, which left.csv does not say; give it as in --image-size "
-                "left=640x480");
-  expectRefused(Files(), with({"--output", "DIR/camchain.yaml", "--image-size", "left=640x480"}),
-                "--output camchain.yaml: a camchain stores the size of the images, which right.csv does not say; give it as in --image-size "
-                "right=640x480");
-  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--output", "DIR/camchain.yaml"},
-                "--output camchain.yaml: Kalibr has no distortion model like opencv5; calibrate with --intrinsics opencv4 (its radtan) or "
-                "fisheye (its equidistant)");
+  expectRefused(Files(), with({"--format", "ros"}),
+                "--format ros: of which file? add --output FILE, or leave it out");
+  expectRefused(Files(), with({"--format", "matlab", "--output", "DIR/c.yaml"}),
+                "--format matlab: the formats are opencv, ros and kalibr");
+  expectRefused(
+      Files(), with({"--format", "ros", "--output", "DIR/c.yaml"}),
+      "--output c.yaml: ROS has one file for each camera; write {name} where the camera's name is to stand, as in --output "
+      "'{name}.yaml'");
+  expectRefused(
+      Files(), with({"--output", "DIR/{name}.yaml"}),
+      "--output {name}.yaml: camera_info stores the size of the images, which left.csv does not say; give it as in --image-size "
+      "left=640x480");
+  expectRefused(
+      Files(), with({"--output", "DIR/camchain.yaml", "--image-size", "left=640x480"}),
+      "--output camchain.yaml: a camchain stores the size of the images, which right.csv does not say; give it as in --image-size "
+      "right=640x480");
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--output", "DIR/camchain.yaml"},
+      "--output camchain.yaml: Kalibr has no distortion model like opencv5; calibrate with --intrinsics opencv4 (its radtan) or "
+      "fisheye (its equidistant)");
   for (const std::string size : {"640", "left=1x14000000", "left=0x480"}) {
     expectRefused(
         Files(), with({"--image-size", size}),
         "--image-size " + size +
             ": write NAME=WIDTHxHEIGHT, as in --image-size left=640x480, 100000 pixels at most on a side");
   }
-  expectRefused(Files(), with({"--image-size", "top=640x480"}), "--image-size top=640x480: there is no camera top; correct the name");
+  expectRefused(Files(), with({"--image-size", "top=640x480"}),
+                "--image-size top=640x480: there is no camera top; correct the name");
   for (const std::string size : {"wide", "1 x 14000000", "640x", "640 480", "-1 x 2", "640 x 480 px"}) {
     Files files;
     files.left = "# image_size_px: " + size + "\n" + files.left;

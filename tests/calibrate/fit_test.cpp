@@ -244,7 +244,8 @@ TEST(CalibrateFit, ImagesOfDifferentMomentsAreNamed) {
 bool isNoted(const Result& result, const std::vector<std::string>& parts) {
   const std::vector<std::string> all = notes(result);
   return std::any_of(all.begin(), all.end(), [&](const std::string& note) {
-    return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return note.find(part) != std::string::npos; });
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const std::string& part) { return note.find(part) != std::string::npos; });
   });
 }
 
@@ -261,7 +262,8 @@ TEST(CalibrateFit, ADetectionThatIsAColumnAsideIsNamed) {
     const Calibrated r = shifted(camera);
     ASSERT_EQ(r.result.strays.size(), 1u);
     EXPECT_EQ(r.result.strays[0].image, 4);
-    EXPECT_TRUE(isNoted(r.result, {"Image 4 of camera b contradicts", "image 4 of camera a", "a row or column further."}));
+    EXPECT_TRUE(isNoted(
+        r.result, {"Image 4 of camera b contradicts", "image 4 of camera a", "a row or column further."}));
   }
 }
 
@@ -272,7 +274,8 @@ TEST(CalibrateFit, ASingleWrongCornerIsNamed) {
   });
   ASSERT_TRUE(r.result.success());
   const int number = r.data.cameras[1].views[2].corners[17].number;
-  EXPECT_TRUE(isNoted(r.result, {"Corner " + std::to_string(number) + " of image 3 of camera b (camera.csv:"}));
+  EXPECT_TRUE(
+      isNoted(r.result, {"Corner " + std::to_string(number) + " of image 3 of camera b (camera.csv:"}));
   EXPECT_FALSE(isNoted(run(RigOptions{}, Settings{}, 13).result, {"found wrongly"}));
 }
 

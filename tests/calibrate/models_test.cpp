@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
 #include <slom/slom.hpp>
 
 #include "calibrate/calibrate_command.hpp"
@@ -107,7 +108,8 @@ TEST(CameraModels, HaveExactDerivatives) {
 /// Views as measurements, with a camera and poses that are estimated or known.
 TEST(CameraModels, DifferentiateViews) {
   View view;
-  for (const vec3& p : points) view.corners.push_back({1, vec3(0.1 * p.x(), 0.1 * p.y(), 0.), vec2(3., 5.), 0});
+  for (const vec3& p : points)
+    view.corners.push_back({1, vec3(0.1 * p.x(), 0.1 * p.y(), 0.), vec2(3., 5.), 0});
   const SE3 left2world(SO3::exp(vec3(0.3, -0.2, 0.1)) * SO3::exp(vec3(M_PI, 0., 0.)), vec3(0.05, -0.02, 1.));
   const SE3 left2camera(SO3::exp(vec3(-0.05, 0.1, 0.02)), vec3(-0.1, 0.01, 0.03));
   Estimator est;
@@ -257,10 +259,11 @@ TEST(Opencv8, IsHeldNearZeroWhereTheImagesLeaveItOpen) {
     for (const std::size_t k : {0, 1, 2, 3})
       EXPECT_NEAR(result.cameras[c].parameters[k].std / simpler.cameras[c].parameters[k].std, 1, 0.1);
   }
-  EXPECT_EQ(notes(result).front(),
-            "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. These "
-            "were held at 0 +- 1 each, and the standard deviations hold on that condition. A model with fewer parameters says as "
-            "much: --intrinsics opencv5, or --compare.");
+  EXPECT_EQ(
+      notes(result).front(),
+      "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. These "
+      "were held at 0 +- 1 each, and the standard deviations hold on that condition. A model with fewer parameters says as "
+      "much: --intrinsics opencv5, or --compare.");
   const Comparison comparison = compareModels(data, settings, {Model::opencv5, Model::opencv8});
   for (const ModelTrial& trial : comparison.trials) EXPECT_EQ(trial.failure, "");
 }

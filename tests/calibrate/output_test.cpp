@@ -102,12 +102,13 @@ TEST(Notes, ImagesThatContradictTheOthers) {
   Result result = goodResult();
   result.strays.push_back({"right", 3, 47.3});
   result.cameras.push_back(result.cameras[0]);
-  EXPECT_EQ(notes(result),
-            (std::vector<std::string>{
-                "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
-                "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
-                "correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
-                "column further."}));
+  EXPECT_EQ(
+      notes(result),
+      (std::vector<std::string>{
+          "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
+          "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
+          "correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
+          "column further."}));
 }
 
 TEST(Notes, AnImageOfTheReferenceIsComparedWithTheOtherCamera) {
@@ -169,7 +170,8 @@ TEST(Notes, AreInTheJsonToo) {
 TEST(Report, HelpOpensWithASampleRun) {
   const auto help = testing::runCalibrate({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_TRUE(help.output.starts_with("slom calibrate --board 9x6 --square 0.025 --images left=")) << help.output;
+  EXPECT_TRUE(help.output.starts_with("slom calibrate --board 9x6 --square 0.025 --images left="))
+      << help.output;
   for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix",
                                    "--json", "--output", "--quiet"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;

@@ -18,8 +18,8 @@
 namespace slom::app {
 namespace {
 
-using slom::testing::refusalOf;
 using slom::testing::readFile;
+using slom::testing::refusalOf;
 using slom::testing::TemporaryFolder;
 using slom::testing::writeFile;
 

@@ -7,4 +7,6 @@ float predicted(double x) { return static_cast<float>(2 * x); }
 double predicted(double x) { return 2 * x; }
 #endif
 
-void f(slom::Estimator& est, slom::VarID<double> x) { est.insertMeasurement(predicted, x, slom::measured(1.0)); }
+void f(slom::Estimator& est, slom::VarID<double> x) {
+  est.insertMeasurement(predicted, x, slom::measured(1.0));
+}

@@ -2,9 +2,13 @@
 #include <slom/slom.hpp>
 
 #ifdef MUST_FAIL
-struct Name { std::string first, last; };
+struct Name {
+  std::string first, last;
+};
 #else
-struct Name { double first, last; };
+struct Name {
+  double first, last;
+};
 #endif
 
 void f(slom::Estimator& est) { est.insertRV(Name{}); }

@@ -3,9 +3,11 @@
 
 void f(slom::Estimator& est, slom::VarID<mtk::vect<2>> x, double scale) {
 #ifdef MUST_FAIL
-  est.insertMeasurement(slom::vectorized([scale](const auto& v, const auto& z) { return v[0] * scale - z; }), x, 1.0);
+  est.insertMeasurement(slom::vectorized([scale](const auto& v, const auto& z) { return v[0] * scale - z; }),
+                        x, 1.0);
 #else
-  est.insertMeasurement(slom::vectorized([](const auto& v, const auto& z, const auto& s) { return v[0] * s - z; }), x, 1.0,
-                        scale);
+  est.insertMeasurement(
+      slom::vectorized([](const auto& v, const auto& z, const auto& s) { return v[0] * s - z; }), x, 1.0,
+      scale);
 #endif
 }

@@ -7,7 +7,8 @@ struct Datum {
 
 void f(slom::Estimator& est, slom::VarID<mtk::vect<2>> x) {
 #ifdef MUST_FAIL
-  est.insertMeasurement(slom::vectorized([](const auto& v, const auto& z) { return v[0] - z.value; }), x, Datum{1.0});
+  est.insertMeasurement(slom::vectorized([](const auto& v, const auto& z) { return v[0] - z.value; }), x,
+                        Datum{1.0});
 #else
   est.insertMeasurement([](const auto& v, const auto& z) { return v[0] - z.value; }, x, Datum{1.0});
 #endif

@@ -5,6 +5,7 @@ void f(slom::Estimator& est, slom::VarID<mtk::vect<2>> x, const Eigen::VectorXd&
 #ifdef MUST_FAIL
   est.insertMeasurement(slom::vectorized([](const auto& v, const auto& d) { return v[0] - d[0]; }), x, z);
 #else
-  est.insertMeasurement(slom::vectorized([](const auto& v, const auto& d) { return v[0] - d[0]; }), x, mtk::vect<2>(z));
+  est.insertMeasurement(slom::vectorized([](const auto& v, const auto& d) { return v[0] - d[0]; }), x,
+                        mtk::vect<2>(z));
 #endif
 }

@@ -4,7 +4,7 @@
 
 typedef mtk::vect<2> vec2;
 typedef mtk::trafo<mtk::SO2<>> Pose;
-SLOM_BUILD_MEASUREMENT(Observation, 2, ((Pose, pose)) ((vec2, landmark)), ((vec2, z)))
+SLOM_BUILD_MEASUREMENT(Observation, 2, ((Pose, pose))((vec2, landmark)), ((vec2, z)))
 SLOM_IMPLEMENT_MEASUREMENT(Observation, ret) { ret = pose->inverse() * *landmark - z; }
 
 void f(slom::Estimator& est, slom::VarID<Pose> pose, slom::VarID<vec2> landmark) {

@@ -51,7 +51,8 @@ Seen seen(const slom::Estimator& est, const Id&... ids) {
   Seen result{est.getRSS(), {}};
   Eigen::MatrixXd stacked(0, 0);
   const auto add = [&](const Eigen::MatrixXd& block) {
-    Eigen::MatrixXd larger = Eigen::MatrixXd::Zero(stacked.rows() + block.rows(), stacked.cols() + block.cols());
+    Eigen::MatrixXd larger =
+        Eigen::MatrixXd::Zero(stacked.rows() + block.rows(), stacked.cols() + block.cols());
     larger.topLeftCorner(stacked.rows(), stacked.cols()) = stacked;
     larger.bottomRightCorner(block.rows(), block.cols()) = block;
     stacked = larger;
@@ -117,16 +118,18 @@ TEST(Derivatives, ComeFromWhereTheSummarySaysAndAgree) {
   for (const int length : {1, 2, 3, 4, 5, 9}) {
     std::srand(1);
     std::string source;
-    const Seen exact = chain([&](auto& est, auto a, auto b, const SE3& z) {
-      est.insertMeasurement(Relative(), a, b, slom::measured(z), sigma);
-    }, length, &source);
+    const Seen exact =
+        chain([&](auto& est, auto a, auto b,
+                  const SE3& z) { est.insertMeasurement(Relative(), a, b, slom::measured(z), sigma); },
+              length, &source);
     EXPECT_EQ(source, "exact");
     const auto compare = [&](const char* expected, double tolerance, const auto& insert) {
       std::srand(1);
       const Seen other = chain(insert, length, &source);
       EXPECT_EQ(source, expected);
       EXPECT_NEAR(other.rss, exact.rss, 1e-13 * exact.rss) << length;
-      EXPECT_LE((other.information - exact.information).norm(), tolerance * exact.information.norm()) << length;
+      EXPECT_LE((other.information - exact.information).norm(), tolerance * exact.information.norm())
+          << length;
     };
     compare("exact", 1e-12, [&](auto& est, auto a, auto b, const SE3& z) {
       est.insertMeasurement(slom::vectorized(Relative()), a, b, slom::measured(z), sigma);
@@ -141,9 +144,11 @@ TEST(Derivatives, ComeFromWhereTheSummarySaysAndAgree) {
       est.insertMeasurement(slom::numeric(Relative(), slom::Richardson()), a, b, slom::measured(z), sigma);
     });
     compare("numeric", 1e-8, [&](auto& est, auto a, auto b, const SE3& z) {
-      est.insertMeasurement([](const SE3& from, const SE3& to, const SE3& datum) -> Eigen::VectorXd {
-        return mtk::difference(SE3(from.inverse() * to), datum);
-      }, a, b, z, sigma);
+      est.insertMeasurement(
+          [](const SE3& from, const SE3& to, const SE3& datum) -> Eigen::VectorXd {
+            return mtk::difference(SE3(from.inverse() * to), datum);
+          },
+          a, b, z, sigma);
     });
   }
 }
@@ -169,17 +174,24 @@ TEST(Callables, OfAllKindsAreTaken) {
   est.insertMeasurement([](const auto& v) { return quadratic(v); }, x, slom::named("template"));
   const double captured = 0.5;
   est.insertMeasurement([captured](const auto& v) { return v - captured; }, x, slom::named("capture"));
-  est.insertMeasurement([](const auto& v) { return std::array{v[0] - 1.0, v[1] * v[0]}; }, p, slom::named("array"));
+  est.insertMeasurement(
+      [](const auto& v) {
+        return std::array{v[0] - 1.0, v[1] * v[0]};
+      },
+      p, slom::named("array"));
   est.insertMeasurement([](const auto& v) { return v.eval(); }, p, slom::named("vector"));
   est.insertMeasurement([](const auto& v) { return (v * 2.0).eval(); }, p, slom::named("Eigen value"));
-  est.insertMeasurement([](const auto& v, const auto& n) { return mtk::vector(v[0] * n, v[1] / n); }, p, number, slom::named("two"));
+  est.insertMeasurement([](const auto& v, const auto& n) { return mtk::vector(v[0] * n, v[1] / n); }, p,
+                        number, slom::named("two"));
   est.insertMeasurement([](const auto& v) -> Eigen::VectorXd { return Eigen::VectorXd::Constant(3, v); }, x,
                         slom::named("dynamic"));
-  est.insertMeasurement([](const auto& v) {
-    Eigen::Matrix<std::remove_cvref_t<decltype(v[0])>, Eigen::Dynamic, 1> r(3);
-    r << v[0], v[1], v[0] * v[1];
-    return r;
-  }, p, slom::named("dynamic duals"));
+  est.insertMeasurement(
+      [](const auto& v) {
+        Eigen::Matrix<std::remove_cvref_t<decltype(v[0])>, Eigen::Dynamic, 1> r(3);
+        r << v[0], v[1], v[0] * v[1];
+        return r;
+      },
+      p, slom::named("dynamic duals"));
   est.insertMeasurement([](const auto& n) { return n; }, number, slom::named("scalar"));
   est.insertMeasurement([](const auto&) { return 1.0; }, x, slom::named("constant"));
   EXPECT_TRUE(est.checkDerivatives().ok()) << est.checkDerivatives().text();
@@ -193,7 +205,8 @@ TEST(Callables, OfAllKindsAreTaken) {
   EXPECT_TRUE(summary.converged) << slom::report(summary);
 
   const auto line = est.insertRV(2.0, "slope");
-  const auto id = est.insertMeasurement(&Line::at, Line{2, 1}, line);  // a member function: the object is a datum
+  const auto id =
+      est.insertMeasurement(&Line::at, Line{2, 1}, line);  // a member function: the object is a datum
   EXPECT_EQ(est.residual(id)[0], 5);
 }
 
@@ -203,10 +216,13 @@ TEST(Callables, PredictOnAnyManifold) {
     slom::Estimator est;
     const auto id = est.insertRV(x, "x");
     const auto exact = est.insertMeasurement(f, id, slom::measured(z), slom::named("exact"));
-    const auto packed = est.insertMeasurement(slom::vectorized(f), id, slom::measured(z), slom::named("packed"));
-    const auto differences = est.insertMeasurement(slom::numeric(f), id, slom::measured(z), slom::named("differences"));
+    const auto packed =
+        est.insertMeasurement(slom::vectorized(f), id, slom::measured(z), slom::named("packed"));
+    const auto differences =
+        est.insertMeasurement(slom::numeric(f), id, slom::measured(z), slom::named("differences"));
     EXPECT_LE((est.residual(exact) - est.residual(differences)).norm(), 1e-15);
-    EXPECT_LE((est.residual(packed) - est.residual(differences)).norm(), 1e-14 * (1 + est.residual(exact).norm()));
+    EXPECT_LE((est.residual(packed) - est.residual(differences)).norm(),
+              1e-14 * (1 + est.residual(exact).norm()));
     const slom::DerivativeCheck check = est.checkDerivatives();
     EXPECT_TRUE(check.ok()) << check;
     EXPECT_EQ(check.groups[0].source, slom::DerivativeSource::exact);
@@ -214,7 +230,10 @@ TEST(Callables, PredictOnAnyManifold) {
   };
   const auto same = [](const auto& x) { return x; };
   const auto frame = [&] {
-    return Frame{mtk::SO3<>::exp(random.vec3(1)), mtk::S2<>(random.vec3(1)), {mtk::SO2<>(0.4 * random()), mtk::SO2<>(0.4 * random())}, 2.0};
+    return Frame{mtk::SO3<>::exp(random.vec3(1)),
+                 mtk::S2<>(random.vec3(1)),
+                 {mtk::SO2<>(0.4 * random()), mtk::SO2<>(0.4 * random())},
+                 2.0};
   };
   for (int k = 0; k < 5; ++k) {
     expectAgreement(same, random(), random());
@@ -225,9 +244,10 @@ TEST(Callables, PredictOnAnyManifold) {
     expectAgreement(same, random.se3(), random.se3());
     expectAgreement(same, Rig(random.se3(), random.vec3(1)), Rig(random.se3(), random.vec3(1)));
     expectAgreement(same, frame(), frame());
-    expectAgreement([](const auto& R) { return R * mtk::S2<>(1, 2, 3); }, mtk::SO3<>::exp(random.vec3(1)), mtk::S2<>(random.vec3(1)));
-    expectAgreement([](const auto& T) { return T.inverse() * T.inverse(); }, SE2(mtk::SO2<>(0.2 * random()), Vec2(1, 2)),
-                    SE2(mtk::SO2<>(0.2 * random()), Vec2(2, 1)));
+    expectAgreement([](const auto& R) { return R * mtk::S2<>(1, 2, 3); }, mtk::SO3<>::exp(random.vec3(1)),
+                    mtk::S2<>(random.vec3(1)));
+    expectAgreement([](const auto& T) { return T.inverse() * T.inverse(); },
+                    SE2(mtk::SO2<>(0.2 * random()), Vec2(1, 2)), SE2(mtk::SO2<>(0.2 * random()), Vec2(2, 1)));
   }
 }
 
@@ -236,14 +256,16 @@ TEST(Derivatives, OfManyAndOfAnUnknownNumberOfUnknownsAreExact) {
   const auto dynamic = est.insertRV(mtk::vect<mtk::Dynamic>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, "dynamic");
   const auto pose = est.insertRV(Random().se3(), "pose");
   const auto large = est.insertRV(mtk::vect<40>(mtk::vect<40>::Random()), "large");
-  est.insertMeasurement([](const auto& v, const auto& T) {
-    using S = mtk::scalar_t<std::remove_cvref_t<decltype(T)>>;
-    Eigen::Matrix<S, Eigen::Dynamic, 1> r(2);
-    r << v.squaredNorm() * T.pos[1], v[10] * (T * mtk::vect<3, S>(v[0], v[9], v[3]))[0];
-    return r;
-  }, dynamic, pose, slom::named("dynamic"));
-  est.insertMeasurement([](const auto& v) { return mtk::vector(v.squaredNorm(), v[39] * v[0] * v[17]); }, large,
-                        slom::named("large"));
+  est.insertMeasurement(
+      [](const auto& v, const auto& T) {
+        using S = mtk::scalar_t<std::remove_cvref_t<decltype(T)>>;
+        Eigen::Matrix<S, Eigen::Dynamic, 1> r(2);
+        r << v.squaredNorm() * T.pos[1], v[10] * (T * mtk::vect<3, S>(v[0], v[9], v[3]))[0];
+        return r;
+      },
+      dynamic, pose, slom::named("dynamic"));
+  est.insertMeasurement([](const auto& v) { return mtk::vector(v.squaredNorm(), v[39] * v[0] * v[17]); },
+                        large, slom::named("large"));
   const slom::DerivativeCheck check = est.checkDerivatives();
   EXPECT_TRUE(check.ok()) << check;
   ASSERT_EQ(check.groups.size(), 2u);
@@ -256,7 +278,8 @@ void expectExactRows() {
   const auto f = [](const auto& x, const auto& y, const Vec3& p) {
     return [&]<int... I>(std::integer_sequence<int, I...>) {
       return mtk::vector(sin((I + 1.0) * (x[0] * p[0] + x[1] * y * p[1] + x[2] * p[2]))..., 0.25);
-    }(std::make_integer_sequence<int, Rows - 1>{});
+    }
+    (std::make_integer_sequence<int, Rows - 1>{});
   };
   const Vec3 p(0.3, -0.7, 1.1);
   slom::Estimator est;
@@ -276,9 +299,7 @@ void expectExact(std::integer_sequence<int, Rows...>) {
   (expectExactRows<Rows + 2>(), ...);
 }
 
-TEST(Derivatives, OfAnyNumberOfRowsAreExact) {
-  expectExact(std::make_integer_sequence<int, 9>{});
-}
+TEST(Derivatives, OfAnyNumberOfRowsAreExact) { expectExact(std::make_integer_sequence<int, 9>{}); }
 
 TEST(Groups, HaveTheNamesTheyAreGiven) {
   slom::Estimator est;
@@ -294,8 +315,9 @@ TEST(Groups, HaveTheNamesTheyAreGiven) {
   EXPECT_EQ(summary.groups[0].measurements, 2);
   EXPECT_EQ(summary.groups[1].name, "second");
   EXPECT_EQ(summary.groups[2].name, "lambda");
-  EXPECT_EQ(messageOf([&] { est.insertMeasurement(f, x, slom::named("third"), slom::StandardDeviation(-1.0)); }),
-            "[slom.not-positive-definite] standard deviation of measurement third #1 is -1; pass positive finite numbers");
+  EXPECT_EQ(
+      messageOf([&] { est.insertMeasurement(f, x, slom::named("third"), slom::StandardDeviation(-1.0)); }),
+      "[slom.not-positive-definite] standard deviation of measurement third #1 is -1; pass positive finite numbers");
 }
 
 TEST(Insertion, OfAMillionMeasurementsAllocatesForNoneOfThem) {
@@ -339,7 +361,8 @@ TEST(DerivativeCheck, GuessesTheCause) {
   EXPECT_EQ(check.groups[0].component.substr(0, 2), "a.");
   EXPECT_EQ(check.groups[0].measurement, "odometry #1");
   EXPECT_NEAR(check.groups[0].used, -check.groups[0].reference, 1e-7);
-  EXPECT_EQ(check.text().substr(0, 73), "odometry: given derivatives of 1 measurement do NOT agree with difference");
+  EXPECT_EQ(check.text().substr(0, 73),
+            "odometry: given derivatives of 1 measurement do NOT agree with difference");
 
   const auto guessFor = [&](auto change) {
     slom::Estimator one;
@@ -349,20 +372,25 @@ TEST(DerivativeCheck, GuessesTheCause) {
   };
   EXPECT_EQ(guessFor([](const auto&, auto&) {}), "");
   EXPECT_EQ(guessFor([](const auto&, auto& J) { J = J.transpose().eval(); }), "it is transposed");
-  EXPECT_EQ(guessFor([](const auto&, auto& J) { J = (-J.transpose()).eval(); }), "it is transposed, and the sign is wrong");
-  EXPECT_EQ(guessFor([](const auto& R, auto& J) { J = (J * R.toRotationMatrix().transpose()).eval(); }),
-            "it is the derivative by a rotation on the left, exp(d) R; rotations are perturbed on the right, R exp(d): "
-            "multiply by the rotation matrix from the right");
-  EXPECT_EQ(guessFor([](const auto& R, auto& J) { J = (-J * R.toRotationMatrix().transpose()).eval(); }),
-            "it is the derivative by a rotation on the left, exp(d) R, with the wrong sign; rotations are perturbed on the "
-            "right, R exp(d)");
+  EXPECT_EQ(guessFor([](const auto&, auto& J) { J = (-J.transpose()).eval(); }),
+            "it is transposed, and the sign is wrong");
+  EXPECT_EQ(
+      guessFor([](const auto& R, auto& J) { J = (J * R.toRotationMatrix().transpose()).eval(); }),
+      "it is the derivative by a rotation on the left, exp(d) R; rotations are perturbed on the right, R exp(d): "
+      "multiply by the rotation matrix from the right");
+  EXPECT_EQ(
+      guessFor([](const auto& R, auto& J) { J = (-J * R.toRotationMatrix().transpose()).eval(); }),
+      "it is the derivative by a rotation on the left, exp(d) R, with the wrong sign; rotations are perturbed on the "
+      "right, R exp(d)");
   EXPECT_EQ(guessFor([](const auto&, auto& J) { J *= 57.29577951308232; }),
             "it is too large by the factor 57.2958: degrees instead of radians, or the other way round");
   EXPECT_EQ(guessFor([](const auto&, auto& J) { J *= 2; }), "it is too large by the factor 2");
-  EXPECT_EQ(guessFor([](const auto&, auto& J) { J.setZero(); }), "all derivatives by this variable are zero: they were forgotten");
+  EXPECT_EQ(guessFor([](const auto&, auto& J) { J.setZero(); }),
+            "all derivatives by this variable are zero: they were forgotten");
   EXPECT_EQ(guessFor([](const auto&, auto& J) { J.col(1).setZero(); }),
             "the derivatives by this component are zero: they were forgotten");
-  EXPECT_EQ(guessFor([](const auto&, auto& J) { J(1, 1) += 1; }), "no simple cause: compare the formula with the function");
+  EXPECT_EQ(guessFor([](const auto&, auto& J) { J(1, 1) += 1; }),
+            "no simple cause: compare the formula with the function");
 }
 
 TEST(DerivativeCheck, LooksAtFreeVariablesAlone) {
@@ -377,7 +405,9 @@ TEST(DerivativeCheck, LooksAtFreeVariablesAlone) {
 
 /// A distance by hand: one row, several unknowns in each block.
 struct DistanceByHand {
-  double operator()(const Vec3& a, const Vec2& b, double z) const { return std::hypot(a[0] - b[0], a[1] - b[1]) + a[2] - z; }
+  double operator()(const Vec3& a, const Vec2& b, double z) const {
+    return std::hypot(a[0] - b[0], a[1] - b[1]) + a[2] - z;
+  }
   template <class JA, class JB>
   void jacobian(const Vec3& a, const Vec2& b, double, JA& by_a, JB& by_b) const {
     const Vec2 way = (Vec2(a[0], a[1]) - b).normalized();
@@ -400,15 +430,17 @@ TEST(GivenDerivatives, OfAScalarByManyUnknowns) {
   EXPECT_TRUE(summary.warnings.empty());
 }
 
-struct Unset : Rotated<decltype([](const auto&, auto& J) { J(2, 1) = std::numeric_limits<double>::quiet_NaN(); })> {};
+struct Unset
+    : Rotated<decltype([](const auto&, auto& J) { J(2, 1) = std::numeric_limits<double>::quiet_NaN(); })> {};
 
 TEST(GivenDerivatives, ThatAreLeftUnsetAreFound) {
   slom::Estimator est;
   est.insertMeasurement(Unset(), est.insertRV(mtk::SO3<>(), "R"), Vec3(1, 2, 3), slom::named("sight"));
-  EXPECT_EQ(messageOf([&] { est.optimize(); }),
-            "[slom.not-finite] a derivative of measurement sight #1 is not finite at R = (0 0 0 1); check its data, the "
-            "function where it divides, takes roots or logarithms or leaves an entry of its result unset, and the start "
-            "values");
+  EXPECT_EQ(
+      messageOf([&] { est.optimize(); }),
+      "[slom.not-finite] a derivative of measurement sight #1 is not finite at R = (0 0 0 1); check its data, the "
+      "function where it divides, takes roots or logarithms or leaves an entry of its result unset, and the start "
+      "values");
   EXPECT_EQ(est.checkDerivatives().groups.at(0).guess,
             "an entry is not finite: the function that gives the derivatives left it unset");
 }

@@ -1,10 +1,10 @@
 // What a fit says of problems that do not determine all of their unknowns, word for word.
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
@@ -65,9 +65,11 @@ TEST(Diagnosis, FreeGaugeOfPosesInSpace) {
   const slom::Diagnosis diagnosis = est.diagnose();
   EXPECT_EQ(diagnosis.rank, 24);
   EXPECT_EQ(diagnosis.unknowns, 30);
-  EXPECT_EQ(faults(diagnosis),
-            Texts{"All 5 poses (pose 0, pose 1, ..., pose 4) can move together (translation x, y, z; rotation about x, y, z) "
-                  "without changing any residual: fix one pose or add a prior"});
+  EXPECT_EQ(
+      faults(diagnosis),
+      Texts{
+          "All 5 poses (pose 0, pose 1, ..., pose 4) can move together (translation x, y, z; rotation about x, y, z) "
+          "without changing any residual: fix one pose or add a prior"});
   EXPECT_EQ(diagnosis.findings[0].kind, Kind::gauge);
   EXPECT_EQ(diagnosis.findings[0].dimension, 6);
   EXPECT_EQ(diagnosis.findings[0].names, (Texts{"pose 0", "pose 1", "pose 2", "pose 3", "pose 4"}));
@@ -75,7 +77,9 @@ TEST(Diagnosis, FreeGaugeOfPosesInSpace) {
     est.covariance(poses[1]);
     FAIL() << "covariance of a free gauge";
   } catch (const mtk::Error& error) {
-    EXPECT_EQ(std::string(error.what()), "[slom.free-gauge] there are no covariances as long as the gauge is free. " + faults(diagnosis)[0]);
+    EXPECT_EQ(
+        std::string(error.what()),
+        "[slom.free-gauge] there are no covariances as long as the gauge is free. " + faults(diagnosis)[0]);
   }
   const slom::Summary summary = est.optimize();
   EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
@@ -91,10 +95,13 @@ TEST(Diagnosis, FreeGaugeOfPosesInThePlane) {
   std::mt19937 engine(2);
   std::normal_distribution<double> normal;
   slom::Estimator est;
-  insertRing<SE2>(est, 3, [&] { return SE2(SO2<>(normal(engine)), vec2(1e3 + normal(engine), normal(engine))); });
-  EXPECT_EQ(faults(est.diagnose()),
-            Texts{"All 3 poses (pose 0, pose 1, pose 2) can move together (translation x, y; rotation about z) without changing "
-                  "any residual: fix one pose or add a prior"});
+  insertRing<SE2>(est, 3,
+                  [&] { return SE2(SO2<>(normal(engine)), vec2(1e3 + normal(engine), normal(engine))); });
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      Texts{
+          "All 3 poses (pose 0, pose 1, pose 2) can move together (translation x, y; rotation about z) without changing "
+          "any residual: fix one pose or add a prior"});
 }
 
 TEST(Diagnosis, ADirectionThatIsMeasuredLeavesTheRest) {
@@ -106,14 +113,18 @@ TEST(Diagnosis, ADirectionThatIsMeasuredLeavesTheRest) {
     const auto down = [](const auto& T) { return T.orient.inverse() * vec3(0, 0, 1); };
     est.insertMeasurement(down, pose, slom::measured(down(*pose)));
   }
-  EXPECT_EQ(faults(est.diagnose()),
-            Texts{"All 4 poses (pose 0, pose 1, pose 2, pose 3) can move together (translation x, y, z; rotation about z) without "
-                  "changing any residual: fix one pose or add a prior"});
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      Texts{
+          "All 4 poses (pose 0, pose 1, pose 2, pose 3) can move together (translation x, y, z; rotation about z) without "
+          "changing any residual: fix one pose or add a prior"});
   const auto position = [](const auto& T) { return T.pos; };
   est.insertMeasurement(position, poses[2], slom::measured(poses[2]->pos));
-  EXPECT_EQ(faults(est.diagnose()),
-            Texts{"All 4 poses (pose 0, pose 1, pose 2, pose 3) can move together (rotation about z) without changing any residual: "
-                  "fix one pose or add a prior"});
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      Texts{
+          "All 4 poses (pose 0, pose 1, pose 2, pose 3) can move together (rotation about z) without changing any residual: "
+          "fix one pose or add a prior"});
 }
 
 /// Poses that lead from the world to the camera, as in bundle adjustment, and points that only bearings were measured of.
@@ -129,7 +140,8 @@ TEST(Diagnosis, ScaleOfMonocularBundleAdjustment) {
     cameras.push_back(est.insertRV(camera, "camera " + std::to_string(i)));
   }
   for (int i = 0; i < 10; ++i) {
-    points.push_back(est.insertRV(vec3(normal(engine), normal(engine), normal(engine)), "point " + std::to_string(i)));
+    points.push_back(
+        est.insertRV(vec3(normal(engine), normal(engine), normal(engine)), "point " + std::to_string(i)));
   }
   for (const auto& camera : cameras) {
     for (const auto& point : points) {
@@ -140,25 +152,32 @@ TEST(Diagnosis, ScaleOfMonocularBundleAdjustment) {
       est.insertMeasurement(project, camera, point, slom::measured(vec2(project(*camera, *point))));
     }
   }
-  EXPECT_EQ(faults(est.diagnose()),
-            Texts{"All 10 points (point 0, point 1, ..., point 9) and all 3 poses (camera 0, camera 1, camera 2) can move together "
-                  "(translation x, y, z; rotation about x, y, z; scale) without changing any residual: fix one pose or add a prior, "
-                  "and measure a length"});
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      Texts{
+          "All 10 points (point 0, point 1, ..., point 9) and all 3 poses (camera 0, camera 1, camera 2) can move together "
+          "(translation x, y, z; rotation about x, y, z; scale) without changing any residual: fix one pose or add a prior, "
+          "and measure a length"});
   est.optimizeRV(cameras[0], false);
-  EXPECT_EQ(faults(est.diagnose()),
-            Texts{"All 10 points (point 0, point 1, ..., point 9) and all 2 poses (camera 1, camera 2) can move together (scale) "
-                  "without changing any residual: measure a length or fix one"});
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      Texts{
+          "All 10 points (point 0, point 1, ..., point 9) and all 2 poses (camera 1, camera 2) can move together (scale) "
+          "without changing any residual: measure a length or fix one"});
 }
 
 TEST(Diagnosis, TwoVariablesThatOnlyAppearAsASum) {
   slom::Estimator est;
   const auto a = est.insertRV(1.0, "offset"), b = est.insertRV(2.0, "bias");
-  for (const double z : {1.0, 2.0, 3.0}) est.insertMeasurement([z](const auto& x, const auto& y) { return x + y - z; }, a, b);
+  for (const double z : {1.0, 2.0, 3.0})
+    est.insertMeasurement([z](const auto& x, const auto& y) { return x + y - z; }, a, b);
   const slom::Diagnosis diagnosis = est.diagnose();
   EXPECT_EQ(diagnosis.rank, 1);
-  EXPECT_EQ(faults(diagnosis),
-            Texts{"offset and bias cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a "
-                  "prior or measurements that depend on them in another way"});
+  EXPECT_EQ(
+      faults(diagnosis),
+      Texts{
+          "offset and bias cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a "
+          "prior or measurements that depend on them in another way"});
 }
 
 TEST(Diagnosis, AComponentThatNothingMeasures) {
@@ -166,10 +185,12 @@ TEST(Diagnosis, AComponentThatNothingMeasures) {
   const auto p = est.insertRV(vec3(1, 2, 3), "antenna");
   const auto unused = est.insertRV(5.0, "clock");
   est.insertMeasurement([](const auto& x) { return (x.template head<2>() - vec2(1, 1)).eval(); }, p);
-  EXPECT_EQ(faults(est.diagnose()),
-            (Texts{"no residual changes with antenna.z, to first order: add measurements that do or a prior, or fix it",
-                   "no measurement depends on variable clock, so nothing determines it; add measurements or fix it with "
-                   "optimizeRV(id, false)"}));
+  EXPECT_EQ(
+      faults(est.diagnose()),
+      (Texts{
+          "no residual changes with antenna.z, to first order: add measurements that do or a prior, or fix it",
+          "no measurement depends on variable clock, so nothing determines it; add measurements or fix it with "
+          "optimizeRV(id, false)"}));
   EXPECT_EQ(est.diagnose().rank, 2);
   est.optimizeRV(unused, false);
   EXPECT_EQ(est.diagnose().rank, 2);
@@ -184,21 +205,25 @@ TEST(Diagnosis, HintsOnWhatIsHardlyDetermined) {
   }
   const slom::Diagnosis diagnosis = est.diagnose();
   EXPECT_TRUE(diagnosis.isDetermined());
-  EXPECT_EQ(hints(diagnosis),
-            Texts{"line.x and line.y can hardly be told apart (correlation -0.999996): add measurements that depend on them in "
-                  "another way or a prior, or fix one of them"});
+  EXPECT_EQ(
+      hints(diagnosis),
+      Texts{
+          "line.x and line.y can hardly be told apart (correlation -0.999996): add measurements that depend on them in "
+          "another way or a prior, or fix one of them"});
 
   const auto other = est.insertRV(1.0, "other"), fixed = est.insertRV(1.0, false);
   est.insertMeasurement([](const auto& x) { return 1e-15 * x; }, other, slom::named("faint"));
   est.insertMeasurement([](const auto& x) { return x; }, fixed, slom::named("idle"));
-  EXPECT_EQ(hints(est.diagnose()),
-            (Texts{"1 of 1 measurement idle depends on fixed variables alone: they count in chi-square and redundancy, but determine "
-                   "nothing",
-                   "the variables fall into 2 groups that no measurement connects: line; other",
-                   "a unit of line.y changes the residuals 3e+18 times as much as a unit of other: choose units in which both are "
-                   "of a size that can be told apart from 0",
-                   "line.x and line.y can hardly be told apart (correlation -0.999996): add measurements that depend on them in "
-                   "another way or a prior, or fix one of them"}));
+  EXPECT_EQ(
+      hints(est.diagnose()),
+      (Texts{
+          "1 of 1 measurement idle depends on fixed variables alone: they count in chi-square and redundancy, but determine "
+          "nothing",
+          "the variables fall into 2 groups that no measurement connects: line; other",
+          "a unit of line.y changes the residuals 3e+18 times as much as a unit of other: choose units in which both are "
+          "of a size that can be told apart from 0",
+          "line.x and line.y can hardly be told apart (correlation -0.999996): add measurements that depend on them in "
+          "another way or a prior, or fix one of them"}));
 }
 
 TEST(Diagnosis, WeakDirectionsComeWithTheirStandardDeviation) {
@@ -209,8 +234,9 @@ TEST(Diagnosis, WeakDirectionsComeWithTheirStandardDeviation) {
   const slom::Diagnosis diagnosis = est.diagnose();
   EXPECT_TRUE(diagnosis.isDetermined());
   ASSERT_FALSE(hints(diagnosis).empty());
-  EXPECT_EQ(hints(diagnosis)[0],
-            "a and b are hardly determined: moving together (by +1 and -1), a has a standard deviation of 1.41e+07");
+  EXPECT_EQ(
+      hints(diagnosis)[0],
+      "a and b are hardly determined: moving together (by +1 and -1), a has a standard deviation of 1.41e+07");
 }
 
 TEST(Diagnosis, TellsTwentyWeakDirectionsAndCountsTheRest) {
@@ -232,7 +258,9 @@ TEST(Diagnosis, TellsTwentyWeakDirectionsAndCountsTheRest) {
   }
   EXPECT_EQ(weak, 21);
   EXPECT_EQ(directions, 23);
-  EXPECT_EQ(last, "3 more directions are hardly determined: are all measurements as certain as they say in all their components?");
+  EXPECT_EQ(
+      last,
+      "3 more directions are hardly determined: are all measurements as certain as they say in all their components?");
 }
 
 void connect(slom::Estimator& est, const slom::VarID<SE2>& a, const slom::VarID<SE2>& b) {
@@ -245,7 +273,8 @@ void expectFreePoses(const slom::Estimator& est, int count) {
   const std::string last = std::to_string(count - 1);
   EXPECT_EQ(diagnosis.rank, 3 * (count - 1));
   EXPECT_EQ(faults(diagnosis),
-            Texts{"All " + std::to_string(count) + " poses (pose 0, pose 1, ..., pose " + last + ") can move together (translation x, y; "
+            Texts{"All " + std::to_string(count) + " poses (pose 0, pose 1, ..., pose " + last +
+                  ") can move together (translation x, y; "
                   "rotation about z) without changing any residual: fix one pose or add a prior"});
 }
 
@@ -255,7 +284,8 @@ TEST(Diagnosis, OfManyVariables) {
   std::vector<slom::VarID<SE2>> poses;
   constexpr int width = 100;
   for (int i = 0; i < width * width; ++i) {
-    poses.push_back(est.insertRV(SE2(SO2<>(0.1 * i), vec2(i % width, i / width)), "pose " + std::to_string(i)));
+    poses.push_back(
+        est.insertRV(SE2(SO2<>(0.1 * i), vec2(i % width, i / width)), "pose " + std::to_string(i)));
     if (i % width > 0) connect(est, poses[std::size_t(i - 1)], poses.back());
     if (i >= width) connect(est, poses[std::size_t(i - width)], poses.back());
   }

@@ -28,7 +28,8 @@ slom::Estimator decay() {
   slom::Estimator est;
   const auto k = est.insertRV(1.0, "k");
   for (int i = 1; i < 30; ++i) {
-    est.insertMeasurement(Decay<Percent>(), k, 0.1 * i, std::exp(-0.13 * i), slom::StandardDeviation(0.01), slom::named("sample"));
+    est.insertMeasurement(Decay<Percent>(), k, 0.1 * i, std::exp(-0.13 * i), slom::StandardDeviation(0.01),
+                          slom::named("sample"));
   }
   return est;
 }
@@ -42,8 +43,10 @@ TEST(WrongDerivatives, AreInTheWarningsWithAGuess) {
   const slom::Summary summary = factor.optimize();
   EXPECT_TRUE(summary.converged);
   ASSERT_EQ(summary.warnings.size(), 1u);
-  EXPECT_TRUE(summary.warnings[0].starts_with("the given derivative of residual 0 of sample #")) << summary.warnings[0];
-  EXPECT_EQ(summary.warnings[0].substr(summary.warnings[0].find(": ")), ": it is too large by the factor 1.3" + kRemedy);
+  EXPECT_TRUE(summary.warnings[0].starts_with("the given derivative of residual 0 of sample #"))
+      << summary.warnings[0];
+  EXPECT_EQ(summary.warnings[0].substr(summary.warnings[0].find(": ")),
+            ": it is too large by the factor 1.3" + kRemedy);
   slom::Estimator sign = decay<-100>();
   const Texts texts = sign.optimize().warnings;
   ASSERT_FALSE(texts.empty());
@@ -87,7 +90,9 @@ TEST(WrongDerivatives, AreFoundOncePerStructureAndSaidEachTime) {
 /// By what turns R's given derivative into a wrong one.
 template <class Change>
 struct Rotated {
-  Eigen::Vector3d operator()(const mtk::SO3<>& R, const mtk::vect<3>& p, const mtk::vect<3>& z) const { return R * p - z; }
+  Eigen::Vector3d operator()(const mtk::SO3<>& R, const mtk::vect<3>& p, const mtk::vect<3>& z) const {
+    return R * p - z;
+  }
   template <class J>
   void jacobian(const mtk::SO3<>& R, const mtk::vect<3>& p, const mtk::vect<3>&, J& by_R) const {
     Eigen::Matrix3d P;
@@ -111,12 +116,16 @@ std::string warningOf(Change) {
 }
 TEST(WrongDerivatives, OfRotationsAreGuessed) {
   EXPECT_EQ(warningOf([](const auto&, auto&) {}), "");
-  EXPECT_NE(warningOf([](const auto&, auto& J) { J = J.transpose().eval(); }).find("it is transposed"), std::string::npos);
-  EXPECT_NE(warningOf([](const auto& R, auto& J) { J = (J * R.toRotationMatrix().transpose()).eval(); })
-                .find("it is the derivative by a rotation on the left"),
+  EXPECT_NE(warningOf([](const auto&, auto& J) { J = J.transpose().eval(); }).find("it is transposed"),
             std::string::npos);
-  EXPECT_NE(warningOf([](const auto&, auto& J) { J.setZero(); }).find("they were forgotten"), std::string::npos);
-  EXPECT_NE(warningOf([](const auto&, auto& J) { J(1, 1) += 0.5; }).find("no simple cause"), std::string::npos);
+  EXPECT_NE(warningOf([](const auto& R, auto& J) {
+              J = (J * R.toRotationMatrix().transpose()).eval();
+            }).find("it is the derivative by a rotation on the left"),
+            std::string::npos);
+  EXPECT_NE(warningOf([](const auto&, auto& J) { J.setZero(); }).find("they were forgotten"),
+            std::string::npos);
+  EXPECT_NE(warningOf([](const auto&, auto& J) { J(1, 1) += 0.5; }).find("no simple cause"),
+            std::string::npos);
 }
 
 /// Functions whose derivatives are right where they exist, and awkward for differences.
@@ -134,7 +143,9 @@ struct Steps {  // a staircase whose derivative is given as its slope
 };
 struct Root {  // ends at 2, where the bound is
   double operator()(const double& x, double z) const { return std::sqrt(2 - x) - z; }
-  void jacobian(const double& x, double, auto& J) const { J(0, 0) = -0.5 / std::sqrt(std::max(2 - x, 1e-12)); }
+  void jacobian(const double& x, double, auto& J) const {
+    J(0, 0) = -0.5 / std::sqrt(std::max(2 - x, 1e-12));
+  }
 };
 struct Cancelling {
   double operator()(const double& x, double z) const { return (x + 1e9) - (z + 1e9); }

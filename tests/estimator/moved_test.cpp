@@ -74,9 +74,10 @@ TEST(MovedFrom, EveryCallThrowsASentence) {
       },
   };
   for (std::size_t i = 0; i < calls.size(); ++i) {
-    EXPECT_EQ(messageOf(calls[i]),
-              "[slom.moved-from] the estimator has been moved from and holds nothing; use the one that it was moved "
-              "to, or assign another one to it")
+    EXPECT_EQ(
+        messageOf(calls[i]),
+        "[slom.moved-from] the estimator has been moved from and holds nothing; use the one that it was moved "
+        "to, or assign another one to it")
         << "call " << i;
   }
   EXPECT_TRUE(other.optimize().converged);

@@ -1,11 +1,11 @@
 // Tests of residuals: against refits without the measurement, re-simulated data, and published values.
-#include <Eigen/Dense>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <slom/analyze/chi_square.hpp>
 #include <slom/slom.hpp>
@@ -26,7 +26,8 @@ TEST(ChiSquare, HasPublishedQuantiles) {
   }
   EXPECT_EQ(slom::chiSquareProbability(0, 3), 1);
   EXPECT_EQ(slom::chiSquareProbability(INFINITY, 3), 0);
-  for (const double p : {1e-12, 0.3, 0.999}) EXPECT_NEAR(slom::chiSquareProbability(slom::chiSquareCritical(p, 7.5), 7.5) / p, 1, 1e-10);
+  for (const double p : {1e-12, 0.3, 0.999})
+    EXPECT_NEAR(slom::chiSquareProbability(slom::chiSquareCritical(p, 7.5), 7.5) / p, 1, 1e-10);
 }
 
 /// A parabola seen in pairs of numbers, so that residuals have two rows.
@@ -53,10 +54,12 @@ struct Parabola {
   void insert(int without = -1) {
     for (int i = 0; i < static_cast<int>(data.size()); ++i) {
       if (i == without) continue;
-      est.insertMeasurement([z = data[std::size_t(i)], x = 0.3 * i](const auto& a) {
-        using S = std::decay_t<decltype(a[0] + 0.0)>;
-        return vectorOf<S>(a[0] + a[1] * x + a[2] * x * x - z[0], 2 * (a[0] + a[1] * x) - z[1]);
-      }, c, slom::StandardDeviation(0.1), slom::named("sample"));
+      est.insertMeasurement(
+          [z = data[std::size_t(i)], x = 0.3 * i](const auto& a) {
+            using S = std::decay_t<decltype(a[0] + 0.0)>;
+            return vectorOf<S>(a[0] + a[1] * x + a[2] * x * x - z[0], 2 * (a[0] + a[1] * x) - z[1]);
+          },
+          c, slom::StandardDeviation(0.1), slom::named("sample"));
     }
     EXPECT_TRUE(est.optimize().converged);
   }
@@ -127,7 +130,8 @@ TEST(Outliers, OneWrongDatumInTenThousandIsFound) {
   EXPECT_EQ(report.groups[0].worst[0].measurement, "sample #4322");
   EXPECT_TRUE(report.groups[0].worst[0].is_suspect);
   EXPECT_FALSE(report.groups[0].worst[1].is_suspect);
-  EXPECT_NE(report.text().find("sample: 10000 measurements, chi-square "), std::string::npos) << report.text();
+  EXPECT_NE(report.text().find("sample: 10000 measurements, chi-square "), std::string::npos)
+      << report.text();
 }
 
 TEST(Outliers, KnowOfLossesAndOfWhatNothingChecks) {
@@ -159,8 +163,9 @@ TEST(Outliers, BadSignificanceIsNamed) {
     fit.est.outliers({.significance = 2});
     FAIL();
   } catch (const mtk::Error& error) {
-    EXPECT_STREQ(error.what(),
-                 "[slom.bad-option] the significance of OutlierOptions is 2; pass a probability between 0 and 1, such as 0.01");
+    EXPECT_STREQ(
+        error.what(),
+        "[slom.bad-option] the significance of OutlierOptions is 2; pass a probability between 0 and 1, such as 0.01");
   }
 }
 
@@ -171,11 +176,13 @@ TEST(Outliers, ASigmaThatIsWrongIsTold) {
   ASSERT_EQ(diagnosis.findings.size(), 1u);
   EXPECT_EQ(diagnosis.findings[0].kind, slom::Finding::Kind::implausible_sigma);
   double chi2 = 0, factor = 0;
-  ASSERT_EQ(std::sscanf(diagnosis.findings[0].text.c_str(),
-                        "the residuals of sample contradict its stated uncertainty: chi-square %lg where 97 is expected; if "
-                        "function and data are right, its standard deviations are %lg times as large as stated",
-                        &chi2, &factor),
-            2)
+  ASSERT_EQ(
+      std::sscanf(
+          diagnosis.findings[0].text.c_str(),
+          "the residuals of sample contradict its stated uncertainty: chi-square %lg where 97 is expected; if "
+          "function and data are right, its standard deviations are %lg times as large as stated",
+          &chi2, &factor),
+      2)
       << diagnosis.findings[0].text;
   EXPECT_NEAR(chi2, fit.est.getRSS(), 0.01 * chi2);  // written with three digits
   EXPECT_NEAR(factor, std::sqrt(chi2 / 97), 0.01 * factor);

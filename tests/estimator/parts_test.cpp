@@ -1,12 +1,12 @@
 // Parts of variables: fixed, bounded, known beforehand, and all of that taken back.
-#include <Eigen/Dense>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <slom/slom.hpp>
 
@@ -39,15 +39,18 @@ struct Plane {
     if (dense) est.changeSolver(std::make_unique<slom::DenseQR>());
     std::mt19937 engine(7);
     std::normal_distribution<double> normal(0, 0.05);
-    const auto seen = [](const auto& T, const auto& p, const auto& s) { return (T.inverse() * p * s).eval(); };
+    const auto seen = [](const auto& T, const auto& p, const auto& s) {
+      return (T.inverse() * p * s).eval();
+    };
     const SE2 truth(mtk::SO2<>(0.4), vec2(1.1, 1.9));
     for (const vec2& landmark : {vec2(4.2, 5.1), vec2(0, 0), vec2(-1, 3), vec2(2, -2)}) {
       const vec2 z = seen(truth, landmark, 1.05) + vec2(normal(engine), normal(engine));
       if (landmark.x() > 4) {
         est.insertMeasurement(seen, pose, point, scale, slom::measured(z));
       } else {
-        est.insertMeasurement([landmark](const auto& T, const auto& s) { return (T.inverse() * landmark * s).eval(); }, pose, scale,
-                              slom::measured(z));
+        est.insertMeasurement(
+            [landmark](const auto& T, const auto& s) { return (T.inverse() * landmark * s).eval(); }, pose,
+            scale, slom::measured(z));
       }
     }
   }
@@ -112,12 +115,16 @@ TEST(FixedComponents, EveryMaskIsTheProblemWithoutThem) {
       MatrixXd expected = MatrixXd::Zero(6, 6);
       if (!free.empty()) expected(free, free) = MatrixXd((J.transpose() * J).inverse());
       MatrixXd C(6, 6);
-      C << plane.est.covariance(plane.pose), plane.est.covariance(plane.pose, plane.point), plane.est.covariance(plane.pose, plane.scale),
-          plane.est.covariance(plane.point, plane.pose), plane.est.covariance(plane.point), plane.est.covariance(plane.point, plane.scale),
-          plane.est.covariance(plane.scale, plane.pose), plane.est.covariance(plane.scale, plane.point), plane.est.covariance(plane.scale);
+      C << plane.est.covariance(plane.pose), plane.est.covariance(plane.pose, plane.point),
+          plane.est.covariance(plane.pose, plane.scale), plane.est.covariance(plane.point, plane.pose),
+          plane.est.covariance(plane.point), plane.est.covariance(plane.point, plane.scale),
+          plane.est.covariance(plane.scale, plane.pose), plane.est.covariance(plane.scale, plane.point),
+          plane.est.covariance(plane.scale);
       EXPECT_LT((C - expected).norm(), 1e-7 * (1 + expected.norm())) << mask;
       const slom::Marginals marginals = plane.est.marginals();
-      EXPECT_LT((marginals.covariance(plane.pose) - expected.topLeftCorner(3, 3)).norm(), 1e-7 * (1 + expected.norm())) << mask;
+      EXPECT_LT((marginals.covariance(plane.pose) - expected.topLeftCorner(3, 3)).norm(),
+                1e-7 * (1 + expected.norm()))
+          << mask;
     }
   }
 }
@@ -154,10 +161,12 @@ TEST(FixedComponents, AreNamedByPathOrMember) {
   est.free(rig);
   EXPECT_EQ(est.getN(), 13);
   EXPECT_EQ(messageOf([&] { est.fix(rig, left + ".k3"); }),
-            "[slom.no-component] variable rig has no component \"" + left + ".k3\"; it has " + pose + ".pos.x, " + pose + ".pos.y, " + pose +
-                ".pos.z, " + pose + ".orient.x, " + pose + ".orient.y, " + pose + ".orient.z, " + left + ".f, " + left + ".k1, " + left +
-                ".k2, " + corners + ".0.x, " + corners + ".0.y, " + corners + ".1.x, " + corners + ".1.y");
-  EXPECT_EQ(messageOf([&] { est.fix(rig, ""); }).substr(0, 46), "[slom.no-component] variable rig has no compon");
+            "[slom.no-component] variable rig has no component \"" + left + ".k3\"; it has " + pose +
+                ".pos.x, " + pose + ".pos.y, " + pose + ".pos.z, " + pose + ".orient.x, " + pose +
+                ".orient.y, " + pose + ".orient.z, " + left + ".f, " + left + ".k1, " + left + ".k2, " +
+                corners + ".0.x, " + corners + ".0.y, " + corners + ".1.x, " + corners + ".1.y");
+  EXPECT_EQ(messageOf([&] { est.fix(rig, ""); }).substr(0, 46),
+            "[slom.no-component] variable rig has no compon");
   const auto number = est.insertRV(1.0, "gain");
   EXPECT_EQ(messageOf([&] { est.bound(number, "x", 0, 2); }),
             "[slom.no-component] variable gain has no component \"x\"; it has but one, whose name is empty");
@@ -188,7 +197,9 @@ TEST(Bounds, AreKeptAndReported) {
     EXPECT_EQ((*fit.line)[1], 2);
     EXPECT_NEAR((*fit.line)[0], 0.1, 1e-9);  // the mean of y - 2 x
     EXPECT_EQ(summary.active_bounds, std::vector<std::string>{"line.y is at its upper bound 2"});
-    EXPECT_NE(slom::report(summary).find("  line.y is at its upper bound 2; standard deviations hold on that condition\n"), std::string::npos);
+    EXPECT_NE(slom::report(summary).find(
+                  "  line.y is at its upper bound 2; standard deviations hold on that condition\n"),
+              std::string::npos);
     EXPECT_EQ(summary.unknowns, 1);
     EXPECT_EQ(est.getN(), 2);
     MatrixXd C = MatrixXd::Zero(2, 2);
@@ -206,7 +217,8 @@ TEST(Bounds, AreKeptAndReported) {
     est.bound(fit.line, "y", -1, 1);
     est.bound(fit.line, "x", -std::numeric_limits<double>::infinity(), 0.5);
     summary = est.optimize();
-    EXPECT_EQ(summary.active_bounds, (std::vector<std::string>{"line.x is at its upper bound 0.5", "line.y is at its upper bound 1"}));
+    EXPECT_EQ(summary.active_bounds, (std::vector<std::string>{"line.x is at its upper bound 0.5",
+                                                               "line.y is at its upper bound 1"}));
     EXPECT_EQ(*fit.line, vec2(0.5, 1));
     EXPECT_EQ(est.covariance(fit.line), MatrixXd::Zero(2, 2));
     const double inf = std::numeric_limits<double>::infinity();
@@ -258,25 +270,31 @@ TEST(Bounds, GiveTheSolutionOfBoxConstrainedLeastSquares) {
 
 TEST(Bounds, FaultsAreNamed) {
   Line fit;
-  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", 2, 1); }),
-            "[slom.bad-bound] the bound of line.y is [2, 1]; pass a lower limit that is not above the upper one");
-  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", 2, 3); }),
-            "[slom.outside-bound] line.y is 1, outside of its bound [2, 3]; give it a value inside, or another bound");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.bound(fit.line, "y", 2, 1); }),
+      "[slom.bad-bound] the bound of line.y is [2, 1]; pass a lower limit that is not above the upper one");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.bound(fit.line, "y", 2, 3); }),
+      "[slom.outside-bound] line.y is 1, outside of its bound [2, 3]; give it a value inside, or another bound");
   const double inf = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", inf, inf); }),
-            "[slom.bad-bound] the bound of line.y is [inf, inf], which holds no finite number; pass -infinity and infinity to take a "
-            "bound back");
-  EXPECT_EQ(messageOf([&] { fit.est.bound(fit.line, "y", -inf, -inf); }),
-            "[slom.bad-bound] the bound of line.y is [-inf, -inf], which holds no finite number; pass -infinity and infinity to take a "
-            "bound back");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.bound(fit.line, "y", inf, inf); }),
+      "[slom.bad-bound] the bound of line.y is [inf, inf], which holds no finite number; pass -infinity and infinity to take a "
+      "bound back");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.bound(fit.line, "y", -inf, -inf); }),
+      "[slom.bad-bound] the bound of line.y is [-inf, -inf], which holds no finite number; pass -infinity and infinity to take a "
+      "bound back");
   fit.est.bound(fit.line, "y", 0, 2);
-  EXPECT_EQ(messageOf([&] { fit.est.reinitRV(fit.line, vec2(0, 5)); }),
-            "[slom.outside-bound] line.y is 5, outside of its bound [0, 2]; give it a value inside, or another bound");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.reinitRV(fit.line, vec2(0, 5)); }),
+      "[slom.outside-bound] line.y is 5, outside of its bound [0, 2]; give it a value inside, or another bound");
   EXPECT_EQ(*fit.line, vec2(0, 1));
   const auto pose = fit.est.insertRV(SE3(), "pose");
-  EXPECT_EQ(messageOf([&] { fit.est.bound(pose, "orient.z", 0, 1); }),
-            "[slom.bad-bound] pose.orient.z has no coordinate that could be bounded, as it is part of a rotation or the like; bound "
-            "components of vectors, or add a prior");
+  EXPECT_EQ(
+      messageOf([&] { fit.est.bound(pose, "orient.z", 0, 1); }),
+      "[slom.bad-bound] pose.orient.z has no coordinate that could be bounded, as it is part of a rotation or the like; bound "
+      "components of vectors, or add a prior");
 }
 
 TEST(Bounds, OfAVariableWithOneComponentNeedNoName) {

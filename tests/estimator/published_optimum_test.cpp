@@ -1,11 +1,11 @@
 // The optimum that the authors of the paper published for their monocular calibration: chi-square 4035.559724,
 // f = 1872.60353 (../shared/data/mono, not part of the project).
-#include <slom/slom.hpp>
+#include <fstream>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
+#include <slom/slom.hpp>
 
 #include "support/paths.hpp"
 
@@ -66,7 +66,8 @@ TEST(PublishedOptimum, OfTheMonocularCalibrationIsReached) {
       vec3 world;
       vec2 pixel;
       blankSeparated(line) >> image >> corner >> world >> pixel;
-      est.insertMeasurement(predictionError, cam, cam2world.at(image - 1), world, pixel, slom::StandardDeviation(0.25));
+      est.insertMeasurement(predictionError, cam, cam2world.at(image - 1), world, pixel,
+                            slom::StandardDeviation(0.25));
     }
     slom::Options options;
     options.deviation_tolerance = 1e-3;  // what was published has no more digits

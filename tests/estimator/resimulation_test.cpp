@@ -1,12 +1,12 @@
 // Covariances are what they say: of 1000 problems with the same truth and new noise, the errors of the estimates e have
 // e^T C^-1 e distributed as chi-square.
-#include <Eigen/Dense>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <functional>
 #include <random>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <slom/analyze/chi_square.hpp>
 #include <slom/measurements.hpp>
@@ -67,10 +67,12 @@ TEST(Resimulation, OfACurve) {
     for (int i = 0; i < 14; ++i) {
       const double x = 0.3 * (i + 1), sigma = 0.5;
       const double y = truth[0] * (1 - std::exp(-truth[1] * x)) + sigma * noise();
-      est.insertMeasurement([x, y](const auto& b) {
-        using std::exp;
-        return b[0] * (1.0 - exp(-b[1] * x)) - y;
-      }, c, slom::StandardDeviation(sigma));
+      est.insertMeasurement(
+          [x, y](const auto& b) {
+            using std::exp;
+            return b[0] * (1.0 - exp(-b[1] * x)) - y;
+          },
+          c, slom::StandardDeviation(sigma));
     }
     EXPECT_TRUE(est.optimize().converged);
     return std::pair(Eigen::Vector2d(*c - truth), est.covariance(c));
@@ -80,7 +82,8 @@ TEST(Resimulation, OfACurve) {
 TEST(Resimulation, OfAPoseGraph) {
   Noise noise(2);
   std::vector<SE2> truth;
-  for (int i = 0; i < 12; ++i) truth.push_back(SE2(mtk::SO2<>(0.5 * i), vec2(4 * std::cos(0.5 * i), 4 * std::sin(0.5 * i))));
+  for (int i = 0; i < 12; ++i)
+    truth.push_back(SE2(mtk::SO2<>(0.5 * i), vec2(4 * std::cos(0.5 * i), 4 * std::sin(0.5 * i))));
   const auto sigma = Eigen::Vector3d(0.02, 0.01, 0.005);
   expectChiSquare<3>([&] {
     slom::Estimator est;
@@ -91,11 +94,13 @@ TEST(Resimulation, OfAPoseGraph) {
         const std::size_t j = (i + step) % poses.size();
         const mtk::tangent_t<SE2> error = sigma.cwiseProduct(noise.vector<3>());
         const SE2 z = mtk::moved<SE2>(truth[i].inverse() * truth[j], error);
-        est.insertMeasurement(slom::RelativePose(), poses[i], poses[j], slom::measured(z), slom::StandardDeviation(sigma));
+        est.insertMeasurement(slom::RelativePose(), poses[i], poses[j], slom::measured(z),
+                              slom::StandardDeviation(sigma));
       }
     }
     EXPECT_TRUE(est.optimize().converged);
-    return std::pair(Eigen::Vector3d(mtk::difference(truth[6], *poses[6])), est.marginals().covariance(poses[6]));
+    return std::pair(Eigen::Vector3d(mtk::difference(truth[6], *poses[6])),
+                     est.marginals().covariance(poses[6]));
   });
 }
 
@@ -104,7 +109,8 @@ TEST(Resimulation, OfACalibration) {
   Noise noise(3);
   std::vector<SE3> views;
   for (int i = 0; i < 6; ++i) {
-    views.push_back(SE3(mtk::SO3<>::exp(0.4 * vec3(std::sin(i), std::cos(2 * i), 0.3 * i)), vec3(0.02 * i, -0.01 * i, 0.7 + 0.05 * i)));
+    views.push_back(SE3(mtk::SO3<>::exp(0.4 * vec3(std::sin(i), std::cos(2 * i), 0.3 * i)),
+                        vec3(0.02 * i, -0.01 * i, 0.7 + 0.05 * i)));
   }
   const vec3 truth(500, 320, 240);
   const auto pixel = [](const auto& lens, const auto& T, const vec3& corner) {
@@ -120,15 +126,16 @@ TEST(Resimulation, OfACalibration) {
       for (int c = 0; c < 12; ++c) {
         const vec3 corner(0.06 * (c % 4 - 1.5), 0.06 * (c / 4 - 1), 0);
         const vec2 z = pixel(truth, view, corner) + 0.2 * noise.vector<2>();
-        est.insertMeasurement([pixel, corner](const auto& l, const auto& T) { return pixel(l, T, corner); }, lens, ids.back(),
-                              slom::measured(z), slom::StandardDeviation(0.2));
+        est.insertMeasurement([pixel, corner](const auto& l, const auto& T) { return pixel(l, T, corner); },
+                              lens, ids.back(), slom::measured(z), slom::StandardDeviation(0.2));
       }
     }
     EXPECT_TRUE(est.optimize().converged);
     Eigen::Matrix<double, 9, 1> error;
     error << *lens - truth, -mtk::difference(views[2], *ids[2]);
     Eigen::MatrixXd C(9, 9);
-    C << est.covariance(lens), est.covariance(lens, ids[2]), est.covariance(ids[2], lens), est.covariance(ids[2]);
+    C << est.covariance(lens), est.covariance(lens, ids[2]), est.covariance(ids[2], lens),
+        est.covariance(ids[2]);
     return std::pair(error, C);
   });
 }

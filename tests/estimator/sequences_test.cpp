@@ -49,7 +49,10 @@ struct Variable {
     return type == Type::number ? "" : names[(type == Type::pose ? 2 : 0) + c];
   }
   double coordinate(int c) const {
-    return type == Type::number ? *number : type == Type::point ? (*point)[c] : c < 2 ? pose->pos[c] : pose->orient.angle();
+    return type == Type::number  ? *number
+           : type == Type::point ? (*point)[c]
+           : c < 2               ? pose->pos[c]
+                                 : pose->orient.angle();
   }
 };
 
@@ -84,9 +87,12 @@ struct Measurement {
       return with(slom::Prior(), x.pose, slom::measured(pose));
     }
     const Variable& y = all[std::size_t(b)];
-    if (x.type == Type::pose && y.type == Type::pose) return with(slom::RelativePose(), x.pose, y.pose, slom::measured(pose));
-    if (x.type == Type::pose && y.type == Type::point) return with(slom::Landmark(), x.pose, y.point, slom::measured(Point(z[0], z[1])));
-    if (x.type == Type::point && y.type == Type::point) return with(Way(), x.point, y.point, slom::measured(Point(z[0], z[1])));
+    if (x.type == Type::pose && y.type == Type::pose)
+      return with(slom::RelativePose(), x.pose, y.pose, slom::measured(pose));
+    if (x.type == Type::pose && y.type == Type::point)
+      return with(slom::Landmark(), x.pose, y.point, slom::measured(Point(z[0], z[1])));
+    if (x.type == Type::point && y.type == Type::point)
+      return with(Way(), x.point, y.point, slom::measured(Point(z[0], z[1])));
     with(Slope(), x.point, y.number, slom::measured(z[0]));
   }
 };
@@ -145,7 +151,8 @@ class Sequence {
   }
   void removeVariable() {
     const int i = below(static_cast<int>(variables_.size()));
-    const std::string message = messageOf([&] { variables_[std::size_t(i)].visit([&](const auto& id) { est_.removeRV(id); }); });
+    const std::string message =
+        messageOf([&] { variables_[std::size_t(i)].visit([&](const auto& id) { est_.removeRV(id); }); });
     if (variables_[std::size_t(i)].uses > 0) {
       EXPECT_NE(message.find("[slom.variable-in-use]"), std::string::npos) << message;
       return;
@@ -177,12 +184,16 @@ class Sequence {
     if (v.type == Type::pose && c == 2) return;  // an angle has no coordinate
     const double x = v.coordinate(c), width = std::abs(random(2));
     const bool is_open = below(3) == 0;
-    const double lower = is_open ? -kInfinity : x - width, upper = is_open && below(2) == 0 ? kInfinity : x + std::abs(random());
-    v.visit([&](const auto& id) { v.type == Type::number ? est_.bound(id, lower, upper) : est_.bound(id, v.path(c), lower, upper); });
+    const double lower = is_open ? -kInfinity : x - width,
+                 upper = is_open && below(2) == 0 ? kInfinity : x + std::abs(random());
+    v.visit([&](const auto& id) {
+      v.type == Type::number ? est_.bound(id, lower, upper) : est_.bound(id, v.path(c), lower, upper);
+    });
     v.bounds[std::size_t(c)] = {lower, upper};
     EXPECT_NE(messageOf([&] {
                 v.visit([&](const auto& id) { est_.bound(id, v.path(c), x + 1, x + 2); });
-              }).find("[slom.outside-bound]"), std::string::npos);
+              }).find("[slom.outside-bound]"),
+              std::string::npos);
   }
   void setValue() {
     Variable& v = anyVariable();
@@ -207,18 +218,28 @@ class Sequence {
   }
   void operate() {
     switch (below(12)) {
-      case 0: return insertVariable();
+      case 0:
+        return insertVariable();
       case 1:
       case 2:
-      case 3: return insertBetween();
-      case 4: return removeMeasurement();
-      case 5: return removeVariable();
-      case 6: return fixOrFree();
-      case 7: return bound();
-      case 8: return setValue();
-      case 9: return query();
-      case 10: return move();
-      default: est_.optimize();
+      case 3:
+        return insertBetween();
+      case 4:
+        return removeMeasurement();
+      case 5:
+        return removeVariable();
+      case 6:
+        return fixOrFree();
+      case 7:
+        return bound();
+      case 8:
+        return setValue();
+      case 9:
+        return query();
+      case 10:
+        return move();
+      default:
+        est_.optimize();
     }
   }
 
@@ -253,7 +274,8 @@ class Sequence {
     EXPECT_EQ(est_.warnings().size(), fresh.warnings().size());
     for (std::size_t i = 0; i < own.size(); ++i) {
       const double expected = own[i].visit([&](const auto& id) { return fresh.getRSS(id); });
-      EXPECT_NEAR(variables_[i].visit([&](const auto& id) { return est_.getRSS(id); }), expected, 1e-12 * (1 + expected));
+      EXPECT_NEAR(variables_[i].visit([&](const auto& id) { return est_.getRSS(id); }), expected,
+                  1e-12 * (1 + expected));
     }
     const slom::Summary a = est_.optimize(), b = fresh.optimize();
     EXPECT_EQ(a.converged, b.converged) << a.message << "\n" << b.message;
@@ -278,7 +300,8 @@ class Sequence {
 };
 
 TEST(Sequences, OfAllOperationsEqualABatch) {
-  const unsigned sequences = slom::testing::has_sanitizers ? 1'000 : 10'000;  // a tenth takes the same branches
+  const unsigned sequences =
+      slom::testing::has_sanitizers ? 1'000 : 10'000;  // a tenth takes the same branches
   for (unsigned seed = 0; seed < sequences; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Sequence(seed).run();

@@ -1,11 +1,11 @@
 // Covariances of all variables at once, correlations, propagation, and whose word on sigma counts.
-#include <Eigen/Dense>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
@@ -31,7 +31,8 @@ struct Scene {
       pose.orient = mtk::SO3<>::exp(0.3 * vec3(normal(engine), normal(engine), normal(engine)));
       poses.push_back(est.insertRV(pose, i > 0));
     }
-    for (int i = 0; i < point_count; ++i) points.push_back(est.insertRV(vec3(3 * normal(engine), 3 * normal(engine), 3 * normal(engine))));
+    for (int i = 0; i < point_count; ++i)
+      points.push_back(est.insertRV(vec3(3 * normal(engine), 3 * normal(engine), 3 * normal(engine))));
     for (const auto& pose : poses) {
       for (const auto& point : points) {
         const auto seen = [](const auto& T, const auto& p) { return T.inverse() * p; };
@@ -76,7 +77,8 @@ TEST(Uncertainty, OfAllVariablesAgreesWithTheDenseInverse) {
     const auto compare = [&](const MatrixXd& covariance, const MatrixXd& expected) {
       EXPECT_LT((covariance - expected).norm(), 1e-8 * expected.norm());
     };
-    for (int i = 1; i < 4; ++i) compare(marginals.covariance(scene.poses[std::size_t(i)]), C.block(6 * i - 6, 6 * i - 6, 6, 6));
+    for (int i = 1; i < 4; ++i)
+      compare(marginals.covariance(scene.poses[std::size_t(i)]), C.block(6 * i - 6, 6 * i - 6, 6, 6));
     for (int i = 0; i < points; ++i) {
       const int at = 18 + 3 * i;
       compare(marginals.covariance(scene.points[std::size_t(i)]), C.block(at, at, 3, 3));
@@ -85,7 +87,8 @@ TEST(Uncertainty, OfAllVariablesAgreesWithTheDenseInverse) {
     compare(scene.est.covariance(scene.points[4], scene.points[1]), C.block(30, 21, 3, 3));
     const MatrixXd R = scene.est.correlation(scene.poses[1], scene.points[3]);
     for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 3; ++j) EXPECT_NEAR(R(i, j), C(i, 27 + j) / std::sqrt(C(i, i) * C(27 + j, 27 + j)), 1e-8);
+      for (int j = 0; j < 3; ++j)
+        EXPECT_NEAR(R(i, j), C(i, 27 + j) / std::sqrt(C(i, i) * C(27 + j, 27 + j)), 1e-8);
     }
     EXPECT_EQ(scene.est.correlation(scene.poses[0], scene.points[3]), MatrixXd::Zero(6, 3));
   }
@@ -109,7 +112,8 @@ TEST(Uncertainty, IsPropagatedThroughFunctions) {
   EXPECT_LT(mtk::difference(motion.value, scene.poses[0]->inverse() * *scene.poses[1]).norm(), 1e-12);
   const MatrixXd R = scene.poses[0]->orient.toRotationMatrix();
   const MatrixXd own = scene.est.covariance(scene.poses[1]);
-  EXPECT_LT((motion.covariance.topLeftCorner(3, 3) - R.transpose() * own.topLeftCorner(3, 3) * R).norm(), 1e-12);
+  EXPECT_LT((motion.covariance.topLeftCorner(3, 3) - R.transpose() * own.topLeftCorner(3, 3) * R).norm(),
+            1e-12);
   EXPECT_LT((motion.covariance.bottomRightCorner(3, 3) - own.bottomRightCorner(3, 3)).norm(), 1e-12);
 }
 
@@ -118,7 +122,9 @@ TEST(Uncertainty, OfAFreeNetworkIsThePseudoInverse) {
   std::mt19937 engine(6);
   std::normal_distribution<double> normal;
   std::vector<slom::VarID<vec2>> points;
-  for (int i = 0; i < 5; ++i) points.push_back(est.insertRV(vec2(10 * normal(engine), 10 * normal(engine)), "point " + std::to_string(i)));
+  for (int i = 0; i < 5; ++i)
+    points.push_back(
+        est.insertRV(vec2(10 * normal(engine), 10 * normal(engine)), "point " + std::to_string(i)));
   const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
   MatrixXd J(10, 10);
   int row = 0;
@@ -162,7 +168,8 @@ TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistribution) {
   slom::Estimator est;
   const auto line = est.insertRV(vec2(0, 0), "line");
   for (int i = 0; i < 5; ++i) {
-    est.insertMeasurement([x = double(i), z = double(i * i)](const auto& c) { return c[0] + c[1] * x - z; }, line);
+    est.insertMeasurement([x = double(i), z = double(i * i)](const auto& c) { return c[0] + c[1] * x - z; },
+                          line);
   }
   EXPECT_TRUE(est.optimize().converged);
   const vec2 fitted = *line;
@@ -192,7 +199,8 @@ TEST(Profile, OfACurveIsLopsided) {
     return sum;
   };
   for (const vec2& d : data) {
-    est.insertMeasurement([d](const auto& c) { return c[0] * d[0] / (c[1] + d[0]) - d[1]; }, p, slom::StandardDeviation(10));
+    est.insertMeasurement([d](const auto& c) { return c[0] * d[0] / (c[1] + d[0]) - d[1]; }, p,
+                          slom::StandardDeviation(10));
   }
   EXPECT_TRUE(est.optimize().converged);
   const double best = est.getRSS();
@@ -218,15 +226,15 @@ TEST(Profile, EndsAtBounds) {
   struct Case {
     double z, lower, upper, expected_lower, expected_upper;
   };
-  const Case cases[] = {{1, 0, 10, 0, 1 + q},                                         // cut below
-                        {9, 0, 10, 9 - q, 10},                                        // cut above
-                        {0.5, 0, 1, 0, 1},                                            // cut on both sides
-                        {5, 0, 10, 5 - q, 5 + q},                                     // far from both
-                        {-1, 0, 10, 0, -1 + std::sqrt(1 + q * q)},                    // at the lower one
-                        {12, 0, 10, 12 - std::sqrt(4 + q * q), 10},                   // at the upper one
-                        {-1, 0, inf, 0, -1 + std::sqrt(1 + q * q)},                   // no other
-                        {-1, 0, 0.5, 0, 0.5},                                         // at one, cut at the other
-                        {3, 4, 4, 4, 4}};                                             // held by both
+  const Case cases[] = {{1, 0, 10, 0, 1 + q},                        // cut below
+                        {9, 0, 10, 9 - q, 10},                       // cut above
+                        {0.5, 0, 1, 0, 1},                           // cut on both sides
+                        {5, 0, 10, 5 - q, 5 + q},                    // far from both
+                        {-1, 0, 10, 0, -1 + std::sqrt(1 + q * q)},   // at the lower one
+                        {12, 0, 10, 12 - std::sqrt(4 + q * q), 10},  // at the upper one
+                        {-1, 0, inf, 0, -1 + std::sqrt(1 + q * q)},  // no other
+                        {-1, 0, 0.5, 0, 0.5},                        // at one, cut at the other
+                        {3, 4, 4, 4, 4}};                            // held by both
   for (const Case& c : cases) {
     slom::Estimator est;
     const auto x = est.insertRV(std::clamp(5.0, c.lower, c.upper), "x"), y = est.insertRV(0.0, "y");
@@ -237,8 +245,10 @@ TEST(Profile, EndsAtBounds) {
     const double fitted = *x, other = *y;
     const slom::ProfileInterval interval = est.profile(x);
     EXPECT_NEAR(interval.value, std::clamp(c.z, c.lower, c.upper), 1e-9);
-    EXPECT_NEAR(interval.lower, c.expected_lower, 1e-6) << c.z << " in [" << c.lower << ", " << c.upper << "]";
-    EXPECT_NEAR(interval.upper, c.expected_upper, 1e-6) << c.z << " in [" << c.lower << ", " << c.upper << "]";
+    EXPECT_NEAR(interval.lower, c.expected_lower, 1e-6)
+        << c.z << " in [" << c.lower << ", " << c.upper << "]";
+    EXPECT_NEAR(interval.upper, c.expected_upper, 1e-6)
+        << c.z << " in [" << c.lower << ", " << c.upper << "]";
     EXPECT_EQ(*x, fitted);
     EXPECT_EQ(*y, other);
     const slom::Summary again = est.optimize();  // the bound is still there
@@ -259,12 +269,15 @@ TEST(Profile, FaultsAreNamed) {
     }
     return "no error";
   };
-  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos.x"); }),
-            "[slom.not-a-minimum] the profile of pose.pos.x starts at a fit, and the values are not at one; optimize first");
-  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos"); }),
-            "[slom.no-component] pos of variable pose is not one coordinate; profile takes one component of a vector at a time");
-  EXPECT_EQ(messageOf([&] { est.profile(pose, "pos.x", 95); }),
-            "[slom.bad-option] the probability of a profile interval is 95; pass one between 0 and 1, such as 0.95");
+  EXPECT_EQ(
+      messageOf([&] { est.profile(pose, "pos.x"); }),
+      "[slom.not-a-minimum] the profile of pose.pos.x starts at a fit, and the values are not at one; optimize first");
+  EXPECT_EQ(
+      messageOf([&] { est.profile(pose, "pos"); }),
+      "[slom.no-component] pos of variable pose is not one coordinate; profile takes one component of a vector at a time");
+  EXPECT_EQ(
+      messageOf([&] { est.profile(pose, "pos.x", 95); }),
+      "[slom.bad-option] the probability of a profile interval is 95; pass one between 0 and 1, such as 0.95");
 }
 
 TEST(Uncertainty, IsEstimatedWhenAsked) {
@@ -278,7 +291,8 @@ TEST(Uncertainty, IsEstimatedWhenAsked) {
   EXPECT_NEAR(est.marginals().standardDeviation(mean)[0], std::sqrt(14.0 / 2 / 3), 1e-12);
   const slom::Summary summary = est.optimize();
   EXPECT_TRUE(summary.sigma_is_estimated);
-  EXPECT_NE(slom::report(summary).find("chi-square / dof = 7; standard deviations are estimated: those stated, times 2.646\n"),
+  EXPECT_NE(slom::report(summary).find(
+                "chi-square / dof = 7; standard deviations are estimated: those stated, times 2.646\n"),
             std::string::npos)
       << slom::report(summary);
 
@@ -290,8 +304,10 @@ TEST(Uncertainty, IsEstimatedWhenAsked) {
     exact.covariance(x);
     FAIL();
   } catch (const mtk::Error& error) {
-    EXPECT_STREQ(error.what(), "[slom.no-redundancy] uncertainties can be estimated from residuals only when there are more of them "
-                               "than unknowns; here are 1 residuals and 1 unknowns; add measurements or use Sigma::known");
+    EXPECT_STREQ(
+        error.what(),
+        "[slom.no-redundancy] uncertainties can be estimated from residuals only when there are more of them "
+        "than unknowns; here are 1 residuals and 1 unknowns; add measurements or use Sigma::known");
   }
 }
 

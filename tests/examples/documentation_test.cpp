@@ -1,12 +1,13 @@
 // Every fenced block of C++ and CMake in the documentation stands, letter by letter, in a source that the test suite
 // compiles and runs; what the README says that its program prints is what it prints.
-#include <gtest/gtest.h>
+#include "support/documentation.hpp"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "support/documentation.hpp"
+#include <gtest/gtest.h>
+
 #include "support/paths.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -21,7 +22,8 @@ std::string sources(const std::string& extension) {
   std::string all;
   for (const char* folder : {"examples", "tests"}) {
     for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath(folder))) {
-      if (entry.is_regular_file() && (entry.path().extension() == extension || entry.path().filename() == extension)) {
+      if (entry.is_regular_file() &&
+          (entry.path().extension() == extension || entry.path().filename() == extension)) {
         all += readFile(entry.path());
       }
     }
@@ -32,16 +34,19 @@ std::string sources(const std::string& extension) {
 TEST(Documentation, ShowsCodeThatIsCompiledAndRun) {
   const std::string cpp = sources(".cpp") + sources(".hpp"), cmake = sources("CMakeLists.txt");
   std::vector<fs::path> pages{slom::testing::sourcePath("README.md")};
-  for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath("docs"))) pages.push_back(entry.path());
+  for (const auto& entry : fs::recursive_directory_iterator(slom::testing::sourcePath("docs")))
+    pages.push_back(entry.path());
   int count = 0;
   for (const fs::path& page : pages) {
     if (page.extension() != ".md") continue;
     for (const std::string& block : blocks(readFile(page), "cpp")) {
-      EXPECT_NE(cpp.find(block), std::string::npos) << page << " shows code that is in no example or test:\n" << block;
+      EXPECT_NE(cpp.find(block), std::string::npos) << page << " shows code that is in no example or test:\n"
+                                                    << block;
       ++count;
     }
     for (const std::string& block : blocks(readFile(page), "cmake")) {
-      EXPECT_NE(cmake.find(block), std::string::npos) << page << " shows a build that no test makes:\n" << block;
+      EXPECT_NE(cmake.find(block), std::string::npos) << page << " shows a build that no test makes:\n"
+                                                      << block;
       ++count;
     }
   }

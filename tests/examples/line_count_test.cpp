@@ -1,9 +1,9 @@
 // The promise of the paper's abstract: the stereo + IMU calibration takes less than 70 lines of code that is not the
 // problem's own (its measurement equations, camera model, data and start values).
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <string>
+
+#include <gtest/gtest.h>
 
 namespace {
 

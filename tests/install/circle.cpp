@@ -21,6 +21,7 @@ int main() {
   }
   const slom::Summary summary = est.optimize();
   const double error = (*circle - truth).norm();
-  std::printf("converged %d, circle (%g, %g), radius %g\n", summary.converged, (*circle)[0], (*circle)[1], (*circle)[2]);
+  std::printf("converged %d, circle (%g, %g), radius %g\n", summary.converged, (*circle)[0], (*circle)[1],
+              (*circle)[2]);
   return summary.converged && error < 1e-9 ? 0 : 1;
 }

@@ -1,7 +1,7 @@
 // The code of the section on outliers in docs/fitting.md.
-#include <gtest/gtest.h>
-
 #include <iostream>
+
+#include <gtest/gtest.h>
 
 #include "loss/robust_line.hpp"
 

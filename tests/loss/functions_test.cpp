@@ -1,12 +1,12 @@
 // rho, rho' and rho'' of the losses against textbook formulas in long double, differentiated numerically.
-#include <slom/slom.hpp>
-
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
 
 namespace {
 
@@ -38,7 +38,8 @@ std::vector<Case> cases(double c) {
       {slom::Barron(0, c), [](Real x) { return 2 * std::log(x * x / 2 + 1); }},
       {slom::Barron(-kInfinity, c), [](Real x) { return 2 * (1 - std::exp(-x * x / 2)); }},
   };
-  for (const double alpha : {2 - 1e-15, 2 - 1e-9, 1.9, 1.5, 1.0, 0.99, 0.5, 1e-3, -1e-3, -0.7, -2.0, -9.0, -1e3}) {
+  for (const double alpha :
+       {2 - 1e-15, 2 - 1e-9, 1.9, 1.5, 1.0, 0.99, 0.5, 1e-3, -1e-3, -0.7, -2.0, -9.0, -1e3}) {
     result.push_back({slom::Barron(alpha, c), [alpha](Real x) { return barron(x, alpha); },
                       (2 + std::fabs(Real(alpha))) * (2 - Real(alpha)) / std::fabs(Real(alpha))});
   }
@@ -54,7 +55,8 @@ TEST(Loss, AndItsDerivativesAreThoseOfTheTextbook) {
         const auto rho = [&](Real by) { return one.rho(std::sqrt(t * (1 + by))) * c * c; };  // at s (1 + by)
         const Real h = 2e-4L;
         const Real first = (8 * (rho(h) - rho(-h)) - (rho(2 * h) - rho(-2 * h))) / (12 * h) / s;
-        const Real second = (16 * (rho(h) + rho(-h)) - (rho(2 * h) + rho(-2 * h)) - 30 * rho(0)) / (12 * h * h) / s / s;
+        const Real second =
+            (16 * (rho(h) + rho(-h)) - (rho(2 * h) + rho(-2 * h)) - 30 * rho(0)) / (12 * h * h) / s / s;
         const std::string where = one.loss.text() + " at t = " + std::to_string(t);
         // Tolerances: double precision, the truncation error of the differences, and the roundoff of the oracle.
         const Real noise = 8e-19L * (one.terms * c * c + rho(0));
@@ -131,14 +133,16 @@ TEST(Barron, IsSmoothInItsShape) {
     // To first order in alpha, rho(alpha) - rho(0) is the same on both sides.
     for (const double s : {0.1, 1.0, 20.0, 1e5}) {
       const double e = 1e-6, mid = slom::Barron(0, c).evaluate(s).rho;
-      const double above = slom::Barron(e, c).evaluate(s).rho - mid, below = slom::Barron(-e, c).evaluate(s).rho - mid;
+      const double above = slom::Barron(e, c).evaluate(s).rho - mid,
+                   below = slom::Barron(-e, c).evaluate(s).rho - mid;
       EXPECT_NEAR(above, -below, 1e-4 * std::abs(above)) << s;
     }
     // Around 1, where the formula changes, and where -infinity is taken.
     expectEqual(slom::Barron(std::nextafter(1.0, 0), c), slom::Barron(1, c), 1e-13);
     expectEqual(slom::Barron(-1e101, c), slom::Barron(-kInfinity, c), 0);
     for (const double s : {0.1, 1.0, 20.0}) {
-      EXPECT_NEAR(slom::Barron(-1e99, c).evaluate(s).rho, slom::Barron(-kInfinity, c).evaluate(s).rho, 1e-14 * s);
+      EXPECT_NEAR(slom::Barron(-1e99, c).evaluate(s).rho, slom::Barron(-kInfinity, c).evaluate(s).rho,
+                  1e-14 * s);
     }
   }
 }

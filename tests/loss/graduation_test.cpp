@@ -1,9 +1,8 @@
 // Graduated non-convexity: bad starts and gross outliers, stages, stop reasons.
-#include <gtest/gtest.h>
-
 #include <cstdio>
-
 #include <sstream>
+
+#include <gtest/gtest.h>
 
 #include "loss/robust_line.hpp"
 #include "support/message_of.hpp"
@@ -77,8 +76,9 @@ TEST(Graduation, RegistersPointsOfWhichHalfAreWrong) {
     const mtk::vect<3> p{place(rng), place(rng), place(rng)};
     mtk::vect<3> z = truth * p;
     for (int k = 0; k < 3; ++k) z[k] = i % 2 == 0 ? z[k] + noise(rng) : 2 + place(rng);
-    est.insertMeasurement([](const Pose& T, const mtk::vect<3>& a, const mtk::vect<3>& b) { return T * a - b; }, pose,
-                          p, z, slom::StandardDeviation(0.01), slom::GemanMcClure(4));
+    est.insertMeasurement(
+        [](const Pose& T, const mtk::vect<3>& a, const mtk::vect<3>& b) { return T * a - b; }, pose, p, z,
+        slom::StandardDeviation(0.01), slom::GemanMcClure(4));
   }
   const slom::Summary plain = est.optimize();
   EXPECT_GT(mtk::difference(*pose, truth).norm(), 0.1) << "the start is a bad one";
@@ -116,7 +116,8 @@ TEST(Graduation, TellsItsStages) {
   }
   EXPECT_EQ(summary.stages, stages);
   EXPECT_GT(stages, 15);
-  EXPECT_NE(slom::report(summary).find("\n  graduated non-convexity, stages begun: " + std::to_string(stages) + "\n"),
+  EXPECT_NE(slom::report(summary).find(
+                "\n  graduated non-convexity, stages begun: " + std::to_string(stages) + "\n"),
             std::string::npos);
   EXPECT_NE(table.str().find(", mu = "), std::string::npos);
   // The first mu is 2 max |W r|^2 / c^2 of the start.
@@ -125,7 +126,8 @@ TEST(Graduation, TellsItsStages) {
 }
 
 TEST(Graduation, IsOneStageWhereEveryResidualIsSmall) {
-  LineFit fit(Vector2d(1, 2), linePoints(0), slom::Cauchy(30)), plain(Vector2d(1, 2), linePoints(0), slom::Cauchy(30));
+  LineFit fit(Vector2d(1, 2), linePoints(0), slom::Cauchy(30)),
+      plain(Vector2d(1, 2), linePoints(0), slom::Cauchy(30));
   const slom::Summary summary = fit.est.optimize(graduated());
   EXPECT_EQ(summary.stages, 1);
   EXPECT_EQ(summary.final_rss, plain.est.optimize().final_rss);
@@ -136,9 +138,11 @@ TEST(Graduation, WithoutLossesIsAWarning) {
   LineFit fit(Vector2d(0, 0), linePoints(5)), plain(Vector2d(0, 0), linePoints(5));
   const slom::Summary summary = fit.est.optimize(graduated());
   ASSERT_EQ(summary.warnings.size(), 2u);
-  EXPECT_EQ(summary.warnings[0], "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass "
-                                 "one to insertMeasurement, such as slom::GemanMcClure(3)");
-  EXPECT_EQ(summary.warnings[1].rfind("chi-square / dof is 398, where", 0), 0u) << "the outliers: " << summary.warnings[1];
+  EXPECT_EQ(summary.warnings[0],
+            "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass "
+            "one to insertMeasurement, such as slom::GemanMcClure(3)");
+  EXPECT_EQ(summary.warnings[1].rfind("chi-square / dof is 398, where", 0), 0u)
+      << "the outliers: " << summary.warnings[1];
   EXPECT_EQ(summary.stages, 0);
   EXPECT_EQ(summary.final_rss, plain.est.optimize().final_rss);
 }
@@ -151,12 +155,12 @@ TEST(Graduation, ThatReachesTheIterationLimitSaysSoAndReportsTheRobustCost) {
   EXPECT_FALSE(summary.converged);
   EXPECT_EQ(summary.stop_reason, slom::StopReason::max_iterations);
   EXPECT_EQ(summary.iterations, 7);
-  EXPECT_EQ(summary.message, "iteration limit of 7 reached while the losses were still widened, mu = " +
-                                 [&] {
-                                   char text[32];
-                                   std::snprintf(text, sizeof text, "%.6g", summary.trace.back().widening);
-                                   return std::string(text);
-                                 }() + "; raise max_iterations");
+  EXPECT_EQ(
+      summary.message, "iteration limit of 7 reached while the losses were still widened, mu = " + [&] {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.6g", summary.trace.back().widening);
+        return std::string(text);
+      }() + "; raise max_iterations");
   EXPECT_GT(summary.trace.back().widening, 1);
   EXPECT_EQ(summary.final_rss, fit.est.getRSS());
   EXPECT_LT(summary.final_rss, 100 * 9.0) << "Geman-McClure's bound with the scale as given";
@@ -199,7 +203,8 @@ TEST(Graduation, FallsBackFromGaussNewtonWithinItsStages) {
   // The classical divergence of Newton's method, with an outlier.
   slom::Estimator est;
   const auto x = est.insertRV(3.0);
-  for (int i = 0; i < 3; ++i) est.insertMeasurement([](double v) { return std::atan(v); }, x, slom::Cauchy(1));
+  for (int i = 0; i < 3; ++i)
+    est.insertMeasurement([](double v) { return std::atan(v); }, x, slom::Cauchy(1));
   est.insertMeasurement([](double v) { return v - 60; }, x, slom::StandardDeviation(10), slom::Cauchy(1));
   const slom::Summary summary = est.optimize(graduated());
   EXPECT_TRUE(summary.converged) << summary;

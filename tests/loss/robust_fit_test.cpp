@@ -1,9 +1,9 @@
 // Losses in the fit: what the solver gets, where it ends, what the books and the report say.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <limits>
 #include <sstream>
+
+#include <gtest/gtest.h>
 
 #include "loss/robust_line.hpp"
 #include "support/message_of.hpp"
@@ -165,7 +165,8 @@ TEST(RobustFit, GetsMonotonouslyBetterAndConvergesWithDefaultOptions) {
     EXPECT_TRUE(summary.converged) << loss.text() << summary.message;
     EXPECT_LT(summary.iterations, 40) << loss.text();
     for (std::size_t i = 1; i < summary.trace.size(); ++i) {
-      EXPECT_LE(summary.trace[i].rss, summary.trace[i - 1].rss * (1 + 1e-12)) << loss.text() << " iteration " << i;
+      EXPECT_LE(summary.trace[i].rss, summary.trace[i - 1].rss * (1 + 1e-12))
+          << loss.text() << " iteration " << i;
       EXPECT_LE(summary.trace[i].gradient, 1 + 1e-12) << "a cosine";
     }
     EXPECT_EQ(summary.final_rss, fit.est.getRSS()) << loss.text();
@@ -242,7 +243,8 @@ TEST(Insertion, TakesNoiseAndLossInEitherOrder) {
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, -1.0, loss)), expected) << "unit covariance";
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise)), 16);
   EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise, slom::Loss())), 16) << "no loss";
-  EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise, slom::Loss(loss))), expected) << "chosen at run time";
+  EXPECT_EQ(est.getRSS(est.insertMeasurement(f, x, 1.0, noise, slom::Loss(loss))), expected)
+      << "chosen at run time";
   const Position measurement(p, p_height, Vector3d(2, 3, 6));
   EXPECT_EQ(est.getRSS(est.insertMeasurement(measurement, noise, loss)), slom::Huber(1.5).evaluate(64).rho);
   EXPECT_EQ(est.getRSS(est.insertMeasurement(measurement, loss, noise)), slom::Huber(1.5).evaluate(64).rho);
@@ -254,20 +256,24 @@ TEST(Insertion, OfABadLossIsNamedAndChangesNothing) {
   const auto x = est.insertRV(3.0, "x");
   const auto f = [](double v) { return v; };
   est.insertMeasurement(f, x, slom::StandardDeviation(2));
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
   const auto message = [&](const slom::Loss& loss) {
     return messageOf([&] { est.insertMeasurement(f, x, slom::StandardDeviation(3), loss); });
   };
   const std::string remedy = "; pass a positive finite number, in standard deviations of the residual";
-  EXPECT_EQ(message(slom::Huber(-1)), "[slom.bad-loss] loss Huber(-1) of measurement lambda #2 has scale -1" + remedy);
-  EXPECT_EQ(message(slom::Cauchy(0)), "[slom.bad-loss] loss Cauchy(0) of measurement lambda #2 has scale 0" + remedy);
+  EXPECT_EQ(message(slom::Huber(-1)),
+            "[slom.bad-loss] loss Huber(-1) of measurement lambda #2 has scale -1" + remedy);
+  EXPECT_EQ(message(slom::Cauchy(0)),
+            "[slom.bad-loss] loss Cauchy(0) of measurement lambda #2 has scale 0" + remedy);
   EXPECT_EQ(message(slom::Tukey(nan)),
             "[slom.bad-loss] loss Tukey(nan) of measurement lambda #2 has scale nan" + remedy);
   EXPECT_EQ(message(slom::Barron(1, infinity)),
             "[slom.bad-loss] loss Barron(1, inf) of measurement lambda #2 has scale inf" + remedy);
   EXPECT_EQ(message(slom::PseudoHuber(1e-200)),
             "[slom.bad-loss] loss PseudoHuber(1e-200) of measurement lambda #2 has scale 1e-200" + remedy);
-  const std::string shapes = "; pass a number up to 2: 2 is least squares, 1 PseudoHuber, 0 Cauchy, -2 GemanMcClure";
+  const std::string shapes =
+      "; pass a number up to 2: 2 is least squares, 1 PseudoHuber, 0 Cauchy, -2 GemanMcClure";
   EXPECT_EQ(message(slom::Barron(nan, 1)),
             "[slom.bad-loss] loss Barron(nan, 1) of measurement lambda #2 has shape nan" + shapes);
   EXPECT_EQ(message(slom::Barron(2.5, 1)),
@@ -292,9 +298,12 @@ TEST(Removal, KeepsTheLossWithItsMeasurement) {
   for (int i = 0; i < 3000; ++i) {
     const double z = 1 + i % 17, scale = 1 + 0.01 * (i % 400);
     switch (rng() % 4) {
-      case 0: entries.push_back({est.insertMeasurement(f, x, z), z * z}); break;
+      case 0:
+        entries.push_back({est.insertMeasurement(f, x, z), z * z});
+        break;
       case 1:
-        entries.push_back({est.insertMeasurement(f, x, z, slom::Huber(2)), slom::Huber(2).evaluate(z * z).rho});
+        entries.push_back(
+            {est.insertMeasurement(f, x, z, slom::Huber(2)), slom::Huber(2).evaluate(z * z).rho});
         break;
       case 2:
         entries.push_back(
@@ -310,7 +319,8 @@ TEST(Removal, KeepsTheLossWithItsMeasurement) {
       for (const Entry& entry : entries) ASSERT_EQ(est.getRSS(entry.id), entry.rho) << i;
     }
     if (i % 500 == 499) {  // away with most: what is kept is sorted out
-      for (std::size_t keep = 10; entries.size() > keep; entries.pop_back()) est.removeMeasurement(entries.back().id);
+      for (std::size_t keep = 10; entries.size() > keep; entries.pop_back())
+        est.removeMeasurement(entries.back().id);
     }
   }
   double sum = 0;
@@ -324,9 +334,11 @@ TEST(Removal, KeepsTheLossWithItsMeasurement) {
 TEST(Removal, OfAllLossesGivesTheBitsOfAFitWithoutThem) {
   const std::vector<Point> points = linePoints(20);
   LineFit plain(Vector2d(3, 0), points), changed(Vector2d(3, 0), points);
-  std::vector<slom::MeasID<slom::CallableMeasurement<LineResidual, slom::VarID<Vector2d>, double, double>>> robust;
+  std::vector<slom::MeasID<slom::CallableMeasurement<LineResidual, slom::VarID<Vector2d>, double, double>>>
+      robust;
   for (int i = 0; i < 5; ++i) {
-    robust.push_back(changed.est.insertMeasurement(LineResidual{}, changed.line, 1.0, 1.0 * i, slom::Huber(1)));
+    robust.push_back(
+        changed.est.insertMeasurement(LineResidual{}, changed.line, 1.0, 1.0 * i, slom::Huber(1)));
   }
   for (auto id = robust.rbegin(); id != robust.rend(); ++id) changed.est.removeMeasurement(*id);
   EXPECT_EQ(changed.est.optimize().final_rss, plain.est.optimize().final_rss);
@@ -378,7 +390,8 @@ TEST(Report, SumsUpManyLosses) {
   slom::Estimator est;
   const auto x = est.insertRV(0.0, "x");
   for (int i = 0; i < 6; ++i) {
-    est.insertMeasurement([](double v, double z) { return v - z; }, x, i < 5 ? 1.0 : 50.0, slom::Huber(1 + 0.1 * i));
+    est.insertMeasurement([](double v, double z) { return v - z; }, x, i < 5 ? 1.0 : 50.0,
+                          slom::Huber(1 + 0.1 * i));
   }
   const std::string text = slom::report(est.optimize());
   EXPECT_NE(text.find("\n  lambda: 6 losses on 6 of 6 measurements, 1 down-weighted (weight < 1/2)\n"),
@@ -394,9 +407,10 @@ TEST(RankDeficiency, ByALossWithoutWeightIsExplained) {
   const slom::Summary summary = est.optimize();
   EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
   EXPECT_EQ(summary.warnings,
-            std::vector<std::string>{"the loss Tukey(4.685) gives weight 0 to 3 of 3 measurements lambda, which then "
-                                     "determine nothing; start nearer to the solution, pass a larger scale, or set "
-                                     "Options::graduated_non_convexity"});
+            std::vector<std::string>{
+                "the loss Tukey(4.685) gives weight 0 to 3 of 3 measurements lambda, which then "
+                "determine nothing; start nearer to the solution, pass a larger scale, or set "
+                "Options::graduated_non_convexity"});
   EXPECT_EQ(*x, 100);
   slom::Options options;
   options.graduated_non_convexity = true;  // the remedy

@@ -2,12 +2,12 @@
 // A straight line y = 1 + 2 x with gross outliers, and its robust fit by an independent way: iteratively reweighted
 // least squares in long double, with the weights of the textbook.
 
-#include <slom/slom.hpp>
-
 #include <array>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include <slom/slom.hpp>
 
 namespace slom::testing {
 
@@ -34,7 +34,9 @@ inline std::vector<Point> linePoints(int outliers = 40, unsigned seed = 5) {
 }
 
 struct LineResidual {
-  double operator()(const Eigen::Vector2d& line, double x, double y) const { return line[0] + line[1] * x - y; }
+  double operator()(const Eigen::Vector2d& line, double x, double y) const {
+    return line[0] + line[1] * x - y;
+  }
 };
 
 /// The problem: measurements with one loss (or none).
@@ -55,8 +57,8 @@ struct LineFit {
 using Weight = Real (*)(Real t);
 
 /// The fixed point of iteratively reweighted least squares from `start`.
-inline Eigen::Vector2d reweightedLine(const Eigen::Vector2d& start, const std::vector<Point>& points, double scale,
-                                      Weight weight) {
+inline Eigen::Vector2d reweightedLine(const Eigen::Vector2d& start, const std::vector<Point>& points,
+                                      double scale, Weight weight) {
   Real a = start[0], b = start[1];
   const Real sigma = kLineSigma, c = scale;
   for (int round = 0; round < 20000; ++round) {
@@ -65,7 +67,8 @@ inline Eigen::Vector2d reweightedLine(const Eigen::Vector2d& start, const std::v
       const Real x = p.x, y = p.y, r = (a + b * x - y) / sigma, k = weight(r * r / (c * c));
       w += k, wx += k * x, wy += k * y, wxx += k * x * x, wxy += k * x * y;
     }
-    const Real det = w * wxx - wx * wx, a_new = (wxx * wy - wx * wxy) / det, b_new = (w * wxy - wx * wy) / det;
+    const Real det = w * wxx - wx * wx, a_new = (wxx * wy - wx * wxy) / det,
+               b_new = (w * wxy - wx * wy) / det;
     const bool at_rest = std::fabs(a_new - a) + std::fabs(b_new - b) < 1e-18L;
     a = a_new, b = b_new;
     if (at_rest) break;

@@ -16,7 +16,8 @@ void continueRotation(LongVector& residual, const LongVector& base, int count) {
 }
 
 /// Derivatives of the formula, where it is `base`, by central differences of order 6: column i for unknown i.
-Eigen::MatrixXd differences(const FormulaAt& formula, const LongVector& base, int unknowns, Real step, int angles) {
+Eigen::MatrixXd differences(const FormulaAt& formula, const LongVector& base, int unknowns, Real step,
+                            int angles) {
   Eigen::MatrixXd J(base.size(), unknowns);
   for (int i = 0; i < unknowns; ++i) {
     const auto moved = [&](int steps) {

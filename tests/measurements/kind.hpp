@@ -104,8 +104,8 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
   const auto check = [&](const Z& z, const X&... x) {
     const std::tuple<VarID<X>...> ids(owner.insertRV(x)...);
     std::apply([&](const VarID<X>&... id) { packed.emplace_back(F(), id..., measured(z)); }, ids);
-    const auto scalar = std::apply(
-        [&](const VarID<X>&... id) { return Scalar(OneByOne<F>(), id..., measured(z)); }, ids);
+    const auto scalar =
+        std::apply([&](const VarID<X>&... id) { return Scalar(OneByOne<F>(), id..., measured(z)); }, ids);
     Alone& measurement = alone.emplace_back();
     measurement.r.resize(rows);
     measurement.J.resize(rows, columns);
@@ -131,7 +131,8 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
     std::apply(check, sample);
     ASSERT_EQ(alone.size(), packed.size());
   }
-  expectTheSameInPacks(alone, [&](int count, double* r, double* J) { Packed::evaluateMany(packed.data(), count, r, J); });
+  expectTheSameInPacks(
+      alone, [&](int count, double* r, double* J) { Packed::evaluateMany(packed.data(), count, r, J); });
 }
 
 /// Random values with fixed seeds.

@@ -97,10 +97,11 @@ TEST(Bearing, OfTheSensorsOwnPosition) {
   const auto [r, J] = linearized(Bearing(), SO2(0.5), SE2(Vec2(1, 2)), Vec2(1, 2));
   EXPECT_EQ(r[0], -0.5);
   EXPECT_TRUE(J.isZero(0)) << J;
-  EXPECT_EQ(messageOf([] { linearized(Bearing(), S2(0, 0, 1), SE3(Vec3(1, 2, 3)), Vec3(1, 2, 3)); }),
-            "[mtk.no-direction] a direction (S2) cannot be made of the vector (0, 0, 0), which is zero or not finite; pass "
-            "a finite vector "
-            "of any positive length");
+  EXPECT_EQ(
+      messageOf([] { linearized(Bearing(), S2(0, 0, 1), SE3(Vec3(1, 2, 3)), Vec3(1, 2, 3)); }),
+      "[mtk.no-direction] a direction (S2) cannot be made of the vector (0, 0, 0), which is zero or not finite; pass "
+      "a finite vector "
+      "of any positive length");
 }
 
 // Surveying.

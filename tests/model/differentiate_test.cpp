@@ -1,7 +1,7 @@
 // Central differences against exact derivatives, over scales from 1e-20 to 1e7, at zero and on manifolds.
-#include <slom/slom.hpp>
-
 #include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
 
 namespace {
 
@@ -69,7 +69,9 @@ TEST(CentralDifferences, FollowPeriodicFunctionsOfLargeArguments) {
       } else {
         p.est.insertMeasurement(slom::numeric(wave), id);
       }
-      EXPECT_LT(relativeError(p.jacobian(), MatrixXd::Constant(1, 1, std::cos(x))), 3e-6 * std::max(1.0, x / 1e6)) << x << ", " << extrapolate;
+      EXPECT_LT(relativeError(p.jacobian(), MatrixXd::Constant(1, 1, std::cos(x))),
+                3e-6 * std::max(1.0, x / 1e6))
+          << x << ", " << extrapolate;
     }
   }
 }
@@ -101,8 +103,9 @@ TEST(CentralDifferences, LiveInTheTangentSpace) {
   const mtk::vect<3> point(0.4, -0.7, 2);
   const auto id = p.est.insertRV(T);
   const auto fixed = p.est.insertRV(mtk::vect<3>(), false);
-  p.est.insertMeasurement([](const SE3& pose, const mtk::vect<3>& z, const mtk::vect<3>& x) { return pose * x - z; }, id, fixed,
-                          point, slom::StandardDeviation(0.5));
+  p.est.insertMeasurement(
+      [](const SE3& pose, const mtk::vect<3>& z, const mtk::vect<3>& x) { return pose * x - z; }, id, fixed,
+      point, slom::StandardDeviation(0.5));
   Eigen::Matrix<double, 3, 6> expected;
   Eigen::Matrix3d cross;
   cross << 0, -point[2], point[1], point[2], 0, -point[0], -point[1], point[0], 0;

@@ -1,10 +1,10 @@
 // Noise statements: W^T W is the inverse covariance for every form and shape, and every fault is named.
-#include <slom/slom.hpp>
+#include <random>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include <random>
+#include <slom/slom.hpp>
 
 namespace {
 
@@ -40,22 +40,31 @@ TEST(Noise, EveryFormAndShapeGivesTheInverseCovariance) {
   for (int i = 0; i < 20; ++i) {
     Matrix3d A;
     for (double& a : A.reshaped()) a = normal(rng);
-    const Matrix3d covariance = A * A.transpose() + 0.1 * Matrix3d::Identity(), inverse = covariance.inverse();
+    const Matrix3d covariance = A * A.transpose() + 0.1 * Matrix3d::Identity(),
+                   inverse = covariance.inverse();
     const Matrix3d L = covariance.llt().matrixL(), L_inverse = L.inverse();
     const double tolerance = 1e-10 * inverse.norm();
     EXPECT_LT((information(whiteningOf(slom::Covariance(covariance))) - inverse).norm(), tolerance);
     EXPECT_LT((information(whiteningOf(slom::StandardDeviation(L))) - inverse).norm(), tolerance);
     EXPECT_LT((information(whiteningOf(slom::InvCovariance(inverse))) - inverse).norm(), tolerance);
-    EXPECT_LT((information(whiteningOf(slom::InvStandardDeviation(Matrix3d(L_inverse.triangularView<Eigen::Lower>())))) -
-               inverse).norm(), tolerance);
+    EXPECT_LT((information(whiteningOf(
+                   slom::InvStandardDeviation(Matrix3d(L_inverse.triangularView<Eigen::Lower>())))) -
+               inverse)
+                  .norm(),
+              tolerance);
 
     const Vector3d variance(0.1 + std::abs(normal(rng)), 2, 3e4);
     const Matrix3d diagonal = variance.cwiseInverse().asDiagonal();
-    EXPECT_LT((information(whiteningOf(slom::Covariance(variance))) - diagonal).norm(), 1e-12 * diagonal.norm());
-    EXPECT_LT((information(whiteningOf(slom::StandardDeviation(variance.cwiseSqrt()))) - diagonal).norm(), 1e-12 * diagonal.norm());
-    EXPECT_LT((information(whiteningOf(slom::InvCovariance(variance.cwiseInverse()))) - diagonal).norm(), 1e-12 * diagonal.norm());
-    EXPECT_LT((information(whiteningOf(slom::InvStandardDeviation(variance.cwiseInverse().cwiseSqrt()))) - diagonal).norm(),
+    EXPECT_LT((information(whiteningOf(slom::Covariance(variance))) - diagonal).norm(),
               1e-12 * diagonal.norm());
+    EXPECT_LT((information(whiteningOf(slom::StandardDeviation(variance.cwiseSqrt()))) - diagonal).norm(),
+              1e-12 * diagonal.norm());
+    EXPECT_LT((information(whiteningOf(slom::InvCovariance(variance.cwiseInverse()))) - diagonal).norm(),
+              1e-12 * diagonal.norm());
+    EXPECT_LT(
+        (information(whiteningOf(slom::InvStandardDeviation(variance.cwiseInverse().cwiseSqrt()))) - diagonal)
+            .norm(),
+        1e-12 * diagonal.norm());
   }
   EXPECT_EQ(whiteningOf(slom::Covariance(4)), Matrix3d(0.5 * Matrix3d::Identity()));
   EXPECT_EQ(whiteningOf(slom::StandardDeviation(0.5f)), Matrix3d(2 * Matrix3d::Identity()));
@@ -74,7 +83,8 @@ TEST(Noise, UsesTheRightTriangle) {
   EXPECT_NEAR(est.getRSS(), 10, 1e-12);
   slom::Estimator other;
   const auto y = other.insertRV(Vector2d(1, 1));
-  other.insertMeasurement([](const Vector2d& v) { return v; }, y, slom::Covariance(Matrix2d(information.inverse())));
+  other.insertMeasurement([](const Vector2d& v) { return v; }, y,
+                          slom::Covariance(Matrix2d(information.inverse())));
   EXPECT_NEAR(other.getRSS(), 10, 1e-12);
 }
 
@@ -103,43 +113,54 @@ std::string refusal(const N& noise) {
 }
 
 TEST(Noise, FaultsAreNamed) {
-  EXPECT_EQ(refusal(slom::Covariance(0.0)),
-            "[slom.not-positive-definite] covariance of measurement Position #2 is 0; pass positive finite numbers");
-  EXPECT_EQ(refusal(slom::StandardDeviation(-0.1)),
-            "[slom.not-positive-definite] standard deviation of measurement Position #2 is -0.1; pass positive finite numbers");
-  EXPECT_EQ(refusal(slom::InvCovariance(NAN)),
-            "[slom.not-positive-definite] inverse covariance of measurement Position #2 is nan; pass positive finite numbers");
-  EXPECT_EQ(refusal(slom::InvStandardDeviation(Vector3d(1, INFINITY, 1))),
-            "[slom.not-positive-definite] inverse standard deviation of measurement Position #2 has entry 1 = inf; pass "
-            "positive finite numbers");
-  EXPECT_EQ(refusal(slom::Covariance(Vector2d(1, 1))),
-            "[slom.noise-size] covariance of measurement Position #2 has 2 entries but the residual has 3; pass a number, a "
-            "vector of 3, or a 3 x 3 matrix");
-  EXPECT_EQ(refusal(slom::Covariance(MatrixXd(MatrixXd::Identity(2, 3)))),
-            "[slom.noise-size] covariance of measurement Position #2 is 2 x 3 but the residual has 3; pass a number, a vector "
-            "of 3, or a 3 x 3 matrix");
+  EXPECT_EQ(
+      refusal(slom::Covariance(0.0)),
+      "[slom.not-positive-definite] covariance of measurement Position #2 is 0; pass positive finite numbers");
+  EXPECT_EQ(
+      refusal(slom::StandardDeviation(-0.1)),
+      "[slom.not-positive-definite] standard deviation of measurement Position #2 is -0.1; pass positive finite numbers");
+  EXPECT_EQ(
+      refusal(slom::InvCovariance(NAN)),
+      "[slom.not-positive-definite] inverse covariance of measurement Position #2 is nan; pass positive finite numbers");
+  EXPECT_EQ(
+      refusal(slom::InvStandardDeviation(Vector3d(1, INFINITY, 1))),
+      "[slom.not-positive-definite] inverse standard deviation of measurement Position #2 has entry 1 = inf; pass "
+      "positive finite numbers");
+  EXPECT_EQ(
+      refusal(slom::Covariance(Vector2d(1, 1))),
+      "[slom.noise-size] covariance of measurement Position #2 has 2 entries but the residual has 3; pass a number, a "
+      "vector of 3, or a 3 x 3 matrix");
+  EXPECT_EQ(
+      refusal(slom::Covariance(MatrixXd(MatrixXd::Identity(2, 3)))),
+      "[slom.noise-size] covariance of measurement Position #2 is 2 x 3 but the residual has 3; pass a number, a vector "
+      "of 3, or a 3 x 3 matrix");
   Matrix3d m = Matrix3d::Identity();
   m(0, 1) = 0.5;
-  EXPECT_EQ(refusal(slom::Covariance(m)),
-            "[slom.not-symmetric] covariance of measurement Position #2 has entries (0, 1) = 0.5 and (1, 0) = 0; pass a "
-            "symmetric positive definite matrix");
-  EXPECT_EQ(refusal(slom::StandardDeviation(m)),
-            "[slom.not-lower-triangular] standard deviation of measurement Position #2 has entry (0, 1) = 0.5 above the "
-            "diagonal; pass the lower triangular Cholesky factor L of the covariance L L^T (or its inverse), or the "
-            "covariance itself");
+  EXPECT_EQ(
+      refusal(slom::Covariance(m)),
+      "[slom.not-symmetric] covariance of measurement Position #2 has entries (0, 1) = 0.5 and (1, 0) = 0; pass a "
+      "symmetric positive definite matrix");
+  EXPECT_EQ(
+      refusal(slom::StandardDeviation(m)),
+      "[slom.not-lower-triangular] standard deviation of measurement Position #2 has entry (0, 1) = 0.5 above the "
+      "diagonal; pass the lower triangular Cholesky factor L of the covariance L L^T (or its inverse), or the "
+      "covariance itself");
   m = Matrix3d::Identity();
   m(2, 2) = 0;
-  EXPECT_EQ(refusal(slom::StandardDeviation(m)),
-            "[slom.not-positive-definite] standard deviation of measurement Position #2 has diagonal entry (2, 2) = 0; pass a "
-            "lower triangular matrix with a positive diagonal");
+  EXPECT_EQ(
+      refusal(slom::StandardDeviation(m)),
+      "[slom.not-positive-definite] standard deviation of measurement Position #2 has diagonal entry (2, 2) = 0; pass a "
+      "lower triangular matrix with a positive diagonal");
   m(2, 2) = NAN;
-  EXPECT_EQ(refusal(slom::InvCovariance(m)),
-            "[slom.not-positive-definite] inverse covariance of measurement Position #2 has entry (2, 2) = nan; pass finite "
-            "numbers");
+  EXPECT_EQ(
+      refusal(slom::InvCovariance(m)),
+      "[slom.not-positive-definite] inverse covariance of measurement Position #2 has entry (2, 2) = nan; pass finite "
+      "numbers");
   const Matrix3d indefinite = Vector3d(1, 2, -0.25).asDiagonal();
-  EXPECT_EQ(refusal(slom::Covariance(indefinite)),
-            "[slom.not-positive-definite] covariance of measurement Position #2 has eigenvalue -0.25; pass a symmetric "
-            "positive definite matrix, or a standard deviation");
+  EXPECT_EQ(
+      refusal(slom::Covariance(indefinite)),
+      "[slom.not-positive-definite] covariance of measurement Position #2 has eigenvalue -0.25; pass a symmetric "
+      "positive definite matrix, or a standard deviation");
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // The manifold axioms for every type of mtk, compounds and users' types, in float and double.
+#include <gtest/gtest.h>
+
 #include <mtk/mtk.hpp>
 #include <mtk/testing/axioms.hpp>
-
-#include <gtest/gtest.h>
 
 namespace {
 
@@ -55,11 +55,13 @@ struct Head {
 
 template <class M>
 class Axioms : public ::testing::Test {};
-using Types = ::testing::Types<
-    double, float, mtk::Scalar<double>, mtk::Scalar<float>, mtk::vect<1>, mtk::vect<3>, mtk::vect<7, float>, Eigen::Vector2d,
-    mtk::SO2<double>, mtk::SO2<float>, mtk::SO3<double>, mtk::SO3<float>, mtk::S2<double>, mtk::S2<float>,
-    mtk::trafo<mtk::SO2<double>>, mtk::trafo<mtk::SO2<float>>, mtk::trafo<mtk::SO3<double>>, mtk::trafo<mtk::SO3<float>>,
-    std::array<mtk::SO3<double>, 2>, Camera<double>, Rig<double>, Rig<float>, Macro, Nested, Heading, documented::Head>;
+using Types =
+    ::testing::Types<double, float, mtk::Scalar<double>, mtk::Scalar<float>, mtk::vect<1>, mtk::vect<3>,
+                     mtk::vect<7, float>, Eigen::Vector2d, mtk::SO2<double>, mtk::SO2<float>,
+                     mtk::SO3<double>, mtk::SO3<float>, mtk::S2<double>, mtk::S2<float>,
+                     mtk::trafo<mtk::SO2<double>>, mtk::trafo<mtk::SO2<float>>, mtk::trafo<mtk::SO3<double>>,
+                     mtk::trafo<mtk::SO3<float>>, std::array<mtk::SO3<double>, 2>, Camera<double>,
+                     Rig<double>, Rig<float>, Macro, Nested, Heading, documented::Head>;
 TYPED_TEST_SUITE(Axioms, Types);
 
 TYPED_TEST(Axioms, Hold) {

@@ -1,13 +1,12 @@
 // Exponential and logarithm against long double formulas, to 1e-14 relative (double) at easy and hard angles.
-#include <mtk/dual.hpp>
-#include <mtk/mtk.hpp>
-#include <mtk/pack.hpp>
-
-#include <gtest/gtest.h>
-
 #include <random>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <mtk/dual.hpp>
+#include <mtk/mtk.hpp>
+#include <mtk/pack.hpp>
 
 #include "support/message_of.hpp"
 
@@ -20,7 +19,8 @@ constexpr Long kPi = 3.14159265358979323846264338327950288L;
 
 /// Angles from the smallest number to pi, both sides.
 std::vector<Long> angles(Long epsilon, Long least) {
-  std::vector<Long> all{0, least, least * 1e3L, std::sqrt(least), std::sqrt(least) * 10, epsilon, std::sqrt(epsilon)};
+  std::vector<Long> all{
+      0, least, least * 1e3L, std::sqrt(least), std::sqrt(least) * 10, epsilon, std::sqrt(epsilon)};
   for (Long a = 1e-20L; a < 3; a *= 3) all.push_back(a);
   for (Long d = 1; d > epsilon; d /= 5) all.push_back(kPi - d);
   all.push_back(kPi);
@@ -67,7 +67,8 @@ TYPED_TEST(ExpLog, OfSO3) {
       const LongVector q = R.coeffs().template head<3>().template cast<Long>();
       const Long w = R.w(), n = std::hypot(q[0], q[1], q[2]);
       const Long full = n > 0 ? 2 * std::atan2(n, std::abs(w)) / n * (w < 0 ? -1 : 1) : Long(2);
-      EXPECT_LE(relativeError(mtk::SO3<S>::log(R), LongVector(full * q), 1e3L * least), this->kTolerance) << t;
+      EXPECT_LE(relativeError(mtk::SO3<S>::log(R), LongVector(full * q), 1e3L * least), this->kTolerance)
+          << t;
       if (t < kPi * (1 - 2 * this->kEpsilon)) {  // nearer to pi, rounding may lead to the other side
         EXPECT_LE(relativeError(mtk::SO3<S>::log(R), exact, 1e3L * least), 2 * this->kTolerance) << t;
       }
@@ -84,7 +85,8 @@ TYPED_TEST(ExpLog, OfSO3TurnsPointsAsRodriguesDoes) {
     const Long t = k.norm();
     LongVector rotated = x;
     if (t > 0) {
-      rotated = std::cos(t) * x + (std::sin(t) / t) * k.cross(x) + ((1 - std::cos(t)) / (t * t)) * k.dot(x) * k;
+      rotated =
+          std::cos(t) * x + (std::sin(t) / t) * k.cross(x) + ((1 - std::cos(t)) / (t * t)) * k.dot(x) * k;
     }
     const auto R = mtk::SO3<S>::exp(v);
     EXPECT_LE(relativeError(R * p, rotated), 2 * this->kTolerance);
@@ -102,7 +104,8 @@ TYPED_TEST(ExpLog, OfSO2) {
         const Long expected = std::remainder(Long(a), 2 * kPi);
         const Long got = mtk::SO2<S>::log(mtk::SO2<S>::exp(mtk::vect<1, S>(a)))[0];
         const Long error = std::abs(std::remainder(got - expected, 2 * kPi));
-        EXPECT_LE(error, this->kTolerance * std::max(std::abs(expected), turns == 0 ? Long(0) : Long(1))) << Long(a);
+        EXPECT_LE(error, this->kTolerance * std::max(std::abs(expected), turns == 0 ? Long(0) : Long(1)))
+            << Long(a);
         EXPECT_GE(got, -kPi - this->kEpsilon);
         EXPECT_LE(got, kPi + this->kEpsilon);
       }
@@ -158,7 +161,8 @@ TEST(SO3, RefusesWhatIsNoRotation) {
   EXPECT_EQ(messageOf([] { mtk::SO3<>(1e200, 0, 0, 1); }), text("(1e+200, 0, 0, 1)"));
   EXPECT_EQ(messageOf([] { mtk::SO3<>(1, NAN, 0, 0); }), text("(1, nan, 0, 0)"));
   EXPECT_EQ(messageOf([] { mtk::SO3<>(1, 0, 0, -INFINITY); }), text("(1, 0, 0, -inf)"));
-  for (const double size : {1e-100, 0.5, 3.0, 1e100}) EXPECT_NEAR(mtk::SO3<>(size, 0, 0, -size).w(), std::sqrt(0.5), 1e-15) << size;
+  for (const double size : {1e-100, 0.5, 3.0, 1e100})
+    EXPECT_NEAR(mtk::SO3<>(size, 0, 0, -size).w(), std::sqrt(0.5), 1e-15) << size;
   EXPECT_THROW((mtk::SO3<float>(1e-30f, 0, 0, 0)), mtk::Error);
   using P = mtk::Pack<4>;
   P w(1.0);
@@ -174,11 +178,13 @@ TEST(SO3, RefusesAMatrixThatIsNoRotation) {
            ", whose columns are not orthonormal, or left-handed; pass a rotation matrix, or the one nearest to yours, U V^T of its "
            "singular value decomposition with determinant 1";
   };
-  EXPECT_EQ(messageOf([] { mtk::SO3<>(Eigen::Matrix3d(Eigen::Matrix3d::Zero())); }), text("(0, 0, 0, 0, 0, 0, 0, 0, 0)"));
+  EXPECT_EQ(messageOf([] { mtk::SO3<>(Eigen::Matrix3d(Eigen::Matrix3d::Zero())); }),
+            text("(0, 0, 0, 0, 0, 0, 0, 0, 0)"));
   Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
   M(2, 2) = -1;
   EXPECT_EQ(messageOf([&] { mtk::SO3<> R(M); }), text("(1, 0, 0, 0, 1, 0, 0, 0, -1)"));
-  EXPECT_EQ(messageOf([&] { mtk::SO3<> R(Eigen::Matrix3d(2 * Eigen::Matrix3d::Identity())); }), text("(2, 0, 0, 0, 2, 0, 0, 0, 2)"));
+  EXPECT_EQ(messageOf([&] { mtk::SO3<> R(Eigen::Matrix3d(2 * Eigen::Matrix3d::Identity())); }),
+            text("(2, 0, 0, 0, 2, 0, 0, 0, 2)"));
   M(2, 2) = NAN;
   EXPECT_EQ(messageOf([&] { mtk::SO3<> R(M); }), text("(1, 0, 0, 0, 1, 0, 0, 0, nan)"));
 }

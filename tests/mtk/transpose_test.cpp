@@ -1,11 +1,11 @@
 // Between arrays and packs: every entry arrives, and nothing is written beside it.
-#include <mtk/detail/transpose.hpp>
-
-#include <gtest/gtest.h>
-
 #include <array>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include <mtk/detail/transpose.hpp>
 
 namespace {
 

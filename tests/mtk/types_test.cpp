@@ -1,11 +1,11 @@
 // Transforms, compounds, names, streaming, statistics.
-#include <mtk/mtk.hpp>
+#include <random>
+#include <sstream>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <random>
-#include <sstream>
+#include <mtk/mtk.hpp>
 
 #include "support/message_of.hpp"
 
@@ -162,7 +162,8 @@ TEST(DynamicVector, RefusesAnotherSize) {
     x.boxplus(Eigen::Vector3d(1, 2, 3));
     FAIL();
   } catch (const mtk::Error& e) {
-    EXPECT_STREQ(e.what(), "[mtk.size-mismatch] the operands of x [+] d have 2 and 3 entries; give both the same size");
+    EXPECT_STREQ(e.what(),
+                 "[mtk.size-mismatch] the operands of x [+] d have 2 and 3 entries; give both the same size");
     EXPECT_EQ(e.id(), "mtk.size-mismatch");
   }
   EXPECT_EQ(x[1], 2);
@@ -190,11 +191,13 @@ TEST(Statistics, OfRotationsRecoverTheDistribution) {
 
 TEST(Statistics, WeightsCountAsRepetition) {
   const std::vector<mtk::SO2<>> samples{mtk::SO2<>(3.0), mtk::SO2<>(-3.0), mtk::SO2<>(3.1)};
-  const std::vector<mtk::SO2<>> repeated{samples[0], samples[1], samples[1], samples[2], samples[2], samples[2]};
+  const std::vector<mtk::SO2<>> repeated{samples[0], samples[1], samples[1],
+                                         samples[2], samples[2], samples[2]};
   const std::vector<double> weights{1, 2, 3};
   const auto mean = mtk::weightedMean(samples, weights);
   EXPECT_NEAR(mtk::difference(mean, mtk::weightedMean(repeated))[0], 0, 1e-15);
-  EXPECT_NEAR(mtk::weightedCovariance(samples, mean, weights)(0, 0), mtk::weightedCovariance(repeated, mean)(0, 0), 1e-15);
+  EXPECT_NEAR(mtk::weightedCovariance(samples, mean, weights)(0, 0),
+              mtk::weightedCovariance(repeated, mean)(0, 0), 1e-15);
 }
 
 TEST(Statistics, NameASampleThatIsNotFinite) {
@@ -203,7 +206,9 @@ TEST(Statistics, NameASampleThatIsNotFinite) {
     mtk::weightedMean(samples, {1, 5, 1});
     FAIL();
   } catch (const mtk::Error& e) {
-    EXPECT_STREQ(e.what(), "[mtk.no-mean] sample 1 of 3 is not finite, or infinitely far from the others; leave such samples out");
+    EXPECT_STREQ(
+        e.what(),
+        "[mtk.no-mean] sample 1 of 3 is not finite, or infinitely far from the others; leave such samples out");
   }
 }
 

@@ -59,14 +59,17 @@ TEST(NistReader, ReadsStartsCertifiedValuesAndData) {
 }
 
 TEST(NistReader, SaysWhereAFileIsWrongAndWhatToDo) {
-  EXPECT_EQ(faultOf("Other.dat", kGood), "Other.dat: no model of this name; keep the name that NIST gave to the file");
+  EXPECT_EQ(faultOf("Other.dat", kGood),
+            "Other.dat: no model of this name; keep the name that NIST gave to the file");
   EXPECT_EQ(faultOf("Misra1a.dat", with("Lower Level", "Some")),
             "Misra1a.dat:13: no line above has the level of difficulty; take the file from NIST again");
-  EXPECT_EQ(faultOf("Misra1a.dat", with("2.4E+02", "x")), "Misra1a.dat:7: expected 4 numbers; take the file from NIST again");
+  EXPECT_EQ(faultOf("Misra1a.dat", with("2.4E+02", "x")),
+            "Misra1a.dat:7: expected 4 numbers; take the file from NIST again");
   EXPECT_EQ(faultOf("Misra1a.dat", with("14.73E0     114.9E0", "14.73E0")),
             "Misra1a.dat:12: expected 2 or 3 numbers; take the file from NIST again");
-  EXPECT_EQ(faultOf("Misra1a.dat", with("11 to 13", "11 to 14")),
-            "Misra1a.dat:13: the file ends before line 14, the last one of the data; take the file from NIST again");
+  EXPECT_EQ(
+      faultOf("Misra1a.dat", with("11 to 13", "11 to 14")),
+      "Misra1a.dat:13: the file ends before line 14, the last one of the data; take the file from NIST again");
   EXPECT_EQ(faultOf("Misra1a.dat", with("  3\n", "  4\n")),
             "Misra1a.dat:11: not 4 observations, as the file says above; take the file from NIST again");
 }
@@ -78,7 +81,8 @@ TEST(NistReader, SaysThatThereAreNoFiles) {
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(error.what(),
-              folder.path().string() + ": no .dat files here; pass the folder with NIST's nonlinear regression data");
+              folder.path().string() +
+                  ": no .dat files here; pass the folder with NIST's nonlinear regression data");
   }
 }
 

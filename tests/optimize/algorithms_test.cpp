@@ -1,7 +1,7 @@
 // The three algorithms on classical problems, their stopping rules, and what they do when things go wrong.
-#include <slom/slom.hpp>
-
 #include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
 
 #include "support/message_of.hpp"
 
@@ -28,42 +28,76 @@ Eigen::VectorXd vec(std::initializer_list<double> x) {
 }
 
 const Classic kClassics[] = {
-    {"Rosenbrock (1)", vec({-1.2, 1}), [](const Eigen::VectorXd& x) { return vec({10 * (x[1] - x[0] * x[0]), 1 - x[0]}); }, 0, false},
-    {"Freudenstein and Roth (2)", vec({6, 5}), [](const Eigen::VectorXd& x) {
-       return vec({-13 + x[0] + ((5 - x[1]) * x[1] - 2) * x[1], -29 + x[0] + ((x[1] + 1) * x[1] - 14) * x[1]}); }, 0, false},
-    {"Beale (5)", vec({1, 1}), [](const Eigen::VectorXd& x) {
-       return vec({1.5 - x[0] * (1 - x[1]), 2.25 - x[0] * (1 - std::pow(x[1], 2)), 2.625 - x[0] * (1 - std::pow(x[1], 3))}); }, 0, true},
-    {"Jennrich and Sampson (6)", vec({0.3, 0.4}), [](const Eigen::VectorXd& x) {
+    {"Rosenbrock (1)", vec({-1.2, 1}),
+     [](const Eigen::VectorXd& x) {
+       return vec({10 * (x[1] - x[0] * x[0]), 1 - x[0]});
+     },
+     0, false},
+    {"Freudenstein and Roth (2)", vec({6, 5}),
+     [](const Eigen::VectorXd& x) {
+       return vec(
+           {-13 + x[0] + ((5 - x[1]) * x[1] - 2) * x[1], -29 + x[0] + ((x[1] + 1) * x[1] - 14) * x[1]});
+     },
+     0, false},
+    {"Beale (5)", vec({1, 1}),
+     [](const Eigen::VectorXd& x) {
+       return vec({1.5 - x[0] * (1 - x[1]), 2.25 - x[0] * (1 - std::pow(x[1], 2)),
+                   2.625 - x[0] * (1 - std::pow(x[1], 3))});
+     },
+     0, true},
+    {"Jennrich and Sampson (6)", vec({0.3, 0.4}),
+     [](const Eigen::VectorXd& x) {
        Eigen::VectorXd r(10);
        for (int i = 1; i <= 10; ++i) r[i - 1] = 2 + 2 * i - (std::exp(i * x[0]) + std::exp(i * x[1]));
-       return r; }, 124.362182355615, true},
-    {"helical valley (7)", vec({-1, 0, 0}), [](const Eigen::VectorXd& x) {
+       return r;
+     },
+     124.362182355615, true},
+    {"helical valley (7)", vec({-1, 0, 0}),
+     [](const Eigen::VectorXd& x) {
        const double theta = std::atan(x[1] / x[0]) / (2 * M_PI) + (x[0] < 0 ? 0.5 : 0);
-       return vec({10 * (x[2] - 10 * theta), 10 * (std::hypot(x[0], x[1]) - 1), x[2]}); }, 0, false},
-    {"Bard (8)", vec({1, 1, 1}), [](const Eigen::VectorXd& x) {
-       static const double y[] = {0.14, 0.18, 0.22, 0.25, 0.29, 0.32, 0.35, 0.39, 0.37, 0.58, 0.73, 0.96, 1.34, 2.10, 4.39};
+       return vec({10 * (x[2] - 10 * theta), 10 * (std::hypot(x[0], x[1]) - 1), x[2]});
+     },
+     0, false},
+    {"Bard (8)", vec({1, 1, 1}),
+     [](const Eigen::VectorXd& x) {
+       static const double y[] = {0.14, 0.18, 0.22, 0.25, 0.29, 0.32, 0.35, 0.39,
+                                  0.37, 0.58, 0.73, 0.96, 1.34, 2.10, 4.39};
        Eigen::VectorXd r(15);
        for (int i = 1; i <= 15; ++i) {
          const double u = i, v = 16 - i, w = std::min(u, v);
          r[i - 1] = y[i - 1] - (x[0] + u / (v * x[1] + w * x[2]));
        }
-       return r; }, 8.21487730657897e-3, false},
-    {"Powell singular (13)", vec({3, -1, 0, 1}), [](const Eigen::VectorXd& x) {
+       return r;
+     },
+     8.21487730657897e-3, false},
+    {"Powell singular (13)", vec({3, -1, 0, 1}),
+     [](const Eigen::VectorXd& x) {
        return vec({x[0] + 10 * x[1], std::sqrt(5.0) * (x[2] - x[3]), std::pow(x[1] - 2 * x[2], 2),
-                   std::sqrt(10.0) * std::pow(x[0] - x[3], 2)}); }, 0, true},
-    {"Kowalik and Osborne (15)", vec({0.25, 0.39, 0.415, 0.39}), [](const Eigen::VectorXd& x) {
-       static const double y[] = {0.1957, 0.1947, 0.1735, 0.1600, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246};
+                   std::sqrt(10.0) * std::pow(x[0] - x[3], 2)});
+     },
+     0, true},
+    {"Kowalik and Osborne (15)", vec({0.25, 0.39, 0.415, 0.39}),
+     [](const Eigen::VectorXd& x) {
+       static const double y[] = {0.1957, 0.1947, 0.1735, 0.1600, 0.0844, 0.0627,
+                                  0.0456, 0.0342, 0.0323, 0.0235, 0.0246};
        static const double u[] = {4, 2, 1, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625};
        Eigen::VectorXd r(11);
-       for (int i = 0; i < 11; ++i) r[i] = y[i] - x[0] * (u[i] * u[i] + u[i] * x[1]) / (u[i] * u[i] + u[i] * x[2] + x[3]);
-       return r; }, 3.07505603849238e-4, false},
-    {"Brown and Dennis (16)", vec({25, 5, -5, -1}), [](const Eigen::VectorXd& x) {
+       for (int i = 0; i < 11; ++i)
+         r[i] = y[i] - x[0] * (u[i] * u[i] + u[i] * x[1]) / (u[i] * u[i] + u[i] * x[2] + x[3]);
+       return r;
+     },
+     3.07505603849238e-4, false},
+    {"Brown and Dennis (16)", vec({25, 5, -5, -1}),
+     [](const Eigen::VectorXd& x) {
        Eigen::VectorXd r(20);
        for (int i = 1; i <= 20; ++i) {
          const double t = i / 5.0;
-         r[i - 1] = std::pow(x[0] + t * x[1] - std::exp(t), 2) + std::pow(x[2] + x[3] * std::sin(t) - std::cos(t), 2);
+         r[i - 1] = std::pow(x[0] + t * x[1] - std::exp(t), 2) +
+                    std::pow(x[2] + x[3] * std::sin(t) - std::cos(t), 2);
        }
-       return r; }, 85822.2016263563, false},
+       return r;
+     },
+     85822.2016263563, false},
 };
 
 void expectSolved(const Classic& problem, const slom::Algorithm& algorithm) {
@@ -77,7 +111,8 @@ void expectSolved(const Classic& problem, const slom::Algorithm& algorithm) {
   const std::string what = std::string(problem.name) + " by " + algorithm.name() + ": " + summary.message;
   EXPECT_TRUE(summary.converged) << what;
   // The second minimum of Freudenstein and Roth is as good a result.
-  const bool other = std::string(problem.name) == "Freudenstein and Roth (2)" && std::abs(summary.final_rss - 48.9842536792400) < 1e-9;
+  const bool other = std::string(problem.name) == "Freudenstein and Roth (2)" &&
+                     std::abs(summary.final_rss - 48.9842536792400) < 1e-9;
   EXPECT_TRUE(other || std::abs(summary.final_rss - problem.minimum) <= 1e-9 * problem.minimum + 1e-12)
       << what << " RSS " << summary.final_rss;
   EXPECT_EQ(summary.final_rss, est.getRSS());
@@ -128,12 +163,13 @@ TEST(GaussNewton, FitsALineInOneStepAndStops) {
   slom::Estimator est;
   const auto line = est.insertRV(Vector2d(100, -7), "line");
   for (int i = 0; i < 10; ++i) {
-    est.insertMeasurement([](const Vector2d& l, double x, double y) { return l[0] + l[1] * x - y; }, line, 0.1 * i,
-                          2 + 0.3 * i + (i % 2 ? 0.1 : -0.1));
+    est.insertMeasurement([](const Vector2d& l, double x, double y) { return l[0] + l[1] * x - y; }, line,
+                          0.1 * i, 2 + 0.3 * i + (i % 2 ? 0.1 : -0.1));
   }
   const slom::Summary summary = est.optimize();
   EXPECT_TRUE(summary.converged);
-  EXPECT_LE(summary.iterations, 3) << "the first, one for what differences leave of it, and one that finds nothing more";
+  EXPECT_LE(summary.iterations, 3)
+      << "the first, one for what differences leave of it, and one that finds nothing more";
   EXPECT_EQ(summary.measurements, 10);
   EXPECT_EQ(summary.unknowns, 2);
   EXPECT_EQ(summary.redundancy, 8);
@@ -152,8 +188,9 @@ TEST(GaussNewton, ReportsTheStepThatWasTakenBack) {
   EXPECT_EQ(summary.trace[1].algorithm, "Levenberg-Marquardt");
   EXPECT_EQ(summary.algorithm, "Gauss-Newton") << "it returns";
   ASSERT_EQ(summary.warnings.size(), 1u);
-  EXPECT_EQ(summary.warnings[0], "iteration 1: the Gauss-Newton step made the RSS grow; it was taken back and "
-                                 "Levenberg-Marquardt went on from there");
+  EXPECT_EQ(summary.warnings[0],
+            "iteration 1: the Gauss-Newton step made the RSS grow; it was taken back and "
+            "Levenberg-Marquardt went on from there");
 }
 
 TEST(GaussNewton, OptimizeStepMayLeadUphillAsPublished) {
@@ -195,7 +232,11 @@ TEST(RankDeficiency, StopsGaussNewtonWithNamesAndNothingLost) {
       "Jacobian, so it can move, alone or together with others, without changing any residual; add measurements or a prior, "
       "fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many solutions, or BlockQR, which "
       "needs 1e-12";
-  const std::string expected_b = [&] { std::string t = expected; t.replace(t.find("determine a"), 11, "determine b"); return t; }();
+  const std::string expected_b = [&] {
+    std::string t = expected;
+    t.replace(t.find("determine a"), 11, "determine b");
+    return t;
+  }();
   Floating f;
   const slom::Summary summary = f.est.optimize();
   EXPECT_FALSE(summary.converged);
@@ -236,7 +277,9 @@ TEST(RankDeficiency, OfAComponentWhoseDerivativeIsRounding) {
     const auto x = est.insertRV(2.0, "x");
     const auto y = est.insertRV(1.0, "y");
     for (int i = 0; i < 4; ++i) {
-      const auto f = [](const auto& a, const auto& b, const double& t) { return (a * 0.1 * 3.0 - a * 0.3) * t + b; };
+      const auto f = [](const auto& a, const auto& b, const double& t) {
+        return (a * 0.1 * 3.0 - a * 0.3) * t + b;
+      };
       est.insertMeasurement(f, x, y, double(i), slom::measured(5.0 + (i == 2 ? 0.1 : 0.0)));
     }
     return std::pair(x, y);
@@ -261,8 +304,9 @@ TEST(RankDeficiency, OfAComponentWhoseDerivativeIsRounding) {
 }
 
 TEST(RankDeficiency, OfAnUnmeasuredVariableIsAWarningAndAnError) {
-  const std::string sentence = "no measurement depends on variable bias, so nothing determines it; add measurements or fix "
-                               "it with optimizeRV(id, false)";
+  const std::string sentence =
+      "no measurement depends on variable bias, so nothing determines it; add measurements or fix "
+      "it with optimizeRV(id, false)";
   slom::Estimator est;
   const auto x = est.insertRV(1.0), bias = est.insertRV(5.0, "bias");
   est.insertMeasurement([](double v) { return v; }, x);
@@ -288,9 +332,11 @@ TEST(NotFinite, AtTheStartNamesMeasurementAndValues) {
       i == 0 ? static_cast<void>(est.optimize()) : static_cast<void>(est.optimizeStep());
       FAIL();
     } catch (const mtk::Error& e) {
-      EXPECT_STREQ(e.what(), "[slom.not-finite] the residual of measurement lambda-2 #1 is not finite at a = (2), b = (-1); "
-                             "check its data, the function where it divides, takes roots or logarithms or leaves an entry "
-                             "of its result unset, and the start values");
+      EXPECT_STREQ(
+          e.what(),
+          "[slom.not-finite] the residual of measurement lambda-2 #1 is not finite at a = (2), b = (-1); "
+          "check its data, the function where it divides, takes roots or logarithms or leaves an entry "
+          "of its result unset, and the start values");
     }
     EXPECT_EQ(*a, 2);
   }
@@ -307,8 +353,10 @@ TEST(NotFinite, AfterAStepIsTakenBack) {
     est.optimizeStep();
     FAIL();
   } catch (const mtk::Error& e) {
-    EXPECT_STREQ(e.what(), "[slom.not-finite] the step of Gauss-Newton led to values at which a residual is not finite, and "
-                           "was taken back; start nearer to the solution, or use LevenbergMarquardt");
+    EXPECT_STREQ(
+        e.what(),
+        "[slom.not-finite] the step of Gauss-Newton led to values at which a residual is not finite, and "
+        "was taken back; start nearer to the solution, or use LevenbergMarquardt");
   }
   EXPECT_EQ(*x, 1);
   const slom::Summary summary = est.optimize();
@@ -363,11 +411,14 @@ TEST(Stopping, OnAPerfectFitWithoutNoise) {
     slom::Estimator est;
     const auto x = est.insertRV(mtk::trafo<mtk::SO3<>>());
     for (int i = 0; i < 4; ++i) {
-      est.insertMeasurement([](const mtk::trafo<mtk::SO3<>>& T, const mtk::vect<3>& p, const mtk::vect<3>& z) { return T * p - z; },
-                            x, mtk::vect<3>(i == 1, i == 2, i == 3),
-                            mtk::trafo<mtk::SO3<>>(mtk::SO3<>::exp(mtk::vect<3>(0.5, 1, 0.2)), mtk::vect<3>(1, 2, 3)) *
-                                mtk::vect<3>(i == 1, i == 2, i == 3),
-                            slom::StandardDeviation(scaled ? 1e-3 : 1.0));
+      est.insertMeasurement(
+          [](const mtk::trafo<mtk::SO3<>>& T, const mtk::vect<3>& p, const mtk::vect<3>& z) {
+            return T * p - z;
+          },
+          x, mtk::vect<3>(i == 1, i == 2, i == 3),
+          mtk::trafo<mtk::SO3<>>(mtk::SO3<>::exp(mtk::vect<3>(0.5, 1, 0.2)), mtk::vect<3>(1, 2, 3)) *
+              mtk::vect<3>(i == 1, i == 2, i == 3),
+          slom::StandardDeviation(scaled ? 1e-3 : 1.0));
     }
     const slom::Summary summary = est.optimize();
     EXPECT_TRUE(summary.converged) << summary.message;
@@ -380,18 +431,22 @@ TEST(Stopping, OnAPerfectFitWithoutNoise) {
 TEST(BadOptions, AreNamed) {
   EXPECT_EQ(messageOf([] { slom::LevenbergMarquardt(-1); }),
             "[slom.bad-option] the initial damping of LevenbergMarquardt is -1; pass a positive number");
-  EXPECT_EQ(messageOf([] { slom::LevenbergMarquardt(1e-4, 2); }),
-            "[slom.bad-option] the memory of LevenbergMarquardt is 2; pass a number from 0 (scales of the present "
-            "linearisation) to 1 (the largest so far)");
-  EXPECT_EQ(messageOf([] { slom::DogLeg(-2); }),
-            "[slom.bad-option] the initial radius of DogLeg is -2; pass a positive number, or 0 for the length of the "
-            "first Gauss-Newton step");
-  EXPECT_EQ(messageOf([] { slom::Estimator().changeAlgorithm(nullptr); }),
-            "[slom.no-algorithm] changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or DogLeg");
+  EXPECT_EQ(
+      messageOf([] { slom::LevenbergMarquardt(1e-4, 2); }),
+      "[slom.bad-option] the memory of LevenbergMarquardt is 2; pass a number from 0 (scales of the present "
+      "linearisation) to 1 (the largest so far)");
+  EXPECT_EQ(
+      messageOf([] { slom::DogLeg(-2); }),
+      "[slom.bad-option] the initial radius of DogLeg is -2; pass a positive number, or 0 for the length of the "
+      "first Gauss-Newton step");
+  EXPECT_EQ(
+      messageOf([] { slom::Estimator().changeAlgorithm(nullptr); }),
+      "[slom.no-algorithm] changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or DogLeg");
   EXPECT_EQ(messageOf([] { slom::Estimator().changeSolver(nullptr); }),
             "[slom.no-solver] changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
-  EXPECT_EQ(messageOf([] { slom::Estimator().setThreads(-1); }),
-            "[slom.bad-option] the number of threads is -1; pass a positive number, or 0 for as many as the machine has");
+  EXPECT_EQ(
+      messageOf([] { slom::Estimator().setThreads(-1); }),
+      "[slom.bad-option] the number of threads is -1; pass a positive number, or 0 for as many as the machine has");
 }
 
 }  // namespace

@@ -17,10 +17,11 @@ CameraResult camera(const std::string& model, const std::vector<double>& values)
 const CameraResult barrel = camera("opencv5", {600, 610, 330, 245, -0.25, 0.08, 0.001, -0.0005, 0.01});
 
 TEST(Lens, DerivativesAreThoseOfTheProjection) {
-  for (const CameraResult& one : {barrel, camera("opencv4", {500, 510, 320, 240, 0.1, -0.2, 0.002, 0.001}),
-                                  camera("radial1", {700, 300, 200, -0.1}),
-                                  camera("opencv8", {500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0.5, -0.05, 0.01}),
-                                  camera("fisheye", {300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4})}) {
+  for (const CameraResult& one :
+       {barrel, camera("opencv4", {500, 510, 320, 240, 0.1, -0.2, 0.002, 0.001}),
+        camera("radial1", {700, 300, 200, -0.1}),
+        camera("opencv8", {500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0.5, -0.05, 0.01}),
+        camera("fisheye", {300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4})}) {
     const auto lens = makeLens(one);
     const vec3 point(0.3, -0.2, 1.1);
     const Lens::Projection at = lens->differentiate(point);

@@ -17,13 +17,15 @@ namespace slom::testing {
 
 using Pose = mtk::trafo<mtk::SO3<>>;
 using vec3 = mtk::vect<3>;
-MTK_BUILD_MANIFOLD(Sensor, ((Pose, pose)) ((mtk::vect<2>, gain)) ((mtk::S2<>, axis)))
+MTK_BUILD_MANIFOLD(Sensor, ((Pose, pose))((mtk::vect<2>, gain))((mtk::S2<>, axis)))
 
 /// Data of a type of its own, with the stream operators that this needs.
 struct Reading {
   int channel = 0;
   double value = 0;
-  friend std::ostream& operator<<(std::ostream& os, const Reading& r) { return os << r.channel << "/" << r.value; }
+  friend std::ostream& operator<<(std::ostream& os, const Reading& r) {
+    return os << r.channel << "/" << r.value;
+  }
   friend std::istream& operator>>(std::istream& is, Reading& r) {
     char slash = 0;
     return is >> r.channel >> slash >> r.value;
@@ -32,16 +34,18 @@ struct Reading {
 
 enum class Unit { volt, ampere };
 
-SLOM_BUILD_MEASUREMENT(Declared, Dynamic, ((Sensor, sensor)) ((double, offset)), ((Reading, reading)) ((std::string, note)))
+SLOM_BUILD_MEASUREMENT(Declared, Dynamic, ((Sensor, sensor))((double, offset)),
+                       ((Reading, reading))((std::string, note)))
 SLOM_IMPLEMENT_MEASUREMENT(Declared, ret) {
   ret.resize(reading.channel);
-  for (int i = 0; i < reading.channel; ++i) ret[i] = sensor->gain[i % 2] * sensor->axis.vector()[i % 3] + *offset - reading.value * i;
+  for (int i = 0; i < reading.channel; ++i)
+    ret[i] = sensor->gain[i % 2] * sensor->axis.vector()[i % 3] + *offset - reading.value * i;
 }
 SLOM_BUILD_MEASUREMENT(NoData, 1, ((double, x)), )
 SLOM_IMPLEMENT_MEASUREMENT(NoData, ret) { ret[0] = std::exp(*x) - 2; }
 
-constexpr auto by_table = [](const auto& v, const auto& offset, const Eigen::MatrixXd& table, const std::vector<double>& weights,
-                             Unit unit, bool sign) {
+constexpr auto by_table = [](const auto& v, const auto& offset, const Eigen::MatrixXd& table,
+                             const std::vector<double>& weights, Unit unit, bool sign) {
   using S = mtk::scalar_t<std::decay_t<decltype(v)>>;
   S sum = offset * (sign ? 1.0 : -1.0);
   for (int i = 0; i < table.rows(); ++i) {
@@ -63,7 +67,8 @@ Archive makeArchive() {
   archive.measurement<Prior, VarID<mtk::vect<Dynamic>>, Measured<mtk::vect<Dynamic>>>();
   archive.measurement<Declared>();
   archive.measurement<NoData>();
-  archive.measurement<ByTable, VarID<mtk::vect<Dynamic>>, VarID<double>, Eigen::MatrixXd, std::vector<double>, Unit, bool>("table");
+  archive.measurement<ByTable, VarID<mtk::vect<Dynamic>>, VarID<double>, Eigen::MatrixXd, std::vector<double>,
+                      Unit, bool>("table");
   return archive;
 }
 
@@ -73,9 +78,13 @@ Estimator makeProblem() {
   const auto third = [](double x) { return x / 3; };  // numbers without a short decimal notation
   const auto turned = [&](double a) { return mtk::SO3<>::exp(vec3(third(a), -third(2 * a), third(1))); };
   std::vector<VarID<Pose>> poses;
-  for (int i = 0; i < 4; ++i) poses.push_back(est.insertRV(Pose(vec3(third(i), third(i * i), 0.1), turned(i)), i > 0, "pose \"" + std::to_string(i) + "\""));
+  for (int i = 0; i < 4; ++i)
+    poses.push_back(est.insertRV(Pose(vec3(third(i), third(i * i), 0.1), turned(i)), i > 0,
+                                 "pose \"" + std::to_string(i) + "\""));
   const auto landmark = est.insertRV(vec3(third(5), third(-4), third(7)));
-  const auto sensor = est.insertRV(Sensor(poses[1]->inverse() * *poses[2], mtk::vect<2>(third(1), third(2)), mtk::S2<>(1, 2, third(3))), "sensor");
+  const auto sensor = est.insertRV(
+      Sensor(poses[1]->inverse() * *poses[2], mtk::vect<2>(third(1), third(2)), mtk::S2<>(1, 2, third(3))),
+      "sensor");
   const auto gone = est.insertRV(1.0, "gone");
   const auto offset = est.insertRV(third(1), "offset");
   mtk::vect<Dynamic> numbers(3);
@@ -85,15 +94,20 @@ Estimator makeProblem() {
   for (std::size_t i = 1; i < 4; ++i) {
     Eigen::Matrix<double, 6, 6> L = Eigen::Matrix<double, 6, 6>::Identity() * third(4);
     L(3, 1) = third(2), L(5, 0) = -third(1);
-    est.insertMeasurement(RelativePose(), poses[i - 1], poses[i], measured(Pose(vec3(third(2), 0.1, 0), turned(0.5))), InvCovariance(Eigen::Matrix<double, 6, 6>(L * L.transpose())),
-                          Huber(third(4)), named("odometry"));
+    est.insertMeasurement(
+        RelativePose(), poses[i - 1], poses[i], measured(Pose(vec3(third(2), 0.1, 0), turned(0.5))),
+        InvCovariance(Eigen::Matrix<double, 6, 6>(L * L.transpose())), Huber(third(4)), named("odometry"));
   }
-  const auto extra = est.insertMeasurement(RelativePose(), poses[0], poses[2], measured(Pose()), named("odometry"));
-  est.insertMeasurement(RelativePose(), poses[3], poses[0], measured(Pose()), Barron(-INFINITY, 2), named("loop"));
+  const auto extra =
+      est.insertMeasurement(RelativePose(), poses[0], poses[2], measured(Pose()), named("odometry"));
+  est.insertMeasurement(RelativePose(), poses[3], poses[0], measured(Pose()), Barron(-INFINITY, 2),
+                        named("loop"));
   est.removeMeasurement(extra);
   for (const auto& pose : poses) {
-    est.insertMeasurement(Landmark(), pose, landmark, measured(vec3(1, third(1), 2)), StandardDeviation(vec3(0.1, third(1), 0.3)));
-    est.insertMeasurement(Range(), landmark, pose, measured(third(8)), StandardDeviation(third(0.1)), Tukey(3));
+    est.insertMeasurement(Landmark(), pose, landmark, measured(vec3(1, third(1), 2)),
+                          StandardDeviation(vec3(0.1, third(1), 0.3)));
+    est.insertMeasurement(Range(), landmark, pose, measured(third(8)), StandardDeviation(third(0.1)),
+                          Tukey(3));
   }
   est.prior(sensor, *sensor, 0.5);
   est.prior(offset, third(2), Covariance(third(1)));
@@ -103,7 +117,8 @@ Estimator makeProblem() {
   est.insertMeasurement(NoData(offset), GemanMcClure(third(5)));
   Eigen::MatrixXd table(3, 2);
   table << third(1), 2, 3, 4, 5, third(6);
-  est.insertMeasurement(by_table, vector, offset, table, std::vector<double>{third(1), -1}, Unit::ampere, true, PseudoHuber(2));
+  est.insertMeasurement(by_table, vector, offset, table, std::vector<double>{third(1), -1}, Unit::ampere,
+                        true, PseudoHuber(2));
   est.fix(sensor, "pose.pos");
   est.fix(vector, "y");
   est.bound(sensor, "gain.x", -INFINITY, third(1));  // where it starts
@@ -187,10 +202,12 @@ TEST(Archive, WhatIsLoadedIsSavedTheSame) {
 /// A file of before RelativePose measured in the frame of z means what it meant, and files of today say which they mean.
 TEST(Archive, RelativePosesOfEarlierFilesKeepTheirFrame) {
   const std::string kind = "\"RelativePose(trafo<SO3>, trafo<SO3>, measured trafo<SO3>)";
-  const std::string half = "0.70710678118654757";  // a quarter turn about z: b lies 1 to the left of a, which is ahead of z
+  const std::string half =
+      "0.70710678118654757";  // a quarter turn about z: b lies 1 to the left of a, which is ahead of z
   const auto file = [&](const std::string& name) {
-    return "slom problem 1\nvariables \"trafo<SO3>\"\n\"a\" fixed 0 0 0 0 0 0 1\n\"b\" free 2 1 0 0 0 " + half + " " + half +
-           "\nmeasurements " + name + "\" \"\"\n0 1 | unit | 2 0 0 0 0 " + half + " " + half + "\nend\n";
+    return "slom problem 1\nvariables \"trafo<SO3>\"\n\"a\" fixed 0 0 0 0 0 0 1\n\"b\" free 2 1 0 0 0 " +
+           half + " " + half + "\nmeasurements " + name + "\" \"\"\n0 1 | unit | 2 0 0 0 0 " + half + " " +
+           half + "\nend\n";
   };
   Eigen::VectorXd expected = Eigen::VectorXd::Zero(6);
   expected[1] = 1;
@@ -206,9 +223,10 @@ TEST(Archive, ANamedRelativePoseSaysItsFrame) {
   Archive archive;
   archive.measurement<RelativePose, VarID<Pose>, VarID<Pose>, Measured<Pose>>("odometry");
   std::istringstream is("slom problem 1\nmeasurements \"odometry\" \"\"\nend\n");
-  EXPECT_EQ(messageOf([&] { archive.load(is, "FILE"); }),
-            "[slom.bad-archive] FILE:2: measurements \"odometry\" are not known to this program, which knows \"odometry in the frame "
-            "of z\"; a program that includes slom/archive.hpp can be told of more");
+  EXPECT_EQ(
+      messageOf([&] { archive.load(is, "FILE"); }),
+      "[slom.bad-archive] FILE:2: measurements \"odometry\" are not known to this program, which knows \"odometry in the frame "
+      "of z\"; a program that includes slom/archive.hpp can be told of more");
 }
 
 TEST(Archive, AnEmptyProblem) {
@@ -223,7 +241,8 @@ TEST(Archive, AThousandDigitsAndWindowsLines) {
 }
 
 TEST(Archive, VariablesAreFoundByNameAndType) {
-  const StoredProblem problem = loaded("slom problem 1\nvariables \"double\"\n\"x\" free 3\n\"x\" free 4\nend\n");
+  const StoredProblem problem =
+      loaded("slom problem 1\nvariables \"double\"\n\"x\" free 3\n\"x\" free 4\nend\n");
   EXPECT_EQ(*problem.variable<double>("x"), 3);
   EXPECT_EQ(problem.variables<double>().size(), 2u);
   EXPECT_EQ(messageOf([&] { problem.variable<double>("y"); }),
@@ -235,34 +254,41 @@ TEST(Archive, VariablesAreFoundByNameAndType) {
 TEST(ArchiveFaults, OfWhatIsSaved) {
   Estimator est;
   const auto x = est.insertRV(mtk::vect<2>(1, 2), "x");
-  EXPECT_EQ(messageOf([&] { saved(est); }),
-            "[slom.not-in-archive] variable x is of the type vect<2>, which the archive was not told; name it by "
-            "archive.variable<vect<2>>");
+  EXPECT_EQ(
+      messageOf([&] { saved(est); }),
+      "[slom.not-in-archive] variable x is of the type vect<2>, which the archive was not told; name it by "
+      "archive.variable<vect<2>>");
   Estimator unknown;
   unknown.insertMeasurement([](double y) { return y; }, unknown.insertRV(1.0), named("by hand"));
-  EXPECT_EQ(messageOf([&] { saved(unknown); }),
-            "[slom.not-in-archive] the archive was not told of the type of the measurements by hand; name it by "
-            "archive.measurement, with the function's type and those of its arguments");
+  EXPECT_EQ(
+      messageOf([&] { saved(unknown); }),
+      "[slom.not-in-archive] the archive was not told of the type of the measurements by hand; name it by "
+      "archive.measurement, with the function's type and those of its arguments");
   Estimator infinite;
   infinite.prior(infinite.insertRV(1.0, "y"), NAN, 1);
-  EXPECT_EQ(messageOf([&] { saved(infinite); }),
-            "[slom.not-savable] the data of measurement prior #1 is not finite, or cannot be read again from what its operator<< "
-            "writes: nan");
+  EXPECT_EQ(
+      messageOf([&] { saved(infinite); }),
+      "[slom.not-savable] the data of measurement prior #1 is not finite, or cannot be read again from what its operator<< "
+      "writes: nan");
 }
 
 TEST(ArchiveFaults, OfNames) {
   Archive archive = makeArchive();
   archive.measurement<Declared>();
-  EXPECT_EQ(messageOf([&] { archive.measurement<Declared>("other"); }),
-            "[slom.archive-name] the archive calls these measurements \"Declared\" already, not \"other\"; name them once");
-  EXPECT_EQ((messageOf([&] { archive.measurement<Prior, VarID<vec3>, Measured<vec3>>("table"); })),
-            "[slom.archive-name] the archive has measurements \"table\" of another type; give one of them another name");
-  EXPECT_EQ(messageOf([&] { archive.variable<Sensor>("yours"); }),
-            "[slom.archive-name] the archive calls these variables \"my sensor\" already, not \"yours\"; name them before the "
-            "measurements that have them");
-  EXPECT_EQ(messageOf([&] { archive.variable<mtk::vect<4>>("double"); }),
-            "[slom.archive-name] the archive has variables \"double\" of another type; give one of them another name by "
-            "archive.variable");
+  EXPECT_EQ(
+      messageOf([&] { archive.measurement<Declared>("other"); }),
+      "[slom.archive-name] the archive calls these measurements \"Declared\" already, not \"other\"; name them once");
+  EXPECT_EQ(
+      (messageOf([&] { archive.measurement<Prior, VarID<vec3>, Measured<vec3>>("table"); })),
+      "[slom.archive-name] the archive has measurements \"table\" of another type; give one of them another name");
+  EXPECT_EQ(
+      messageOf([&] { archive.variable<Sensor>("yours"); }),
+      "[slom.archive-name] the archive calls these variables \"my sensor\" already, not \"yours\"; name them before the "
+      "measurements that have them");
+  EXPECT_EQ(
+      messageOf([&] { archive.variable<mtk::vect<4>>("double"); }),
+      "[slom.archive-name] the archive has variables \"double\" of another type; give one of them another name by "
+      "archive.variable");
 }
 
 struct Fault {
@@ -270,19 +296,24 @@ struct Fault {
 };
 
 TEST(ArchiveFaults, OfWhatIsLoaded) {
-  const std::string head = "slom problem 1\nvariables \"double\"\n\"x\" free 1\nvariables \"vect<3>\"\n\"p\" free 1 2 3\n";
+  const std::string head =
+      "slom problem 1\nvariables \"double\"\n\"x\" free 1\nvariables \"vect<3>\"\n\"p\" free 1 2 3\n";
   const std::string group = head + "measurements \"Prior(double, measured double)\" \"\"\n";
   const std::vector<Fault> faults{
       {"", "FILE:1: this is no saved problem: its first line is not \"slom problem 1\""},
       {"VERTEX_SE2 0 0 0 0\n", "FILE:1: this is no saved problem: its first line is not \"slom problem 1\""},
-      {"slom problem 7\n", "FILE:1: the problem is saved in version 7 of the format, this program reads version 1; use a newer one"},
+      {"slom problem 7\n",
+       "FILE:1: the problem is saved in version 7 of the format, this program reads version 1; use a newer one"},
       {head, "FILE is not complete: its last line is not \"end\"; take a file that was written to its end"},
       {head + "end\nend\n", "FILE:7: there is text behind the line \"end\"; remove it"},
-      {head + "vertex 1\n", "FILE:6: a line cannot begin with \"vertex\"; it begins with a quoted name, a number, variables, fix, "
-                            "bound, measurements, sigma, gauge or end"},
+      {head + "vertex 1\n",
+       "FILE:6: a line cannot begin with \"vertex\"; it begins with a quoted name, a number, variables, fix, "
+       "bound, measurements, sigma, gauge or end"},
       {head + "sigma unknown\n", "FILE:6: write \"sigma estimated\", or nothing for stated ones"},
-      {head + "gauge free\n", "FILE:6: write \"gauge inner-constraints\", or nothing for an error at a free gauge"},
-      {"slom problem 1\n\"x\" free 1\n", "FILE:2: a variable stands before the first line that begins with variables"},
+      {head + "gauge free\n",
+       "FILE:6: write \"gauge inner-constraints\", or nothing for an error at a free gauge"},
+      {"slom problem 1\n\"x\" free 1\n",
+       "FILE:2: a variable stands before the first line that begins with variables"},
       {"slom problem 1\nvariables double\nvariables\n", "FILE:3: write variables \"TYPE\""},
       {head + "\"y\" loose 1\n", "FILE:6: write \"NAME\" free VALUE or \"NAME\" fixed VALUE"},
       {head + "\"y\" free 1 2\n", "FILE:6: variable \"y\" has no value that is a vect<3>: 1 2"},
@@ -293,32 +324,44 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {head + "fix 1\n", "FILE:6: write fix NUMBER \"COMPONENT\""},
       {head + "fix 1 \"w\"\n", "FILE:6: variable p has no component \"w\"; it has x, y, z"},
       {head + "bound 1 \"x\" 0\n", "FILE:6: write bound NUMBER \"COMPONENT\" LOWER UPPER"},
-      {head + "bound 1 \"x\" 2 3\n", "FILE:6: p.x is 1, outside of its bound [2, 3]; give it a value inside, or another bound"},
-      {head + "0 | unit | 1\n", "FILE:6: a measurement stands before the first line that begins with measurements"},
+      {head + "bound 1 \"x\" 2 3\n",
+       "FILE:6: p.x is 1, outside of its bound [2, 3]; give it a value inside, or another bound"},
+      {head + "0 | unit | 1\n",
+       "FILE:6: a measurement stands before the first line that begins with measurements"},
       {head + "measurements \"Prior\"\n", "FILE:6: write measurements \"TYPE\" \"LABEL\""},
-      {group + "1 | unit | 1\n", "FILE:7: variable 1, \"p\", is a vect<3> where Prior(double, measured double) takes a double"},
+      {group + "1 | unit | 1\n",
+       "FILE:7: variable 1, \"p\", is a vect<3> where Prior(double, measured double) takes a double"},
       {group + "0 0 | unit | 1\n", "FILE:7: a | is due behind the numbers of 1 variable"},
-      {group + "0 | | 1\n", "FILE:7: the noise is \"|\"; it is unit, scalar, diagonal or matrix and its numbers"},
+      {group + "0 | | 1\n",
+       "FILE:7: the noise is \"|\"; it is unit, scalar, diagonal or matrix and its numbers"},
       {group + "0 | unit 1 | 1\n", "FILE:7: the noise is unit with 1 number; unit has none, scalar one"},
       {group + "0 | matrix 1 0 | 1\n", "FILE:7: the noise matrix has 2 numbers, which is no square"},
-      {group + "0 | matrix 0 | 1\n", "FILE:7: whitening matrix of measurement Prior #1 is singular; pass an invertible matrix"},
-      {group + "0 | diagonal 1 1 | 1\n", "FILE:7: whitening matrix of measurement Prior #1 has 2 entries but the residual has 1; pass a "
-                                         "number, a vector of 1, or a 1 x 1 matrix"},
-      {group + "0 | scalar -1 | 1\n", "FILE:7: whitening matrix of measurement Prior #1 is -1; pass positive finite numbers"},
-      {group + "0 | scalar 1 hubert 1 | 1\n", "FILE:7: \"hubert\" is neither a number of the noise nor a loss nor a |"},
+      {group + "0 | matrix 0 | 1\n",
+       "FILE:7: whitening matrix of measurement Prior #1 is singular; pass an invertible matrix"},
+      {group + "0 | diagonal 1 1 | 1\n",
+       "FILE:7: whitening matrix of measurement Prior #1 has 2 entries but the residual has 1; pass a "
+       "number, a vector of 1, or a 1 x 1 matrix"},
+      {group + "0 | scalar -1 | 1\n",
+       "FILE:7: whitening matrix of measurement Prior #1 is -1; pass positive finite numbers"},
+      {group + "0 | scalar 1 hubert 1 | 1\n",
+       "FILE:7: \"hubert\" is neither a number of the noise nor a loss nor a |"},
       {group + "0 | unit huber | 1\n", "FILE:7: numbers are missing behind huber"},
       {group + "0 | unit huber 1 2 | 1\n", "FILE:7: a | is due behind the noise and the loss"},
-      {group + "0 | unit huber -1 | 1\n", "FILE:7: loss Huber(-1) of measurement Prior #1 has scale -1; pass a positive finite number, in "
-                                          "standard deviations of the residual"},
-      {group + "0 | unit |\n", "FILE:7: what stands behind the second | is not the data of Prior(double, measured double):"},
-      {group + "0 | unit | 1 2\n", "FILE:7: what stands behind the second | is not the data of Prior(double, measured double): 1 2"},
+      {group + "0 | unit huber -1 | 1\n",
+       "FILE:7: loss Huber(-1) of measurement Prior #1 has scale -1; pass a positive finite number, in "
+       "standard deviations of the residual"},
+      {group + "0 | unit |\n",
+       "FILE:7: what stands behind the second | is not the data of Prior(double, measured double):"},
+      {group + "0 | unit | 1 2\n",
+       "FILE:7: what stands behind the second | is not the data of Prior(double, measured double): 1 2"},
   };
   for (const Fault& fault : faults) {
     EXPECT_EQ(messageOf([&] { loaded(fault.text); }), "[slom.bad-archive] " + fault.message) << fault.text;
   }
-  EXPECT_EQ(messageOf([&] { loaded("slom problem 1\nvariables \"vect<9>\"\n"); }),
-            "[slom.bad-archive] FILE:2: variables \"vect<9>\" are not known to this program, which knows \"my sensor\", "
-            "\"trafo<SO3>\", \"vect<3>\", \"double\" and \"vect<-1>\"; a program that includes slom/archive.hpp can be told of more");
+  EXPECT_EQ(
+      messageOf([&] { loaded("slom problem 1\nvariables \"vect<9>\"\n"); }),
+      "[slom.bad-archive] FILE:2: variables \"vect<9>\" are not known to this program, which knows \"my sensor\", "
+      "\"trafo<SO3>\", \"vect<3>\", \"double\" and \"vect<-1>\"; a program that includes slom/archive.hpp can be told of more");
 }
 
 }  // namespace slom::testing

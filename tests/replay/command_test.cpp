@@ -17,27 +17,32 @@ namespace {
 
 using Point = mtk::vect<2>;
 
-const CommandOnFile replay{"replay", "problem.slom", {"--output", "DIR/fitted.slom", "--json", "DIR/result.json"}};
+const CommandOnFile replay{
+    "replay", "problem.slom", {"--output", "DIR/fitted.slom", "--json", "DIR/result.json"}};
 
 std::string network() { return readFile(sourcePath("data/saved_problem/network.slom")); }
 
 Archive surveying() {
   Archive archive;
   archive.measurement<Range, VarID<Point>, VarID<Point>, Measured<double>>();
-  archive.measurement<HorizontalDirection, VarID<Point>, VarID<Point>, VarID<mtk::SO2<>>, Measured<mtk::SO2<>>>();
+  archive.measurement<HorizontalDirection, VarID<Point>, VarID<Point>, VarID<mtk::SO2<>>,
+                      Measured<mtk::SO2<>>>();
   return archive;
 }
 
 TEST(Replay, FitsAsTheLibraryDoes) {
   const TemporaryFolder folder;
-  const CommandResult result = replay.runIn(folder, network(), {"--output", "DIR/fitted.slom", "--json", "DIR/result.json"});
+  const CommandResult result =
+      replay.runIn(folder, network(), {"--output", "DIR/fitted.slom", "--json", "DIR/result.json"});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
 
   std::istringstream text(network());
   StoredProblem problem = surveying().load(text);
   const Summary summary = problem.estimator.optimize();
   ASSERT_TRUE(summary.converged);
-  EXPECT_NE(result.output.find(summary.report().substr(0, summary.report().find("iterations"))), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(summary.report().substr(0, summary.report().find("iterations"))),
+            std::string::npos)
+      << result.output;
 
   const auto json = nlohmann::json::parse(readFile(folder / "result.json"));
   EXPECT_NEAR(json["final_rss"].get<double>() / summary.final_rss, 1, 1e-9);
@@ -47,7 +52,8 @@ TEST(Replay, FitsAsTheLibraryDoes) {
   ASSERT_EQ(json["parameters"].size(), summary.parameters.size());
   for (std::size_t i = 0; i < summary.parameters.size(); ++i) {
     EXPECT_EQ(json["parameters"][i]["name"], summary.parameters[i].name);
-    EXPECT_NEAR(json["parameters"][i]["std"].get<double>() / summary.parameters[i].standard_deviation, 1, 1e-6);
+    EXPECT_NEAR(json["parameters"][i]["std"].get<double>() / summary.parameters[i].standard_deviation, 1,
+                1e-6);
   }
 
   // What it wrote is the fitted problem, within four standard deviations of the truth.
@@ -73,8 +79,10 @@ TEST(Replay, OtherAlgorithmsAndSolversFindTheSame) {
     return nlohmann::json::parse(result.output)["final_rss"].get<double>();
   };
   const double expected = rss({});
-  for (const char* algorithm : {"lm", "dogleg"}) EXPECT_NEAR(rss({"--algorithm", algorithm}) / expected, 1, 1e-9);
-  for (const char* solver : {"cholesky", "cg", "qr", "dense-qr"}) EXPECT_NEAR(rss({"--solver", solver}) / expected, 1, 1e-9);
+  for (const char* algorithm : {"lm", "dogleg"})
+    EXPECT_NEAR(rss({"--algorithm", algorithm}) / expected, 1, 1e-9);
+  for (const char* solver : {"cholesky", "cg", "qr", "dense-qr"})
+    EXPECT_NEAR(rss({"--solver", solver}) / expected, 1, 1e-9);
 }
 
 TEST(Replay, SaysWhatIsNotDetermined) {
@@ -82,29 +90,35 @@ TEST(Replay, SaysWhatIsNotDetermined) {
   const TemporaryFolder folder;
   const CommandResult result = replay.runIn(folder, replaced(network(), "fixed", "free"), {"--diagnose"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.output.find("can move together (translation x, y; rotation about z)"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("can move together (translation x, y; rotation about z)"), std::string::npos)
+      << result.output;
 }
 
 TEST(Replay, RefusesWhatItCannotRead) {
-  replay.expectRefused("", "problem.slom:1: this is no saved problem: its first line is not \"slom problem 1\"");
-  replay.expectRefused(replaced(network(), "end\n", ""),
-                       "problem.slom is not complete: its last line is not \"end\"; take a file that was written to its end");
-  replay.expectRefused(replaced(network(), "0 2 | scalar 333.33333333333331 | 309.", "0 2 | scalar 333.33333333333331 | x"),
-                       "problem.slom:15: what stands behind the second | is not the data of Range(vect<2>, vect<2>, measured double): x" +
-                           network().substr(network().find("| 309.") + 6, 4));
+  replay.expectRefused("",
+                       "problem.slom:1: this is no saved problem: its first line is not \"slom problem 1\"");
+  replay.expectRefused(
+      replaced(network(), "end\n", ""),
+      "problem.slom is not complete: its last line is not \"end\"; take a file that was written to its end");
+  replay.expectRefused(
+      replaced(network(), "0 2 | scalar 333.33333333333331 | 309.", "0 2 | scalar 333.33333333333331 | x"),
+      "problem.slom:15: what stands behind the second | is not the data of Range(vect<2>, vect<2>, measured double): x" +
+          network().substr(network().find("| 309.") + 6, 4));
 }
 
 TEST(Replay, RefusesAnUnknownMeasurement) {
   const TemporaryFolder folder;
   const CommandResult result = replay.runIn(folder, replaced(network(), "\"Range(", "\"Echo("), {});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(result.errors.starts_with("slom: problem.slom:14: measurements \"Echo(vect<2>, vect<2>, measured double)\" are not known to "
-                                        "this program, which knows \"RelativePose(trafo<SO2>, trafo<SO2>, measured trafo<SO2>) in the frame of z\", "))
+  EXPECT_TRUE(result.errors.starts_with(
+      "slom: problem.slom:14: measurements \"Echo(vect<2>, vect<2>, measured double)\" are not known to "
+      "this program, which knows \"RelativePose(trafo<SO2>, trafo<SO2>, measured trafo<SO2>) in the frame of z\", "))
       << result.errors;
 }
 
 TEST(Replay, RefusesOptions) {
-  replay.expectRefused(network(), "--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
+  replay.expectRefused(network(), "--algorithm newton: the algorithms are gn, lm and dogleg",
+                       {"--algorithm", "newton"});
   replay.expectRefused(network(), "--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
 }
 

@@ -1,11 +1,11 @@
 // The dense kernels of every instruction set that this processor has, against Eigen; AVX-512 to the bits of AVX2.
 #include "../../src/solve/dense/kernels.hpp"
 
-#include <Eigen/Dense>
-#include <gtest/gtest.h>
-
 #include <random>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 namespace slom::dense {
 
@@ -23,7 +23,8 @@ std::vector<const Kernels*> available() {
   std::vector<const Kernels*> all{&kPortableKernels};
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) all.push_back(&kAvx2Kernels);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq")) {
     all.push_back(&kAvx512Kernels);
   }
 #endif
@@ -34,7 +35,8 @@ std::vector<const Kernels*> available() {
 void expectAlike(const std::vector<Numbers>& results, const char* what) {
   for (std::size_t k = 1; k < results.size(); ++k) {
     for (std::size_t i = 0; i < results[0].size(); ++i) {
-      ASSERT_NEAR(results[k][i], results[0][i], 1e-11 * (1 + std::abs(results[0][i]))) << what << " " << available()[k]->name;
+      ASSERT_NEAR(results[k][i], results[0][i], 1e-11 * (1 + std::abs(results[0][i])))
+          << what << " " << available()[k]->name;
     }
   }
   if (results.size() == 3) {
@@ -69,13 +71,15 @@ TEST(Kernels, FactoriseFrontsAsEigenDoes) {
   Random random;
   for (const int p : {1, 2, 3, 4, 5, 8, 9, 11, 12, 13, 24, 31, 48}) {
     for (const int u : {1, 4, 5, 7, 12, 13, 30}) {
-      const MatrixXd G = random.matrix(p, p), A = G * G.transpose() + p * MatrixXd::Identity(p, p), B = random.matrix(u, p);
+      const MatrixXd G = random.matrix(p, p), A = G * G.transpose() + p * MatrixXd::Identity(p, p),
+                     B = random.matrix(u, p);
       const MatrixXd L = A.llt().matrixL();
       const MatrixXd X = L.triangularView<Eigen::Lower>().solve(B.transpose()).transpose();
       const Numbers least(static_cast<std::size_t>(p), 0.0);
       std::vector<Numbers> factors, panels, updates;
       for (const Kernels* kernels : available()) {
-        Numbers D = panelOf(A), inverse(static_cast<std::size_t>(p)), below = panelOf(B), U(updateSize(u) + kStripe);
+        Numbers D = panelOf(A), inverse(static_cast<std::size_t>(p)), below = panelOf(B),
+                U(updateSize(u) + kStripe);
         double pivot = 0;
         ASSERT_EQ(kernels->factorize(D.data(), p, least.data(), inverse.data(), &pivot), p);
         kernels->solveStripes(D.data(), inverse.data(), p, below.data(), u, 0, stripesOf(u));
@@ -83,13 +87,16 @@ TEST(Kernels, FactoriseFrontsAsEigenDoes) {
         for (int j = 0; j < p; ++j) {
           EXPECT_NEAR(inverse[static_cast<std::size_t>(j)] * L(j, j), 1, 1e-12);
           for (int i = j; i < p; ++i) ASSERT_NEAR(D[panelAt(p, i, j)], L(i, j), 1e-12 * p) << kernels->name;
-          for (int i = 0; i < u; ++i) ASSERT_NEAR(below[panelAt(p, i, j)], X(i, j), 1e-12 * p) << kernels->name;
+          for (int i = 0; i < u; ++i)
+            ASSERT_NEAR(below[panelAt(p, i, j)], X(i, j), 1e-12 * p) << kernels->name;
         }
         Numbers triangle;
         for (int j = 0; j < u; ++j) {
           for (int i = j; i < u; ++i) {
-            triangle.push_back(U[updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe)]);
-            ASSERT_NEAR(triangle.back(), -X.row(i).dot(X.row(j)), 1e-11 * p) << kernels->name << " p " << p << " u " << u;
+            triangle.push_back(
+                U[updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe)]);
+            ASSERT_NEAR(triangle.back(), -X.row(i).dot(X.row(j)), 1e-11 * p)
+                << kernels->name << " p " << p << " u " << u;
           }
         }
         factors.push_back(inverse);
@@ -108,8 +115,17 @@ TEST(Kernels, EliminatePointsAsEigenDoes) {
   struct Shape {
     int d, k, l;
   };
-  for (const auto& [d, k, l] : {Shape{3, 9, 9}, {3, 9, 6}, {3, 9, 4}, {3, 6, 6}, {3, 6, 9}, {2, 3, 3}, {2, 3, 5}, {1, 2, 2}, {3, 7, 7}}) {
-    const MatrixXd G = random.matrix(d, d), L = (G * G.transpose() + MatrixXd::Identity(d, d)).llt().matrixL();
+  for (const auto& [d, k, l] : {Shape{3, 9, 9},
+                                {3, 9, 6},
+                                {3, 9, 4},
+                                {3, 6, 6},
+                                {3, 6, 9},
+                                {2, 3, 3},
+                                {2, 3, 5},
+                                {1, 2, 2},
+                                {3, 7, 7}}) {
+    const MatrixXd G = random.matrix(d, d),
+                   L = (G * G.transpose() + MatrixXd::Identity(d, d)).llt().matrixL();
     MatrixXd packed = L;
     packed.diagonal() = L.diagonal().cwiseInverse();
     const MatrixXd W = random.matrix(k, d), V = random.matrix(l, d), H = random.matrix(k, l);
@@ -125,7 +141,8 @@ TEST(Kernels, EliminatePointsAsEigenDoes) {
       const Pair pair{0, static_cast<std::uint32_t>(size / kRowPadding)};
       const Pair pairs[] = {pair, pair, pair};
       kernels->subtractOuters(d, k, l, 3, pairs, Y.data(), to.data());
-      EXPECT_LT((Eigen::Map<const MatrixXd>(to.data(), k, l) - left).norm(), 1e-12 * left.norm()) << kernels->name;
+      EXPECT_LT((Eigen::Map<const MatrixXd>(to.data(), k, l) - left).norm(), 1e-12 * left.norm())
+          << kernels->name;
       results.push_back(to);
     }
     expectAlike(results, "outer products");
@@ -151,9 +168,11 @@ TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
         EXPECT_LT((aa - AA - A.transpose() * A).norm() + (bb - BB - B.transpose() * B).norm() +
                       (ab - before - A.transpose() * B).norm() + (ar - Ar - A.transpose() * r).norm() +
                       (br - Br - B.transpose() * r).norm(),
-                  1e-12) << kernels->name;
+                  1e-12)
+            << kernels->name;
         Numbers all;
-        for (const MatrixXd* m : {&aa, &bb, &ab, &ar, &br}) all.insert(all.end(), m->data(), m->data() + m->size());
+        for (const MatrixXd* m : {&aa, &bb, &ab, &ar, &br})
+          all.insert(all.end(), m->data(), m->data() + m->size());
         results.push_back(all);
       }
       expectAlike(results, "J^T J");

@@ -1,12 +1,12 @@
 // Linear least squares with random numbers in a given structure of blocks.
 #pragma once
 
-#include <slom/solve/linear_solver.hpp>
-
 #include <cmath>
 #include <cstddef>
 #include <random>
 #include <vector>
+
+#include <slom/solve/linear_solver.hpp>
 
 /// Blocks of the given sizes; groups of measurements with random rows that touch the given blocks.
 struct RandomProblem {
@@ -60,8 +60,8 @@ struct RandomProblem {
       for (std::size_t k = 0; k < arity; ++k) J += b.rows[m] * b.dof[m * arity + k];
       r += b.rows[m];
     }
-    solver.add({static_cast<int>(group), static_cast<int>(first), static_cast<int>(last - first), b.rows.data() + first,
-                b.dof.data() + first * arity, r, J});
+    solver.add({static_cast<int>(group), static_cast<int>(first), static_cast<int>(last - first),
+                b.rows.data() + first, b.dof.data() + first * arity, r, J});
   }
   /// One of the solver's parts.
   void sendTo(slom::LinearSolver& solver, std::size_t part) const {
@@ -88,7 +88,8 @@ inline RandomProblem crowd(int measurements, unsigned seed) {
   std::vector<std::vector<int>> ones, pairs, triples;
   for (int b = 0; b < count; ++b) ones.push_back({b});
   for (int i = 0; i < measurements; ++i) pairs.push_back({any(-1, count - 1), any(-1, count - 1)});
-  for (int i = 0; i < measurements / 4; ++i) triples.push_back({any(0, count - 1), any(-1, count - 1), any(0, count - 1)});
+  for (int i = 0; i < measurements / 4; ++i)
+    triples.push_back({any(0, count - 1), any(-1, count - 1), any(0, count - 1)});
   problem.addGroup(pairs, 3);
   problem.addGroup(triples, 2);
   problem.addGroup(ones, 8);

@@ -1,13 +1,4 @@
 // The sparse solvers against dense QR on random block structures.
-#include <slom/solve/block_qr.hpp>
-#include <slom/solve/block_solver.hpp>
-#include <slom/solve/cholmod.hpp>
-#include <slom/solve/dense_qr.hpp>
-
-#include <gtest/gtest.h>
-
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -15,6 +6,14 @@
 #include <string>
 #include <tuple>
 #include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <slom/solve/block_qr.hpp>
+#include <slom/solve/block_solver.hpp>
+#include <slom/solve/cholmod.hpp>
+#include <slom/solve/dense_qr.hpp>
 
 #include "solve/random_problem.hpp"
 
@@ -27,7 +26,10 @@ using Options = slom::BlockSolverOptions;
 
 /// Conjugate gradients that go on until there is nothing to gain.
 Options patient(Options::Preconditioner preconditioner) {
-  return {.method = Options::Method::conjugate_gradients, .preconditioner = preconditioner, .forcing = 1e-14, .max_iterations = 5000};
+  return {.method = Options::Method::conjugate_gradients,
+          .preconditioner = preconditioner,
+          .forcing = 1e-14,
+          .max_iterations = 5000};
 }
 
 std::vector<std::unique_ptr<slom::LinearSolver>> allSolvers() {
@@ -36,7 +38,8 @@ std::vector<std::unique_ptr<slom::LinearSolver>> allSolvers() {
   solvers.push_back(std::make_unique<slom::BlockSolver>(Options{.elimination = Options::Elimination::none}));
   solvers.push_back(std::make_unique<slom::BlockQR>());
   for (const auto preconditioner :
-       {Options::Preconditioner::schur_jacobi, Options::Preconditioner::block_jacobi, Options::Preconditioner::power_series}) {
+       {Options::Preconditioner::schur_jacobi, Options::Preconditioner::block_jacobi,
+        Options::Preconditioner::power_series}) {
     solvers.push_back(std::make_unique<slom::BlockSolver>(patient(preconditioner)));
   }
   if (slom::Cholmod::isAvailable()) solvers.push_back(std::make_unique<slom::Cholmod>());
@@ -95,7 +98,8 @@ void expectSameAsOracle(const RandomProblem& problem, const Oracle& oracle, slom
     const auto offset = [&](int block) { return problem.structure.offset[static_cast<std::size_t>(block)]; };
     MatrixXd block(problem.structure.dof(a), problem.structure.dof(b));
     blocks->block(a, b, block.data());
-    EXPECT_LT((block - inverse.block(offset(a), offset(b), block.rows(), block.cols())).norm(), 1e-8 * inverse.norm());
+    EXPECT_LT((block - inverse.block(offset(a), offset(b), block.rows(), block.cols())).norm(),
+              1e-8 * inverse.norm());
   };
   for (int b = 0; b < problem.structure.blockCount(); ++b) compare(b, b);
   for (const slom::MeasurementGroup& group : problem.structure.groups) {
@@ -144,8 +148,9 @@ TEST(Solvers, AgreeOnChainsStarsGridsCliquesAndIslands) {
 #endif
   for (unsigned seed = 0; seed < seeds; ++seed) {
     const int n = 25;
-    RandomProblem chain(randomSizes(n, rng), seed), star(randomSizes(n, rng), seed), grid(randomSizes(n, rng), seed),
-        clique(randomSizes(7, rng), seed), islands(randomSizes(n, rng), seed), dense(randomSizes(n, rng), seed);
+    RandomProblem chain(randomSizes(n, rng), seed), star(randomSizes(n, rng), seed),
+        grid(randomSizes(n, rng), seed), clique(randomSizes(7, rng), seed),
+        islands(randomSizes(n, rng), seed), dense(randomSizes(n, rng), seed);
     std::vector<std::vector<int>> steps, spokes, edges, pairs, near, random;
     for (int i = 0; i + 1 < n; ++i) steps.push_back({i, i + 1});
     for (int i = 1; i < n; ++i) spokes.push_back({i, 0});
@@ -154,8 +159,9 @@ TEST(Solvers, AgreeOnChainsStarsGridsCliquesAndIslands) {
       if (i + 5 < n) edges.push_back({i, i + 5});
       if (i % 5 < 3) near.push_back({i, i + 1});
     }
-    for (int i = 0; i < 7; ++i) for (int j = 0; j < i; ++j) pairs.push_back({i, j});
-    std::uniform_int_distribution<int> any(-1, n - 1);  // -1: fixed
+    for (int i = 0; i < 7; ++i)
+      for (int j = 0; j < i; ++j) pairs.push_back({i, j});
+    std::uniform_int_distribution<int> any(-1, n - 1);                              // -1: fixed
     for (int i = 0; i < 60; ++i) random.push_back({any(rng), any(rng), any(rng)});  // may repeat a block
     chain.addGroup(steps, 3);
     star.addGroup(spokes, 2);
@@ -179,7 +185,10 @@ RandomProblem manySmallBlocks(int points, int sight, unsigned seed) {
   for (int i = 0; i < points; ++i) sizes.push_back(3);
   std::shuffle(sizes.begin(), sizes.end(), rng);
   for (int b = 0; b < static_cast<int>(sizes.size()); ++b) {
-    (sizes[static_cast<std::size_t>(b)] == 9 ? camera : sizes[static_cast<std::size_t>(b)] == 2 ? lens : point).push_back(b);
+    (sizes[static_cast<std::size_t>(b)] == 9   ? camera
+     : sizes[static_cast<std::size_t>(b)] == 2 ? lens
+                                               : point)
+        .push_back(b);
   }
   RandomProblem problem(sizes, seed);
   std::vector<std::vector<int>> seen, between;
@@ -202,7 +211,9 @@ TEST(Solvers, EliminateManySmallBlocksFirst) {
     expectSameAsOracle(problem);
     slom::BlockSolver sparse;
     problem.linearizeInto(sparse);
-    EXPECT_EQ(sparse.description(), "reduced system 3 x 2 + 6 x 9 after elimination of 66 x 3, sparse Cholesky, minimum degree order");
+    EXPECT_EQ(
+        sparse.description(),
+        "reduced system 3 x 2 + 6 x 9 after elimination of 66 x 3, sparse Cholesky, minimum degree order");
   }
 }
 
@@ -225,7 +236,8 @@ TEST(Solvers, EliminateManySmallBlocksInParts) {
   problem.addGroup(priors, 4);
   slom::BlockSolver solver;
   expectSameAsOracle(problem, solver);
-  EXPECT_EQ(solver.description(), "reduced system 6 x 2 + 6 x 3 after elimination of 207 x 1 + 69 x 2, dense Cholesky");
+  EXPECT_EQ(solver.description(),
+            "reduced system 6 x 2 + 6 x 3 after elimination of 207 x 1 + 69 x 2, dense Cholesky");
 }
 
 /// A tree of these blocks with `closures` further edges at random; without priors, measurements see differences alone.
@@ -233,7 +245,9 @@ RandomProblem loopyTree(const std::vector<int>& sizes, int closures, unsigned se
   RandomProblem problem(sizes, seed);
   const int n = static_cast<int>(sizes.size());
   std::vector<std::vector<int>> edges;
-  const auto before = [&](int b) { return std::uniform_int_distribution<int>(std::max(0, b - 3), b - 1)(problem.rng); };
+  const auto before = [&](int b) {
+    return std::uniform_int_distribution<int>(std::max(0, b - 3), b - 1)(problem.rng);
+  };
   for (int b = 1; b < n; ++b) edges.push_back({b, before(b)});
   for (int i = 0; i < closures; ++i) {
     const int b = std::uniform_int_distribution<int>(1, n - 1)(problem.rng);
@@ -246,7 +260,8 @@ RandomProblem loopyTree(const std::vector<int>& sizes, int closures, unsigned se
 TEST(Solvers, EliminateBlocksWithFewNeighboursFirst) {
   std::mt19937 rng(4);
   const std::size_t n = 40;
-  const std::vector<std::vector<int>> sizes{std::vector<int>(n, 3), std::vector<int>(n, 6), std::vector<int>(n, 2), randomSizes(static_cast<int>(n), rng)};
+  const std::vector<std::vector<int>> sizes{std::vector<int>(n, 3), std::vector<int>(n, 6),
+                                            std::vector<int>(n, 2), randomSizes(static_cast<int>(n), rng)};
   for (const std::vector<int>& size : sizes) {
     for (const int closures : {0, 8, 24}) {
       RandomProblem problem = loopyTree(size, closures, static_cast<unsigned>(closures));
@@ -254,7 +269,8 @@ TEST(Solvers, EliminateBlocksWithFewNeighboursFirst) {
       slom::BlockSolver solver, plain({.elimination = Options::Elimination::none});
       expectSameAsOracle(problem, solver);
       expectSameAsOracle(problem, plain);
-      EXPECT_NE(solver.description().find("blocks with few neighbours first"), std::string::npos) << solver.description();
+      EXPECT_NE(solver.description().find("blocks with few neighbours first"), std::string::npos)
+          << solver.description();
       EXPECT_EQ(plain.description().find("few neighbours"), std::string::npos);
     }
   }
@@ -327,7 +343,8 @@ TEST(Solvers, NameAnUnknownOfTheSingularPart) {
     RandomProblem problem(unseen ? std::vector<int>{2, 2, 2, 2, 2} : std::vector<int>{2, 2, 2, 2}, 5);
     problem.addGroup({{0, 1}, {1, 2}, {2, 0}}, 2);
     for (std::size_t m = 0; m < 3; ++m) {  // r = x_a - x_b
-      for (int i = 0; i < 8; ++i) problem.batches[0].J[8 * m + static_cast<std::size_t>(i)] = i < 4 ? (i % 3 == 0) : -(i % 3 == 1);
+      for (int i = 0; i < 8; ++i)
+        problem.batches[0].J[8 * m + static_cast<std::size_t>(i)] = i < 4 ? (i % 3 == 0) : -(i % 3 == 1);
     }
     problem.addGroup({{3}}, 3);
     for (const auto& solver : exactSolvers()) {
@@ -441,8 +458,9 @@ TEST(Solvers, TightenConjugateGradientsAsTheGradientVanishes) {
   EXPECT_LT(rough, 0.5);
   EXPECT_LT(fine, 1e-4);
   EXPECT_LT(solver.gradient().dot(step), 0);
-  EXPECT_EQ(solver.description().substr(0, 98),
-            "reduced system 3 x 2 + 6 x 9 after elimination of 66 x 3, conjugate gradients with Schur-Jacobi pr");
+  EXPECT_EQ(
+      solver.description().substr(0, 98),
+      "reduced system 3 x 2 + 6 x 9 after elimination of 66 x 3, conjugate gradients with Schur-Jacobi pr");
 }
 
 std::string refusal(const Options& options) {
@@ -470,7 +488,8 @@ TEST(Solvers, BlockSolverAsksForAStructureFirst) {
       call();
       ADD_FAILURE() << "accepted";
     } catch (const mtk::Error& error) {
-      EXPECT_STREQ(error.what(), "[slom.not-analyzed] the block solver knows no structure yet; call analyze() first");
+      EXPECT_STREQ(error.what(),
+                   "[slom.not-analyzed] the block solver knows no structure yet; call analyze() first");
     }
   }
   EXPECT_EQ(step, VectorXd::Ones(1));
@@ -478,17 +497,21 @@ TEST(Solvers, BlockSolverAsksForAStructureFirst) {
 }
 
 TEST(Solvers, RefuseImpossibleOptions) {
-  EXPECT_EQ(refusal({.forcing = 1.5}), "[slom.bad-option] forcing is 1.500000; pass a number between 0 and 1, such as 0.1");
-  EXPECT_EQ(refusal({.forcing = NAN}), "[slom.bad-option] forcing is nan; pass a number between 0 and 1, such as 0.1");
-  EXPECT_EQ(refusal({.max_iterations = 0}),
-            "[slom.bad-option] max_iterations of conjugate gradients is 0; pass a positive number, such as 500");
+  EXPECT_EQ(refusal({.forcing = 1.5}),
+            "[slom.bad-option] forcing is 1.500000; pass a number between 0 and 1, such as 0.1");
+  EXPECT_EQ(refusal({.forcing = NAN}),
+            "[slom.bad-option] forcing is nan; pass a number between 0 and 1, such as 0.1");
+  EXPECT_EQ(
+      refusal({.max_iterations = 0}),
+      "[slom.bad-option] max_iterations of conjugate gradients is 0; pass a positive number, such as 500");
   if (slom::Cholmod::isAvailable()) return;
   try {
     slom::Cholmod solver;
     FAIL() << "this build is without CHOLMOD";
   } catch (const mtk::Error& error) {
-    EXPECT_STREQ(error.what(), "[slom.no-cholmod] this build of SLoM is without CHOLMOD; configure it with "
-                               "-DSLOM_WITH_CHOLMOD=ON, or use the default solver");
+    EXPECT_STREQ(error.what(),
+                 "[slom.no-cholmod] this build of SLoM is without CHOLMOD; configure it with "
+                 "-DSLOM_WITH_CHOLMOD=ON, or use the default solver");
   }
 }
 

@@ -13,10 +13,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // Levels: mtk, then the steps in the order of the data flow, then the facade, then rooms that stand on it.
-constexpr std::array<const char*, 8> kLevels{"mtk",       "model", "measurements", "problem",
-                                             "linearize", "solve", "optimize",     "analyze"};
+constexpr std::array<const char*, 9> kLevels{"mtk",       "base",  "model",    "measurements", "problem",
+                                             "linearize", "solve", "optimize", "analyze"};
 constexpr int kMtk = 0;
-constexpr int kMeasurements = 2;
+constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kInitialize = kFacade + 1;
 

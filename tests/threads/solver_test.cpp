@@ -1,16 +1,15 @@
 // The solver gives the same bits, and names the same unknown of a singular system, on any number of threads: also when it was
 // prepared for another number than it runs on, and in whatever order threads add their parts of the measurements.
-#include <slom/solve/block_solver.hpp>
-
-#include <gtest/gtest.h>
-
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include <slom/base/threads.hpp>
+#include <slom/solve/block_solver.hpp>
 
 #include "solve/random_problem.hpp"
 
@@ -68,29 +67,32 @@ struct Outcome {
   slom::SolveStatus status;
   VectorXd step, damped_step;
   bool operator==(const Outcome& other) const {
-    return status.ok == other.status.ok && status.unknown == other.status.unknown && status.pivot == other.status.pivot &&
-           step == other.step && damped_step == other.damped_step;
+    return status.ok == other.status.ok && status.unknown == other.status.unknown &&
+           status.pivot == other.status.pivot && step == other.step && damped_step == other.damped_step;
   }
 };
 
 using Elimination = slom::BlockSolverOptions::Elimination;
 
-Outcome solved(const RandomProblem& problem, Elimination elimination, int threads_to_analyze, int threads_to_solve) {
+Outcome solved(const RandomProblem& problem, Elimination elimination, int threads_to_analyze,
+               int threads_to_solve) {
   slom::BlockSolver solver({.elimination = elimination});
-  tbb::task_arena(threads_to_analyze).execute([&] { problem.linearizeInto(solver); });
+  slom::withThreads(threads_to_analyze, [&] { problem.linearizeInto(solver); });
   Outcome outcome;
-  tbb::task_arena(threads_to_solve).execute([&] {
+  slom::withThreads(threads_to_solve, [&] {
     EXPECT_TRUE(solver.solve(VectorXd::Constant(problem.structure.unknowns(), 1e-3), outcome.damped_step).ok);
     outcome.status = solver.solve({}, outcome.step);
   });
   return outcome;
 }
 
-void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok, Elimination elimination = Elimination::none) {
+void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok,
+                              Elimination elimination = Elimination::none) {
   const Outcome alone = solved(problem, elimination, 1, 1);
   EXPECT_EQ(alone.status.ok, ok);
   for (const auto& [to_analyze, to_solve] : {std::pair{1, 2}, {2, 1}, {2, 2}}) {
-    EXPECT_TRUE(solved(problem, elimination, to_analyze, to_solve) == alone) << to_analyze << " and " << to_solve << " threads";
+    EXPECT_TRUE(solved(problem, elimination, to_analyze, to_solve) == alone)
+        << to_analyze << " and " << to_solve << " threads";
   }
 }
 

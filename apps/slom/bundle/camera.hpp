@@ -12,10 +12,7 @@ using Lens = slom::SnavelyIntrinsics<>;
 /// Each camera has a lens of its own. It looks along -z, with x to the right and y upwards.
 ///   state    pose cam_T_world, P = R X + t; lens f [px], k1, k2
 ///   tangent  translation, rotation, lens: DOF = 9
-MTK_BUILD_MANIFOLD(Camera,
-  ((Pose, pose))
-  ((Lens, lens))
-)
+MTK_BUILD_MANIFOLD(Camera, ((Pose, pose))((Lens, lens)))
 
 /// The pixel at which a camera sees a point of the world, from the image centre, v upwards [px].
 struct Sight {

@@ -41,7 +41,8 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   const FitLimits limits(settings.fit.max_seconds);
   FitLimits::applyTo(options);
   options.decrease_tolerance = settings.tolerance;
-  options.deviation_tolerance = std::numeric_limits<double>::infinity();  // nobody has said what a pixel is worth
+  options.deviation_tolerance =
+      std::numeric_limits<double>::infinity();  // nobody has said what a pixel is worth
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
   Summary summary = fit.optimize(options);

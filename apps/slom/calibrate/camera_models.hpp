@@ -27,7 +27,9 @@ struct Opencv5 : OpenCv5Intrinsics<S> {
   using OpenCv5Intrinsics<S>::OpenCv5Intrinsics;
 
   static Opencv5 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  Eigen::Matrix3d cameraMatrix() const {
+    return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
+  }
   /// As OpenCV orders it: k1 k2 p1 p2 k3
   Eigen::VectorXd distortion() const { return this->template tail<5>(); }
 };
@@ -36,12 +38,17 @@ struct Opencv5 : OpenCv5Intrinsics<S> {
 template <class S = double>
 struct Opencv4 : slom::detail::CentredLens<8, S> {
   static constexpr std::string_view model_name = "opencv4";
-  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"};
+  static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
+                                                                   "k1", "k2", "p1", "p2"};
   using slom::detail::CentredLens<8, S>::CentredLens;
 
   static Opencv4 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
-  Eigen::VectorXd distortion() const { return (Eigen::VectorXd(5) << this->template tail<4>(), 0).finished(); }
+  Eigen::Matrix3d cameraMatrix() const {
+    return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
+  }
+  Eigen::VectorXd distortion() const {
+    return (Eigen::VectorXd(5) << this->template tail<4>(), 0).finished();
+  }
   auto project(const auto& point) const {
     const Opencv4& c = *this;
     return OpenCv5Intrinsics<S>(c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], S(0.0)).project(point);
@@ -56,16 +63,22 @@ struct Opencv8 : slom::detail::CentredLens<12, S> {
                                                                     "p1", "p2", "k3", "k4", "k5", "k6"};
   using slom::detail::CentredLens<12, S>::CentredLens;
 
-  static Opencv8 fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0., 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  static Opencv8 fromPinhole(const Pinhole& p) {
+    return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0., 0., 0., 0., 0.};
+  }
+  Eigen::Matrix3d cameraMatrix() const {
+    return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
+  }
   Eigen::VectorXd distortion() const { return this->template tail<8>(); }
   auto project(const auto& point) const {
     const Opencv8& c = *this;
     const auto z = slom::detail::depthInFront(point[2]);
     const auto x = point[0] / z, y = point[1] / z;
     const auto xx = x * x, yy = y * y, xy2 = 2.0 * x * y, r2 = xx + yy;
-    const auto radial = (1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]))) / (1.0 + r2 * (c[9] + r2 * (c[10] + r2 * c[11])));
-    return this->toPixels(x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx), y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2);
+    const auto radial =
+        (1.0 + r2 * (c[4] + r2 * (c[5] + r2 * c[8]))) / (1.0 + r2 * (c[9] + r2 * (c[10] + r2 * c[11])));
+    return this->toPixels(x * radial + c[6] * xy2 + c[7] * (r2 + 2.0 * xx),
+                          y * radial + c[6] * (r2 + 2.0 * yy) + c[7] * xy2);
   }
 };
 
@@ -81,7 +94,9 @@ struct Fisheye : FisheyeIntrinsics<S> {
   using FisheyeIntrinsics<S>::FisheyeIntrinsics;
 
   static Fisheye fromPinhole(const Pinhole& p) { return {p.fx, p.fy, p.cx, p.cy, 0., 0., 0., 0.}; }
-  Eigen::Matrix3d cameraMatrix() const { return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix(); }
+  Eigen::Matrix3d cameraMatrix() const {
+    return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
+  }
   /// k1 k2 k3 k4
   Eigen::VectorXd distortion() const { return this->template tail<4>(); }
 };
@@ -99,7 +114,9 @@ struct Radial1 : mtk::vect<4, S> {
   using mtk::vect<4, S>::vect;
 
   static Radial1 fromPinhole(const Pinhole& p) { return {(p.fx + p.fy) / 2, p.cx, p.cy, 0.}; }
-  Eigen::Matrix3d cameraMatrix() const { return Pinhole{(*this)[0], (*this)[0], (*this)[1], (*this)[2]}.matrix(); }
+  Eigen::Matrix3d cameraMatrix() const {
+    return Pinhole{(*this)[0], (*this)[0], (*this)[1], (*this)[2]}.matrix();
+  }
   Eigen::VectorXd distortion() const { return (Eigen::VectorXd(5) << (*this)[3], 0, 0, 0, 0).finished(); }
   auto project(const auto& point) const {
     const Radial1& c = *this;

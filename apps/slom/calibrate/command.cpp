@@ -55,7 +55,8 @@ Dataset readDataset(const Settings& settings) {
   if (settings.board) {
     data.cameras = readPhotos(settings);
   } else {
-    for (const CameraFile& camera : settings.cameras) data.cameras.push_back(readCorners(camera.name, camera.file));
+    for (const CameraFile& camera : settings.cameras)
+      data.cameras.push_back(readCorners(camera.name, camera.file));
   }
   for (CameraData& camera : data.cameras) {
     const auto given = settings.image_sizes.find(camera.name);
@@ -165,7 +166,8 @@ void run(const RawOptions& raw) {
   if (!settings.quiet) say(aloneHeader(settings));
   Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
   result.comparison = comparison;
-  if (!settings.json_file.empty() || !settings.report_file.empty()) result.quality = assess(data, settings, result);
+  if (!settings.json_file.empty() || !settings.report_file.empty())
+    result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings);
   const std::string failure = failureOf(result);
@@ -194,9 +196,13 @@ void addCalibrateCommand(CLI::App& app) {
                   "charuco:8x5:4x4_50, of so many squares, with markers of that dictionary;\n"
                   "aprilgrid:6x6, of so many tags 36h11, as Kalibr prints it")
       ->type_name("BOARD");
-  command.add_option("--square", raw->board.square_m, "side of a square, or of a tag of an aprilgrid [m]")->type_name("NUMBER");
-  command.add_option("--marker", raw->board.marker_m, "side of a marker of a charuco board [m]")->type_name("NUMBER");
-  command.add_option("--spacing", raw->board.spacing, "gap between tags of an aprilgrid, as a part of their side")
+  command.add_option("--square", raw->board.square_m, "side of a square, or of a tag of an aprilgrid [m]")
+      ->type_name("NUMBER");
+  command.add_option("--marker", raw->board.marker_m, "side of a marker of a charuco board [m]")
+      ->type_name("NUMBER");
+  command
+      .add_option("--spacing", raw->board.spacing,
+                  "gap between tags of an aprilgrid, as a part of their side")
       ->type_name("NUMBER");
   command
       .add_option("--corners-out", settings.corners_folder,
@@ -212,9 +218,10 @@ void addCalibrateCommand(CLI::App& app) {
       ->default_str("opencv5");
   CLI::Option* const compare =
       command
-          .add_option("--compare", raw->compared,
-                      "models to fit and to compare by how well they predict images they were not fitted to;\n"
-                      "without names all of them; the calibration is then with the one chosen, or --intrinsics")
+          .add_option(
+              "--compare", raw->compared,
+              "models to fit and to compare by how well they predict images they were not fitted to;\n"
+              "without names all of them; the calibration is then with the one chosen, or --intrinsics")
           ->type_name("MODEL,...")
           ->expected(0, 5)
           ->delimiter(',');
@@ -233,7 +240,8 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("NAME[=VALUE]")
       ->allow_extra_args(false);
   command
-      .add_option("--bound", raw->bounded, "keep a camera's parameter between two values, k3=-1,1 or left.fx=400,600; may be repeated")
+      .add_option("--bound", raw->bounded,
+                  "keep a camera's parameter between two values, k3=-1,1 or left.fx=400,600; may be repeated")
       ->type_name("NAME=LOWER,UPPER")
       ->allow_extra_args(false);
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
@@ -241,16 +249,22 @@ void addCalibrateCommand(CLI::App& app) {
       ->capture_default_str();
   addTimeLimit(command, settings.max_seconds);
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
-  command.add_option("--output", settings.yaml_file, "calibration as YAML for other programs; ROS wants '{name}' in it")
+  command
+      .add_option("--output", settings.yaml_file,
+                  "calibration as YAML for other programs; ROS wants '{name}' in it")
       ->type_name("FILE");
-  command.add_option("--report", settings.report_file, "how far the calibration can be trusted, as a page for the browser")
+  command
+      .add_option("--report", settings.report_file,
+                  "how far the calibration can be trusted, as a page for the browser")
       ->type_name("FILE");
   command
       .add_option("--format", raw->format,
                   "of --output: OpenCV's FileStorage, ROS camera_info or Kalibr's camchain;\n"
                   "otherwise ros where the name has {name} in it, kalibr for camchain, or opencv")
       ->type_name("opencv|ros|kalibr");
-  command.add_option("--image-size", raw->image_sizes, "of a camera with corner files, where these do not say it [px]")
+  command
+      .add_option("--image-size", raw->image_sizes,
+                  "of a camera with corner files, where these do not say it [px]")
       ->type_name("NAME=WxH")
       ->allow_extra_args(false);
   command.add_flag("--quiet", settings.quiet, "print errors only");

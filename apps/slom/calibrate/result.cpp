@@ -19,7 +19,8 @@ void Result::declareUndetermined(std::string why) {
   undetermined = std::move(why);
   for (CameraResult& camera : cameras) {
     for (Parameter& parameter : camera.parameters) parameter.std = unknown;
-    camera.translation_std = camera.rotation_std = camera.rotation_vector_std = vec3(unknown, unknown, unknown);
+    camera.translation_std = camera.rotation_std = camera.rotation_vector_std =
+        vec3(unknown, unknown, unknown);
   }
   if (!imu) return;
   imu->rotation_std = imu->rotation_vector_std = imu->acc_bias_std = vec3(unknown, unknown, unknown);

@@ -26,8 +26,8 @@ struct CameraResult {
   std::string name, file, model;
   std::vector<Parameter> parameters;
   Eigen::Matrix3d camera_matrix;
-  Eigen::VectorXd distortion;              ///< as OpenCV orders it: k1 k2 p1 p2 k3 [k4 k5 k6]; fisheye: k1 k2 k3 k4
-  SE3 left2camera;                         ///< from the reference camera; the identity for that one
+  Eigen::VectorXd distortion;  ///< as OpenCV orders it: k1 k2 p1 p2 k3 [k4 k5 k6]; fisheye: k1 k2 k3 k4
+  SE3 left2camera;             ///< from the reference camera; the identity for that one
   vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
   vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
@@ -99,14 +99,14 @@ struct Result {
   double rss = 0;
   double sigma_px = 0, sigma_acc = 0;
   std::optional<double> sigma_denominator;  ///< Settings::sigma_denominator
-  std::vector<std::string> active_bounds;  ///< `left.k3 is at its upper bound 1`
-  std::string undetermined;  ///< empty, or why there are no standard deviations
+  std::vector<std::string> active_bounds;   ///< `left.k3 is at its upper bound 1`
+  std::string undetermined;                 ///< empty, or why there are no standard deviations
   std::vector<CameraResult> cameras;
   std::optional<ImuResult> imu;
   std::vector<Stray> strays;
-  std::vector<ImageResult> images;  ///< by rising number
+  std::vector<ImageResult> images;       ///< by rising number
   std::optional<Comparison> comparison;  ///< where it was asked for
-  std::optional<Quality> quality;   ///< where it was asked for
+  std::optional<Quality> quality;        ///< where it was asked for
 
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
   bool success() const { return converged && undetermined.empty(); }

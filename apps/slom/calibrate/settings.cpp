@@ -73,7 +73,8 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
-const std::vector<std::string> lens_parameters{"f", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+const std::vector<std::string> lens_parameters{"f",  "fx", "fy", "cx", "cy", "k1", "k2",
+                                               "p1", "p2", "k3", "k4", "k5", "k6"};
 
 /// `k3` or `left.k3`; nothing where it is no camera's parameter.
 std::optional<LensConstraint> parseLensName(const std::string& option, const std::string& name) {
@@ -82,7 +83,9 @@ std::optional<LensConstraint> parseLensName(const std::string& option, const std
   constraint.option = option;
   if (dot != std::string::npos) constraint.camera = name.substr(0, dot);
   constraint.parameter = dot == std::string::npos ? name : name.substr(dot + 1);
-  if (std::find(lens_parameters.begin(), lens_parameters.end(), constraint.parameter) == lens_parameters.end()) return {};
+  if (std::find(lens_parameters.begin(), lens_parameters.end(), constraint.parameter) ==
+      lens_parameters.end())
+    return {};
   return constraint;
 }
 
@@ -124,12 +127,14 @@ std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
     const auto equals = text.find('=');
     auto constraint = parseLensName(option, text.substr(0, equals));
     if (!constraint || equals == std::string::npos) {
-      throw UserError(fmt::format("{}: write PARAMETER=LOWER,UPPER with a camera's parameter ({}), as in --bound k3=-1,1 or "
-                                  "--bound left.fx=400,600",
-                                  option, fmt::join(lens_parameters, ", ")));
+      throw UserError(fmt::format(
+          "{}: write PARAMETER=LOWER,UPPER with a camera's parameter ({}), as in --bound k3=-1,1 or "
+          "--bound left.fx=400,600",
+          option, fmt::join(lens_parameters, ", ")));
     }
     const std::vector<double> limits = parseNumbers(option, text.substr(equals + 1), 2);
-    if (!(limits[0] < limits[1])) throw UserError(fmt::format("{}: the lower limit must be below the upper one", option));
+    if (!(limits[0] < limits[1]))
+      throw UserError(fmt::format("{}: the lower limit must be below the upper one", option));
     const LensLimits possible = limitsOf(constraint->parameter);
     if (limits[1] < possible.lower || limits[0] > possible.upper)
       throw UserError(fmt::format("{}: {}, and nothing of that within these limits; give others", option,
@@ -147,18 +152,22 @@ void checkLens(const Settings& settings, Model model) {
   for (std::size_t i = 0; i < settings.lens.size(); ++i) {
     const LensConstraint& one = settings.lens[i];
     if (std::find(parameters.begin(), parameters.end(), one.parameter) == parameters.end()) {
-      throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option, toString(model),
-                                  one.parameter, fmt::join(parameters, ", ")));
+      throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option,
+                                  toString(model), one.parameter, fmt::join(parameters, ", ")));
     }
     const auto is_named = [&](const CameraFile& camera) { return camera.name == one.camera; };
     if (!one.camera.empty() && std::none_of(settings.cameras.begin(), settings.cameras.end(), is_named)) {
-      throw UserError(fmt::format("{}: there is no camera {}; give it by --camera, or leave the name out for all cameras", one.option,
-                                  one.camera));
+      throw UserError(
+          fmt::format("{}: there is no camera {}; give it by --camera, or leave the name out for all cameras",
+                      one.option, one.camera));
     }
     for (std::size_t j = 0; j < i; ++j) {
       const LensConstraint& other = settings.lens[j];
-      if (other.parameter != one.parameter || (!other.camera.empty() && !one.camera.empty() && other.camera != one.camera)) continue;
-      throw UserError(fmt::format("{}: {} is about the same parameter; give one of them", one.option, other.option));
+      if (other.parameter != one.parameter ||
+          (!other.camera.empty() && !one.camera.empty() && other.camera != one.camera))
+        continue;
+      throw UserError(
+          fmt::format("{}: {} is about the same parameter; give one of them", one.option, other.option));
     }
   }
 }
@@ -178,8 +187,9 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensConstrai
     if (fixer == fixers.end()) {
       std::vector<std::string> names;
       for (const auto& [known, unused] : fixers) names.push_back(known);
-      throw UserError(fmt::format("{}: nothing is called \"{}\"; what can be fixed is {} and cameras' parameters, {}", option, name,
-                                  fmt::join(names, ", "), fmt::join(lens_parameters, ", ")));
+      throw UserError(
+          fmt::format("{}: nothing is called \"{}\"; what can be fixed is {} and cameras' parameters, {}",
+                      option, name, fmt::join(names, ", "), fmt::join(lens_parameters, ", ")));
     }
     fixer->second(option, given, fixed);
   }
@@ -192,7 +202,8 @@ void parseModels(const RawOptions& raw, Settings& settings) {
   for (const std::string& name : raw.compared) {
     if (!name.empty()) settings.compared.push_back(parseModel("--compare", name));
   }
-  if (raw.compare && settings.compared.empty()) settings.compared.assign(std::begin(all_models), std::end(all_models));
+  if (raw.compare && settings.compared.empty())
+    settings.compared.assign(std::begin(all_models), std::end(all_models));
   if (!settings.model_is_given) settings.model = settings.compared.front();
 }
 

@@ -44,19 +44,19 @@ struct Settings {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files
   std::string corners_folder;  ///< for the corners that were found; empty: none
-  std::string imu_file;  ///< empty: no IMU
+  std::string imu_file;        ///< empty: no IMU
   Model model = Model::opencv5;
   std::vector<Model> compared;  ///< by --compare; empty: none
   bool model_is_given = true;   ///< otherwise it is the one that the comparison chooses
-  double sigma_px = 0.25;   ///< of u and of v [px]
-  double sigma_acc = 0.05;  ///< of each axis [m/s^2]
+  double sigma_px = 0.25;       ///< of u and of v [px]
+  double sigma_acc = 0.05;      ///< of each axis [m/s^2]
   Fixed fixed;
   std::vector<LensConstraint> lens;
   std::optional<double> sigma_denominator;  ///< of a prior of k4, k5, k6 of opencv8 at 0; nothing: no prior
   int max_iterations = 100;
-  double max_seconds = 0;  ///< of the whole run; 0: no limit
-  std::string json_file;  ///< empty: none
-  std::string yaml_file;  ///< empty: none
+  double max_seconds = 0;   ///< of the whole run; 0: no limit
+  std::string json_file;    ///< empty: none
+  std::string yaml_file;    ///< empty: none
   std::string report_file;  ///< empty: none
   OutputFormat format = OutputFormat::opencv;
   std::map<std::string, ImageSize> image_sizes;  ///< by camera, where the user gave them
@@ -70,7 +70,7 @@ struct RawOptions {
   std::vector<std::string> fixed, bounded;
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
-  std::string model;  ///< empty: opencv5, or what the comparison chooses
+  std::string model;   ///< empty: opencv5, or what the comparison chooses
   std::vector<std::string> compared;
   bool compare = false;
   Settings rest;

@@ -49,21 +49,27 @@ SolverName parseSolver(const std::string& text) {
   if (text == "dense-qr") return SolverName::dense_qr;
   if (text == "cholmod" && Cholmod::isAvailable()) return SolverName::cholmod;
   throw UserError(fmt::format("--solver {}: the solvers are auto, cholesky, cg, qr and dense-qr{}", text,
-                              Cholmod::isAvailable()  ? " and cholmod"
+                              Cholmod::isAvailable() ? " and cholmod"
                               : text == "cholmod" ? "; this build is without CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"
                                                   : ""));
 }
 
 std::unique_ptr<LinearSolver> makeSolver(SolverName name) {
   switch (name) {
-    case SolverName::qr: return std::make_unique<BlockQR>();
-    case SolverName::dense_qr: return std::make_unique<DenseQR>();
-    case SolverName::cholmod: return std::make_unique<Cholmod>();
+    case SolverName::qr:
+      return std::make_unique<BlockQR>();
+    case SolverName::dense_qr:
+      return std::make_unique<DenseQR>();
+    case SolverName::cholmod:
+      return std::make_unique<Cholmod>();
     case SolverName::cg:
-      return std::make_unique<BlockSolver>(BlockSolverOptions{.method = BlockSolverOptions::Method::conjugate_gradients});
+      return std::make_unique<BlockSolver>(
+          BlockSolverOptions{.method = BlockSolverOptions::Method::conjugate_gradients});
     case SolverName::cholesky:
-      return std::make_unique<BlockSolver>(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
-    case SolverName::automatic: break;
+      return std::make_unique<BlockSolver>(
+          BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
+    case SolverName::automatic:
+      break;
   }
   return std::make_unique<BlockSolver>();
 }

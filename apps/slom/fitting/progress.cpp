@@ -24,7 +24,7 @@ double Outcome::rssPerDof() const {
 
 Outcome outcomeOf(const RunReport& report) {
   const Summary& s = report.summary;
-  return {s.converged, s.iterations, toString(s.stop_reason), s.message, s.measurements, s.unknowns,
+  return {s.converged, s.iterations,  toString(s.stop_reason), s.message, s.measurements, s.unknowns,
           s.final_rss, s.hasLosses(), report.free_directions};
 }
 
@@ -36,8 +36,7 @@ std::string outcomeText(const Outcome& o) {
       o.free_directions == 0 ? "" : fmt::format(" + {} free directions", o.free_directions), o.redundancy());
   const char* const kind = o.is_robust ? "robust RSS" : "RSS";
   text += fmt::format("  {} {:.6g}", kind, o.rss);
-  if (o.redundancy() > 0)
-    text += fmt::format(", {}/dof {:.4g}", o.is_robust ? kind : "chi2", o.rssPerDof());
+  if (o.redundancy() > 0) text += fmt::format(", {}/dof {:.4g}", o.is_robust ? kind : "chi2", o.rssPerDof());
   text += '\n';
   if (!o.converged) text += fmt::format("  {}\n", o.message);
   return text;

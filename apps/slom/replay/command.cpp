@@ -1,6 +1,4 @@
 // `slom replay`: options, then load -> fit -> report and files.
-#include "replay/replay.hpp"
-
 #include <memory>
 #include <sstream>
 #include <string>
@@ -15,6 +13,7 @@
 #include "input_file.hpp"
 #include "output_files.hpp"
 #include "replay/kinds.hpp"
+#include "replay/replay.hpp"
 
 namespace slom::app {
 namespace {
@@ -60,7 +59,8 @@ void run(const Settings& settings) {
   const Stopwatch total;
   const FitOptions fit = parseFitOptions(settings.fit);
   const Console console(settings.report);
-  checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file}, {"--json", settings.report.jsonPath()}});
+  checkResultPaths({{"FILE", settings.file}},
+                   {{"--output", settings.output_file}, {"--json", settings.report.jsonPath()}});
   const Archive archive = makeArchive();
   std::istringstream text(readWhole(settings.file));
   StoredProblem problem = asUserError([&] { return archive.load(text, settings.file); });
@@ -101,8 +101,10 @@ void addReplayCommand(CLI::App& app) {
   command.footer(footer_text);
   command.add_option("FILE", settings->file, "the problem, as slom::Archive saves it")->required();
   addFitOptions(command, settings->fit);
-  command.add_flag("--diagnose", settings->diagnose, "say first what of the problem is not or hardly determined");
-  command.add_option("--output", settings->output_file, "the problem with its fitted values")->type_name("FILE");
+  command.add_flag("--diagnose", settings->diagnose,
+                   "say first what of the problem is not or hardly determined");
+  command.add_option("--output", settings->output_file, "the problem with its fitted values")
+      ->type_name("FILE");
   addReportOptions(command, settings->report);
   command.callback([settings] { run(*settings); });
 }

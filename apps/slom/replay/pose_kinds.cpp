@@ -33,9 +33,10 @@ void addPoseKinds(Archive& archive) {
   archive.measurement<GravityDirection, VarID<SO3<>>, S2<>, Measured<S2<>>>();
   archive.measurement<GravityDirection, VarID<Pose3>, S2<>, Measured<S2<>>>();
   archive.measurement<Accelerometer, VarID<Pose3>, S2<>, VarID<double>, VarID<vect<3>>, Measured<vect<3>>>();
-  archive.measurement<Accelerometer, VarID<Pose3>, VarID<SO3<>>, S2<>, VarID<double>, VarID<vect<3>>, Measured<vect<3>>>();
-  addPriors<double, vect<1>, vect<2>, vect<3>, mtk::Scalar<>, SO2<>, SO3<>, S2<>, Pose2, Pose3, PinholeIntrinsics<>,
-            OpenCv5Intrinsics<>, FisheyeIntrinsics<>>(archive);
+  archive.measurement<Accelerometer, VarID<Pose3>, VarID<SO3<>>, S2<>, VarID<double>, VarID<vect<3>>,
+                      Measured<vect<3>>>();
+  addPriors<double, vect<1>, vect<2>, vect<3>, mtk::Scalar<>, SO2<>, SO3<>, S2<>, Pose2, Pose3,
+            PinholeIntrinsics<>, OpenCv5Intrinsics<>, FisheyeIntrinsics<>>(archive);
 }
 
 }  // namespace slom::app::replay

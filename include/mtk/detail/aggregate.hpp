@@ -16,8 +16,8 @@ inline constexpr std::size_t kMaxAggregateMembers = 20;
 template <class T>
 struct AnyMember {
   template <class U>
-    requires(!std::is_base_of_v<U, T>)
-  constexpr operator U() const noexcept;  // NOLINT(google-explicit-constructor): that is its purpose
+  requires(!std::is_base_of_v<U, T>) constexpr operator U()
+      const noexcept;  // NOLINT(google-explicit-constructor): that is its purpose
 };
 
 template <class T, std::size_t... I>
@@ -42,10 +42,10 @@ template <class T>
 constexpr auto tieMembers(T& x) {
   constexpr std::size_t n = memberCount<std::remove_const_t<T>>();
   static_assert(n >= 1 && n <= kMaxAggregateMembers);
-#define MTK_TIE(count, ...)                \
-  if constexpr (n == (count)) {            \
-    auto& [__VA_ARGS__] = x;               \
-    return std::tie(__VA_ARGS__);          \
+#define MTK_TIE(count, ...)       \
+  if constexpr (n == (count)) {   \
+    auto& [__VA_ARGS__] = x;      \
+    return std::tie(__VA_ARGS__); \
   } else  // NOLINT(readability-else-after-return)
   MTK_TIE(1, a)
   MTK_TIE(2, a, b)
@@ -95,7 +95,8 @@ constexpr auto memberAddress() {
 }
 template <auto Address>
 constexpr std::string_view addressName() {
-  std::string_view text = __PRETTY_FUNCTION__;  // "... [with auto Address = (& ...::member); std::string_view = ...]"
+  std::string_view text =
+      __PRETTY_FUNCTION__;  // "... [with auto Address = (& ...::member); std::string_view = ...]"
   text = text.substr(0, text.rfind("; std::string_view"));
   text = text.substr(0, text.rfind(')'));
   text = text.substr(text.rfind(':') + 1);
@@ -114,7 +115,8 @@ constexpr auto memberNames() {
                                             "10", "11", "12", "13", "14", "15", "16", "17", "18", "19"};
     return std::array<std::string_view, sizeof...(I)>{numbers[I]...};
 #endif
-  }(std::make_index_sequence<memberCount<T>()>{});
+  }
+  (std::make_index_sequence<memberCount<T>()>{});
 }
 
 }  // namespace mtk::detail

@@ -105,14 +105,16 @@ void interleave(const std::array<const double*, W>& x, Lanes<double, static_cast
   unrolled<in_pairs / 2>([&](int pair) {
     unrolled<Packed::count>([&](int v) {
       const double* const* const own = x.data() + v * Packed::lanes;
-      const auto even = loadPairs<Packed::lanes>(own, 2 * pair), odd = loadPairs<Packed::lanes>(own + 1, 2 * pair);
+      const auto even = loadPairs<Packed::lanes>(own, 2 * pair),
+                 odd = loadPairs<Packed::lanes>(own + 1, 2 * pair);
       out[2 * pair].v[v] = unpackLow(even, odd);
       out[2 * pair + 1].v[v] = unpackHigh(even, odd);
     });
   });
 #endif
   unrolled<N - in_pairs>([&](int i) {
-    out[in_pairs + i] = Packed::generate([&](int lane) { return x[static_cast<std::size_t>(lane)][in_pairs + i]; });
+    out[in_pairs + i] =
+        Packed::generate([&](int lane) { return x[static_cast<std::size_t>(lane)][in_pairs + i]; });
   });
 }
 
@@ -144,9 +146,8 @@ void storeLanes(const X& x, double* out, std::ptrdiff_t stride) {
       storePairs(unpackLow(a, b), out + in_quads, stride);
       storePairs(unpackHigh(a, b), out + stride + in_quads, stride);
     });
-    unrolled<N - in_pairs>([&](int) {
-      unrolled<lanes>([&](int lane) { out[lane * stride + in_pairs] = x(in_pairs)[lane]; });
-    });
+    unrolled<N - in_pairs>(
+        [&](int) { unrolled<lanes>([&](int lane) { out[lane * stride + in_pairs] = x(in_pairs)[lane]; }); });
   } else if constexpr (lanes == 2) {
     unrolled<N>([&](int i) { out[i] = x(i)[0]; });
   } else {
@@ -165,17 +166,17 @@ void deinterleave(const Lanes<double, W>* x, double* out, std::ptrdiff_t stride)
 #if defined(MTK_HAS_SHUFFLES)
   if constexpr (lanes > 1) {
     unrolled<whole>([&](int v) {
-      storeLanes<N, lanes>([&](int i) -> const auto& { return x[i].v[v]; }, out + v * lanes * stride, stride);
+      storeLanes<N, lanes>(
+          [&](int i) -> const auto& { return x[i].v[v]; }, out + v * lanes * stride, stride);
     });
     if constexpr (W > whole * lanes) {
-      storeLanes<N, W - whole * lanes>([&](int i) -> const auto& { return x[i].v[whole]; }, out + whole * lanes * stride, stride);
+      storeLanes<N, W - whole * lanes>(
+          [&](int i) -> const auto& { return x[i].v[whole]; }, out + whole * lanes * stride, stride);
     }
     return;
   }
 #endif
-  unrolled<N>([&](int i) {
-    unrolled<W>([&](int lane) { out[lane * stride + i] = x[i].get(lane); });
-  });
+  unrolled<N>([&](int i) { unrolled<W>([&](int lane) { out[lane * stride + i] = x[i].get(lane); }); });
 }
 
 }  // namespace mtk::detail

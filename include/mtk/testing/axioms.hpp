@@ -27,11 +27,11 @@ namespace mtk::testing {
 
 struct AxiomOptions {
   unsigned seed = 1;
-  int points = 40;           ///< random points x
+  int points = 40;  ///< random points x
   /// (x [+] d) [-] x = d is demanded for |d| < radius: pi for rotations and directions, infinite for vectors. The default
   /// suits both and every compound of them.
   double radius = 3.14159265358979;
-  double spread = 2;         ///< standard deviation of the random steps that lead to the points
+  double spread = 2;  ///< standard deviation of the random steps that lead to the points
   /// Allowed error in units of the scalar's epsilon, times 1 + the size of the numbers involved.
   double tolerance = 64;
 };
@@ -86,8 +86,8 @@ class AxiomCheck {
     const double pi = 3.14159265358979323846;
     const double eps = std::numeric_limits<S>::epsilon();
     const double least = std::numeric_limits<S>::min();
-    return {0,    least, std::sqrt(least), eps,           std::sqrt(eps),       1e-3,           0.5, 1.5,
-            3.0,  pi - 1e-3, pi - 16 * eps,    pi, pi + 16 * eps, pi + 1e-3, 4.0, 2 * pi};
+    return {0,   least,     std::sqrt(least), eps, std::sqrt(eps), 1e-3,      0.5, 1.5,
+            3.0, pi - 1e-3, pi - 16 * eps,    pi,  pi + 16 * eps,  pi + 1e-3, 4.0, 2 * pi};
   }
 
   Tangent randomTangent(double sigma) {
@@ -125,8 +125,8 @@ class AxiomCheck {
     report_.check(apart <= (d - other).norm() + limit + allowed(x, other), [&] {
       return describe("|(x [+] d1) [-] (x [+] d2)| <= |d1 - d2|", double(apart - (d - other).norm()), x, d);
     });
-    expectSmall("boxplus(d, s) = boxplus(s d)", difference(moved(x, d, S(-0.5)), moved(x, Tangent(S(-0.5) * d))), limit,
-                x, d);
+    expectSmall("boxplus(d, s) = boxplus(s d)",
+                difference(moved(x, d, S(-0.5)), moved(x, Tangent(S(-0.5) * d))), limit, x, d);
   }
 
   void expectSmall(const char* axiom, const Tangent& error, S limit, const M& x, const Tangent& d) {

@@ -61,7 +61,9 @@ class S2 {
     const S square = a * a + b * b;
     const auto [along, across] = detail::branch(
         square < S(detail::epsilon<S>),
-        [&] { return std::array<S, 2>{S(1) - square / S(2), S(1) - square / S(6)}; },  // of cos(t), sin(t)/t
+        [&] {
+          return std::array<S, 2>{S(1) - square / S(2), S(1) - square / S(6)};
+        },  // of cos(t), sin(t)/t
         [&] {
           using std::cos;
           using std::sin;

@@ -15,7 +15,7 @@ class Scalar {
   static constexpr std::array<std::string_view, 1> component_names{""};
 
   Scalar() = default;
-  Scalar(const S& value) : value_(value) {}  // NOLINT(google-explicit-constructor): it is that number
+  Scalar(const S& value) : value_(value) {}     // NOLINT(google-explicit-constructor): it is that number
   operator const S&() const { return value_; }  // NOLINT(google-explicit-constructor)
   const S& value() const { return value_; }
 
@@ -44,7 +44,9 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   Scalar(const scalar& x) : scalar(x) {}  // NOLINT(google-explicit-constructor): it is that number
   const scalar& value() const { return *this; }
 
-  void boxplus(vectview<const scalar, 1> d, scalar scale = scalar(1)) { *this = Scalar(*this + scale * d[0]); }
+  void boxplus(vectview<const scalar, 1> d, scalar scale = scalar(1)) {
+    *this = Scalar(*this + scale * d[0]);
+  }
   void boxminus(vectview<scalar, 1> out, const Scalar& y) const { out[0] = value() - y.value(); }
 };
 

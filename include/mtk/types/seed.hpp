@@ -28,7 +28,8 @@ struct SeedEntries {
 
 /// N unknowns, which cannot be changed. Taken apart by a structured binding, each entry depends on itself alone.
 template <int N, class S, int Offset>
-class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>, PlainVector<typename SeedEntries<N, S, Offset>::Entry, N>> {
+class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>,
+                                                PlainVector<typename SeedEntries<N, S, Offset>::Entry, N>> {
   using Entries = SeedEntries<N, S, Offset>;
   using Base = Eigen::CwiseNullaryOp<Entries, PlainVector<typename Entries::Entry, N>>;
 
@@ -77,7 +78,9 @@ template <std::uint64_t C, class S>
 RowPartials<S, C> rowsOf(const Matrix3<S>& M) {
   static_assert(countColumns(C) == 3);
   RowPartials<S, C> rows;
-  unrolled<3>([&](int i) { rows[static_cast<std::size_t>(i)] = Partials<S, C>::generate([&](int k) { return M(i, k); }); });
+  unrolled<3>([&](int i) {
+    rows[static_cast<std::size_t>(i)] = Partials<S, C>::generate([&](int k) { return M(i, k); });
+  });
   return rows;
 }
 /// [v]x
@@ -114,23 +117,32 @@ class SeedRotation : public SO3<SparseDual<S, C>> {
   explicit SeedRotation(const SO3<S>& R) : Base(R, rowsOf<C>(Matrix3<S>(Matrix3<S>::Identity()))) {}
   InverseSeedRotation<S, C> inverse() const { return InverseSeedRotation<S, C>(this->value().inverse()); }
   /// d (R p) / d e, where M = R and v = R p.
-  static Matrix3<S> derivative(const Matrix3<S>& M, const vect<3, S>& p, const vect<3, S>&) { return minusTimesCross<S>(M, p); }
+  static Matrix3<S> derivative(const Matrix3<S>& M, const vect<3, S>& p, const vect<3, S>&) {
+    return minusTimesCross<S>(M, p);
+  }
   /// D, where R exp(e) B = R B exp(D e). product: R B.
   static Matrix3<S> passedOn(const Matrix3<S>& B, const SO3<S>&) { return B.transpose(); }
 
-  void boxplus(vectview<const SparseDual<S, C>, 3> d, const SparseDual<S, C>& scale = SparseDual<S, C>(1)) = delete;
+  void boxplus(vectview<const SparseDual<S, C>, 3> d,
+               const SparseDual<S, C>& scale = SparseDual<S, C>(1)) = delete;
 };
 /// The inverse of such a rotation: exp(-e) R.
 template <class S, std::uint64_t C>
 class InverseSeedRotation : public SO3<SparseDual<S, C>> {
  public:
   using Base = SO3<SparseDual<S, C>>;
-  explicit InverseSeedRotation(const SO3<S>& R) : Base(R, rowsOf<C>(Matrix3<S>(-R.inverse().toRotationMatrix()))) {}
+  explicit InverseSeedRotation(const SO3<S>& R)
+      : Base(R, rowsOf<C>(Matrix3<S>(-R.inverse().toRotationMatrix()))) {}
   SeedRotation<S, C> inverse() const { return SeedRotation<S, C>(this->value().inverse()); }
-  static Matrix3<S> derivative(const Matrix3<S>&, const vect<3, S>&, const vect<3, S>& v) { return crossMatrix<S>(v); }
-  static Matrix3<S> passedOn(const Matrix3<S>&, const SO3<S>& product) { return -product.inverse().toRotationMatrix(); }
+  static Matrix3<S> derivative(const Matrix3<S>&, const vect<3, S>&, const vect<3, S>& v) {
+    return crossMatrix<S>(v);
+  }
+  static Matrix3<S> passedOn(const Matrix3<S>&, const SO3<S>& product) {
+    return -product.inverse().toRotationMatrix();
+  }
 
-  void boxplus(vectview<const SparseDual<S, C>, 3> d, const SparseDual<S, C>& scale = SparseDual<S, C>(1)) = delete;
+  void boxplus(vectview<const SparseDual<S, C>, 3> d,
+               const SparseDual<S, C>& scale = SparseDual<S, C>(1)) = delete;
 };
 template <class R>
 inline constexpr bool is_seed_rotation = false;
@@ -177,8 +189,8 @@ class vect<N, detail::SeparateUnknowns<S, Offset>> : public detail::SeedVector<N
 
 /// Rotates a point or a direction.
 template <class R, class E>
-  requires(detail::is_seed_rotation<R> && bool(E::IsVectorAtCompileTime))
-auto operator*(const R& rotation, const Eigen::MatrixBase<E>& point) {
+requires(detail::is_seed_rotation<R>&& bool(E::IsVectorAtCompileTime)) auto operator*(
+    const R& rotation, const Eigen::MatrixBase<E>& point) {
   static_assert(E::SizeAtCompileTime == 3, "mtk: SO3 rotates 3-vectors");
   using A = typename R::scalar;
   using B = typename E::Scalar;
@@ -194,8 +206,8 @@ auto operator*(const R& rotation, const Eigen::MatrixBase<E>& point) {
   }
 }
 template <class A, class E>
-  requires(detail::is_seed_vector<E> && E::SizeAtCompileTime == 3)
-auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+requires(detail::is_seed_vector<E>&& E::SizeAtCompileTime == 3) auto operator*(
+    const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   using B = typename E::Scalar;
   using S = detail::ValueType<B>;
   const detail::Matrix3<S> M = detail::rotationValue<S>(R).toRotationMatrix();
@@ -210,8 +222,7 @@ auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
 }
 
 template <class R, class B>
-  requires(detail::is_seed_rotation<R>)
-auto operator*(const R& a, const SO3<B>& b) {
+requires(detail::is_seed_rotation<R>) auto operator*(const R& a, const SO3<B>& b) {
   using A = typename R::scalar;
   using S = detail::ValueType<A>;
   using D = promote_t<A, B>;

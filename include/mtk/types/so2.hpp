@@ -15,8 +15,8 @@ namespace detail {
 template <class S>
 inline constexpr built_in_t<S> two_pi = built_in_t<S>(6.283185307179586476925286766559005768L);
 template <class S>
-inline constexpr built_in_t<S> two_pi_rest =
-    built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
+inline constexpr built_in_t<S> two_pi_rest = built_in_t<S>(6.283185307179586476925286766559005768L -
+                                                           (long double)(two_pi<S>));
 
 /// x as a constant.
 template <class S>
@@ -36,13 +36,15 @@ template <class S>
 S wrapAngle(const S& a) {
   using std::floor;
   constexpr auto half = two_pi<S> / 2;
-  return branch(a >= S(-half) && a < S(half), [&] { return a; }, [&] {
-    if (!allOf(a >= S(-kFarAngle) && a <= S(kFarAngle))) return S(reducedAngle(a));
-    const S turns = floor(S(a / two_pi<S> + S(0.5)));
-    S wrapped = (a - turns * two_pi<S>) - turns * two_pi_rest<S>;
-    wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
-    return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
-  });
+  return branch(
+      a >= S(-half) && a < S(half), [&] { return a; },
+      [&] {
+        if (!allOf(a >= S(-kFarAngle) && a <= S(kFarAngle))) return S(reducedAngle(a));
+        const S turns = floor(S(a / two_pi<S> + S(0.5)));
+        S wrapped = (a - turns * two_pi<S>)-turns * two_pi_rest<S>;
+        wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
+        return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
+      });
 }
 }  // namespace detail
 
@@ -62,13 +64,14 @@ class SO2 {
   /// From a rotation matrix, or the nearest rotation to another one. Throws [mtk.no-rotation] where there is none, as for
   /// reflections and the zero matrix.
   template <class D>
-    requires(D::RowsAtCompileTime == 2 && D::ColsAtCompileTime == 2)
-  explicit SO2(const Eigen::MatrixBase<D>& R) {
+  requires(D::RowsAtCompileTime == 2 &&
+           D::ColsAtCompileTime == 2) explicit SO2(const Eigen::MatrixBase<D>& R) {
     using std::abs;
     using std::atan2;
     const S c = R(0, 0) + R(1, 1), s = R(1, 0) - R(0, 1);
     const S size = abs(S(R(0, 0))) + abs(S(R(0, 1))) + abs(S(R(1, 0))) + abs(S(R(1, 1)));
-    const auto good = abs(c) + abs(s) > S(1e-6) * size && size <= S(std::numeric_limits<detail::built_in_t<S>>::max());
+    const auto good =
+        abs(c) + abs(s) > S(1e-6) * size && size <= S(std::numeric_limits<detail::built_in_t<S>>::max());
     if (!detail::allOf(good)) {
       const auto number = [&](const S& x) {
         if constexpr (detail::is_dual<S>) {
@@ -77,7 +80,8 @@ class SO2 {
           return detail::firstWithout(good, x);
         }
       };
-      detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO2) cannot be made of the matrix with the rows ",
+      detail::raiseBadNumbers("mtk.no-rotation",
+                              "a rotation (SO2) cannot be made of the matrix with the rows ",
                               {number(R(0, 0)), number(R(0, 1)), number(R(1, 0)), number(R(1, 1))},
                               ", which is a reflection, zero or not finite; pass a rotation matrix");
     }
@@ -100,8 +104,7 @@ class SO2 {
   SO2 operator*(const SO2& other) const { return SO2(angle_ + other.angle_); }
   /// Rotates a point or a direction.
   template <class D>
-    requires(bool(D::IsVectorAtCompileTime))
-  auto operator*(const Eigen::MatrixBase<D>& p) const {
+  requires(bool(D::IsVectorAtCompileTime)) auto operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 2 || D::SizeAtCompileTime == Dynamic, "mtk: SO2 rotates 2-vectors");
     using std::cos;
     using std::sin;
@@ -110,7 +113,9 @@ class SO2 {
     return vect<2, promote_t<S, typename D::Scalar>>(c * q[0] - s * q[1], s * q[0] + c * q[1]);
   }
 
-  void boxplus(vectview<const S, 1> d, S scale = S(1)) { angle_ = detail::wrapAngle(S(angle_ + scale * d[0])); }
+  void boxplus(vectview<const S, 1> d, S scale = S(1)) {
+    angle_ = detail::wrapAngle(S(angle_ + scale * d[0]));
+  }
   void boxminus(vectview<S, 1> out, const SO2& y) const { out[0] = detail::wrapAngle(S(angle_ - y.angle_)); }
 
  private:
@@ -120,8 +125,8 @@ class SO2 {
 
 /// Rotations over different number types, one of which holds the other: constants and dual numbers.
 template <class A, class B>
-  requires(!std::is_same_v<A, B>)
-SO2<promote_t<A, B>> operator*(const SO2<A>& a, const SO2<B>& b) {
+requires(!std::is_same_v<A, B>) SO2<promote_t<A, B>>
+operator*(const SO2<A>& a, const SO2<B>& b) {
   return SO2<promote_t<A, B>>(promote_t<A, B>(a.angle() + b.angle()));
 }
 

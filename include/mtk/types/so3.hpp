@@ -36,30 +36,31 @@ class SO3 {
     const S square = q_.squaredNorm();
     if (const auto good = square >= S(Limits::min()) && square <= S(Limits::max()); !detail::allOf(good)) {
       const auto number = [&](const S& c) { return detail::firstWithout(good, c); };
-      detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO3) cannot be made of the quaternion (w, x, y, z) = ",
-                              {number(w), number(x), number(y), number(z)},
-                              ", whose length is zero, not finite or far from 1; pass finite coefficients of a length near 1, which "
-                              "are then normalised");
+      detail::raiseBadNumbers(
+          "mtk.no-rotation", "a rotation (SO3) cannot be made of the quaternion (w, x, y, z) = ",
+          {number(w), number(x), number(y), number(z)},
+          ", whose length is zero, not finite or far from 1; pass finite coefficients of a length near 1, which "
+          "are then normalised");
     }
     using std::sqrt;
     q_ /= sqrt(square);
   }
   // Of Eigen's rotations Eigen/Core declares the names; whoever has one has included Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
-      : SO3(q.w(), q.x(), q.y(), q.z()) {}
+  : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
-      : SO3(exp(Vector(a.angle() * a.axis()))) {}
+  : SO3(exp(Vector(a.angle() * a.axis()))) {}
   /// The same rotation in a number type that loses nothing: a constant among packs.
   template <class T>
-    requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
-  SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
+  requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
+      SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it. Throws [mtk.no-rotation] for others:
   /// reflections, the zero matrix, columns of other lengths than about 1, numbers that are not finite.
   ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is no difference of large numbers
   template <class D>
-    requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
-  explicit SO3(const Eigen::MatrixBase<D>& matrix) {
+  requires(D::RowsAtCompileTime == 3 &&
+           D::ColsAtCompileTime == 3) explicit SO3(const Eigen::MatrixBase<D>& matrix) {
     const Matrix R = matrix;
     requireRotation(R);
     const S trace = R(0, 0) + R(1, 1) + R(2, 2);
@@ -83,7 +84,9 @@ class SO3 {
     const S square = x * x + y * y + z * z;
     const auto [factor, w] = detail::branch(
         square < S(detail::epsilon<S>),
-        [&] { return std::array<S, 2>{(S(1) - square / S(24)) / S(2), S(1) - square / S(8)}; },  // of sin(t/2)/t, cos(t/2)
+        [&] {
+          return std::array<S, 2>{(S(1) - square / S(24)) / S(2), S(1) - square / S(8)};
+        },  // of sin(t/2)/t, cos(t/2)
         [&] {
           using std::cos;
           using std::sin;
@@ -148,8 +151,8 @@ class SO3 {
   }
   /// Rotates a point or a direction.
   template <class D>
-    requires(bool(D::IsVectorAtCompileTime) && std::is_same_v<promote_t<S, typename D::Scalar>, S>)
-  Vector operator*(const Eigen::MatrixBase<D>& p) const {
+  requires(bool(D::IsVectorAtCompileTime) && std::is_same_v<promote_t<S, typename D::Scalar>, S>) Vector
+  operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
     const PlainVector<typename D::Scalar, 3> point = p;
     const S px(point[0]), py(point[1]), pz(point[2]);
@@ -172,16 +175,19 @@ class SO3 {
   static void requireRotation(const Matrix& R) {
     const Vector a = R.col(0), b = R.col(1), c = R.col(2);
     const S aa = a.dot(a), bb = b.dot(b), cc = c.dot(c), ab = a.dot(b), ac = a.dot(c), bc = b.dot(c);
-    const S volume = (a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] + (a[0] * b[1] - a[1] * b[0]) * c[2];
+    const S volume = (a[1] * b[2] - a[2] * b[1]) * c[0] + (a[2] * b[0] - a[0] * b[2]) * c[1] +
+                     (a[0] * b[1] - a[1] * b[0]) * c[2];
     const auto near = [](const S& x, double y) { return x >= S(y - kRough) && x <= S(y + kRough); };
-    const auto good = near(aa, 1) && near(bb, 1) && near(cc, 1) && near(ab, 0) && near(ac, 0) && near(bc, 0) && volume > S(0);
+    const auto good = near(aa, 1) && near(bb, 1) && near(cc, 1) && near(ab, 0) && near(ac, 0) &&
+                      near(bc, 0) && volume > S(0);
     if (detail::allOf(good)) return;
     const auto number = [&](int i, int j) { return detail::firstWithout(good, R(i, j)); };
-    detail::raiseBadNumbers("mtk.no-rotation", "a rotation (SO3) cannot be made of the matrix with the rows ",
-                            {number(0, 0), number(0, 1), number(0, 2), number(1, 0), number(1, 1), number(1, 2), number(2, 0),
-                             number(2, 1), number(2, 2)},
-                            ", whose columns are not orthonormal, or left-handed; pass a rotation matrix, or the one nearest to yours, "
-                            "U V^T of its singular value decomposition with determinant 1");
+    detail::raiseBadNumbers(
+        "mtk.no-rotation", "a rotation (SO3) cannot be made of the matrix with the rows ",
+        {number(0, 0), number(0, 1), number(0, 2), number(1, 0), number(1, 1), number(1, 2), number(2, 0),
+         number(2, 1), number(2, 2)},
+        ", whose columns are not orthonormal, or left-handed; pass a rotation matrix, or the one nearest to yours, "
+        "U V^T of its singular value decomposition with determinant 1");
   }
 
   /// Squared tangent of the half angle below which two terms of the series are exact.

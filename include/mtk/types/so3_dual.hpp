@@ -27,7 +27,8 @@ std::array<P, 3> multiply(const Matrix3<S>& M, const std::array<P, 3>& d) {
   std::array<P, 3> r;
   unrolled<P::count>([&](int k) {
     const auto a = d[0].v[k], b = d[1].v[k], c = d[2].v[k];
-    unrolled<3>([&](int i) { r[static_cast<std::size_t>(i)].v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c; });
+    unrolled<3>(
+        [&](int i) { r[static_cast<std::size_t>(i)].v[k] = M(i, 0) * a + M(i, 1) * b + M(i, 2) * c; });
   });
   return r;
 }
@@ -60,7 +61,8 @@ vect<3, S> valueOf(const PlainVector<SparseDual<S, C>, 3>& p) {
 }
 /// The vector with this value and derivatives M d.
 template <class S, std::uint64_t C>
-vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M, const RowPartials<S, C>& d) {
+vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M,
+                                     const RowPartials<S, C>& d) {
   vect<3, SparseDual<S, C>> result{Uninitialized()};
   unrolled<3>([&](int i) { result[i].value() = value[i]; });
   unrolled<Partials<S, C>::count>([&](int k) {
@@ -130,25 +132,27 @@ class SO3<SparseDual<S, C>> {
   SO3() { d_.fill(detail::Partials<S, C>::zero()); }
   /// A constant.
   template <class T>
-    requires(std::is_same_v<T, S> || std::is_arithmetic_v<T>)
-  SO3(const SO3<T>& R) : R_(R) {  // NOLINT(google-explicit-constructor): nothing is lost
+  requires(std::is_same_v<T, S> || std::is_arithmetic_v<T>) SO3(const SO3<T>& R)
+      : R_(R) {  // NOLINT(google-explicit-constructor): nothing is lost
     d_.fill(detail::Partials<S, C>::zero());
   }
   SO3(const Value& R, const RowPartials& d) : R_(R), d_(d) {}
   /// The same rotation among more unknowns.
   template <std::uint64_t A>
-    requires((A & ~C) == 0 && A != C)
-  SO3(const SO3<SparseDual<S, A>>& R)  // NOLINT(google-explicit-constructor): nothing is lost
+  requires((A & ~C) == 0 && A != C)
+      SO3(const SO3<SparseDual<S, A>>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : R_(R.value()), d_(detail::add<A, C, S>(R.partials(), SO3().d_)) {}
   /// From quaternion coefficients, normalised; note the order.
   SO3(const scalar& w, const scalar& x, const scalar& y, const scalar& z)
       : R_(w.value(), x.value(), y.value(), z.value()) {
     // d = 2 vec(q^-1 dq) / |q|
     using std::sqrt;
-    const S norm = sqrt(S(w.value() * w.value() + x.value() * x.value() + y.value() * y.value() + z.value() * z.value()));
+    const S norm = sqrt(
+        S(w.value() * w.value() + x.value() * x.value() + y.value() * y.value() + z.value() * z.value()));
     const S f = S(2) / norm, qw = f * R_.w(), qx = f * R_.x(), qy = f * R_.y(), qz = f * R_.z();
     for (int k = 0; k < detail::Partials<S, C>::count; ++k) {
-      const auto dw = w.partials().v[k], dx = x.partials().v[k], dy = y.partials().v[k], dz = z.partials().v[k];
+      const auto dw = w.partials().v[k], dx = x.partials().v[k], dy = y.partials().v[k],
+                 dz = z.partials().v[k];
       d_[0].v[k] = qw * dx - qx * dw - qy * dz + qz * dy;
       d_[1].v[k] = qw * dy - qy * dw - qz * dx + qx * dz;
       d_[2].v[k] = qw * dz - qz * dw - qx * dy + qy * dx;
@@ -156,13 +160,15 @@ class SO3<SparseDual<S, C>> {
   }
   /// From a rotation matrix.
   template <class D>
-    requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3 && std::is_same_v<typename D::Scalar, scalar>)
-  explicit SO3(const Eigen::MatrixBase<D>& M) {
+  requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3 &&
+           std::is_same_v<typename D::Scalar, scalar>) explicit SO3(const Eigen::MatrixBase<D>& M) {
     Eigen::Matrix<S, 3, 3> value;
     for (int i = 0; i < 9; ++i) value(i % 3, i / 3) = M(i % 3, i / 3).value();
     R_ = Value(value);
     const detail::Matrix3<S> back = R_.inverse().toRotationMatrix();
-    const auto rotated = [&](int column) { return detail::multiply<S>(back, detail::partialsOf<S, C>(M.col(column))); };
+    const auto rotated = [&](int column) {
+      return detail::multiply<S>(back, detail::partialsOf<S, C>(M.col(column)));
+    };
     const auto x = rotated(0), y = rotated(1), z = rotated(2);  // of R^-1 dR = [d]x, its antisymmetric part
     for (int k = 0; k < detail::Partials<S, C>::count; ++k) {
       d_[0].v[k] = S(0.5) * (y[2].v[k] - z[1].v[k]);
@@ -174,7 +180,8 @@ class SO3<SparseDual<S, C>> {
   static SO3 exp(vectview<const scalar, 3> d) {
     const PlainVector<scalar, 3> v = d;
     const vect<3, S> value = detail::valueOf<S, C>(v);
-    return {Value::exp(value), detail::multiply<S>(detail::rightJacobian<S>(value), detail::partialsOf<S, C>(v))};
+    return {Value::exp(value),
+            detail::multiply<S>(detail::rightJacobian<S>(value), detail::partialsOf<S, C>(v))};
   }
   static SO3 exp(vectview<const scalar, 3> d, const scalar& scale) { return exp(Vector(scale * d)); }
   static Vector log(const SO3& R) {
@@ -212,7 +219,9 @@ class SO3<SparseDual<S, C>> {
     return {R_.inverse(), detail::multiply<S>(negative, d_)};
   }
 
-  void boxplus(vectview<const scalar, 3> d, const scalar& scale = scalar(1)) { *this = *this * exp(d, scale); }
+  void boxplus(vectview<const scalar, 3> d, const scalar& scale = scalar(1)) {
+    *this = *this * exp(d, scale);
+  }
   void boxminus(vectview<scalar, 3> out, const SO3& y) const { out = log(y.inverse() * *this); }
 
  private:
@@ -231,9 +240,13 @@ class SO3<SparseDual<S, C>> {
 
 namespace detail {
 template <class A, class B>
-concept OneIsDual = (is_dual<A> || is_dual<B>) && requires { typename promote_t<A, B>; };
+concept OneIsDual = (is_dual<A> || is_dual<B>)&&requires {
+  typename promote_t<A, B>;
+};
 template <class A, class B>
-concept PackAndBuiltIn = !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires { typename promote_t<A, B>; };
+concept PackAndBuiltIn = !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires {
+  typename promote_t<A, B>;
+};
 
 /// The number type below the derivatives.
 template <class D>
@@ -250,15 +263,16 @@ SO3<S> rotationValue(const SO3<X>& R) {
 }  // namespace detail
 
 template <class A, class B>
-  requires detail::OneIsDual<A, B>
-SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
+requires detail::OneIsDual<A, B> SO3<promote_t<A, B>>
+operator*(const SO3<A>& a, const SO3<B>& b) {
   using D = promote_t<A, B>;
   using S = detail::ValueType<D>;
   const SO3<S> left = detail::rotationValue<S>(a), right = detail::rotationValue<S>(b);
   if constexpr (!detail::is_dual<A>) {
     return {left * right, b.partials()};
   } else {
-    const auto moved = detail::multiply<S>(detail::Matrix3<S>(right.inverse().toRotationMatrix()), a.partials());
+    const auto moved =
+        detail::multiply<S>(detail::Matrix3<S>(right.inverse().toRotationMatrix()), a.partials());
     if constexpr (detail::is_dual<B>) {
       return {left * right, detail::add<A::columns, B::columns, S>(moved, b.partials())};
     } else {
@@ -267,8 +281,8 @@ SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
   }
 }
 template <class A, class B>
-  requires detail::PackAndBuiltIn<A, B>
-SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
+requires detail::PackAndBuiltIn<A, B> SO3<promote_t<A, B>>
+operator*(const SO3<A>& a, const SO3<B>& b) {
   using S = promote_t<A, B>;
   return SO3<S>(a) * SO3<S>(b);
 }
@@ -281,8 +295,9 @@ inline constexpr bool is_seed_vector = false;
 
 /// Rotates a point or a direction.
 template <class A, class E>
-  requires(detail::OneIsDual<A, typename E::Scalar> && bool(E::IsVectorAtCompileTime) && !detail::is_seed_vector<E>)
-auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+requires(detail::OneIsDual<A, typename E::Scalar>&& bool(E::IsVectorAtCompileTime) &&
+         !detail::is_seed_vector<E>) auto
+operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   static_assert(E::SizeAtCompileTime == 3 || E::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
   using B = typename E::Scalar;
   using D = promote_t<A, B>;
@@ -305,9 +320,9 @@ auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   }
 }
 template <class A, class E>
-  requires(detail::PackAndBuiltIn<A, typename E::Scalar> && !std::is_same_v<promote_t<A, typename E::Scalar>, A> &&
-           bool(E::IsVectorAtCompileTime))
-auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+requires(detail::PackAndBuiltIn<A, typename E::Scalar> &&
+         !std::is_same_v<promote_t<A, typename E::Scalar>, A> && bool(E::IsVectorAtCompileTime)) auto
+operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   return SO3<typename E::Scalar>(R) * point;
 }
 

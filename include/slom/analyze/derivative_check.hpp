@@ -20,8 +20,8 @@ struct GroupDerivativeCheck {
   std::string component;    ///< of a variable, by name
   double used = 0;          ///< the entry as the library uses it
   double reference = 0;     ///< the entry by differences
-  double error = 0;         ///< |used - reference| / largest entry of that variable's block in this measurement
-  std::string guess;        ///< at the cause, a sentence; empty when the entries agree
+  double error = 0;   ///< |used - reference| / largest entry of that variable's block in this measurement
+  std::string guess;  ///< at the cause, a sentence; empty when the entries agree
 
   /// `the given derivative of residual 0 of level #3 by x is -2, differences give 2: the sign is wrong`
   std::string sentence() const;

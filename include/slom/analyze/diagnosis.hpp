@@ -21,10 +21,11 @@ struct Finding {
     implausible_sigma,    ///< the residuals of a group contradict its stated uncertainty
   };
   Kind kind;
-  bool is_fault;   ///< the fit has no unique solution; otherwise a hint
+  bool is_fault;  ///< the fit has no unique solution; otherwise a hint
   std::string text;
-  std::vector<std::string> names;  ///< of variables, components or groups that it is about, the most important first
-  int dimension = 0;               ///< of directions; 0 for the other kinds
+  std::vector<std::string>
+      names;          ///< of variables, components or groups that it is about, the most important first
+  int dimension = 0;  ///< of directions; 0 for the other kinds
 };
 
 struct Diagnosis {

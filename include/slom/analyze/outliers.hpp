@@ -28,28 +28,31 @@ struct MeasurementCheck {
   std::string measurement;
   double residual = 0;     ///< |w|, in standard deviations
   double studentized = 0;  ///< sqrt(T / dof): 1 is usual
-  double redundancy = 0;   ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
+  double redundancy =
+      0;  ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
   double weight = 1;       ///< by its loss
   double statistic = 0;    ///< T
   int dof = 0;             ///< rank of Q
   double probability = 1;  ///< that a good measurement has such a T or a larger one
-  double effect = 0;       ///< how far the fit moves without it, in standard deviations: sqrt(d^T C^-1 d), C as Sigma says
+  double effect =
+      0;  ///< how far the fit moves without it, in standard deviations: sqrt(d^T C^-1 d), C as Sigma says
   bool is_suspect = false;
 };
 
 struct GroupCheck {
   std::string name;
   int measurements = 0;
-  double chi2 = 0;         ///< sum of |w|^2, weights of losses not counted
-  double redundancy = 0;   ///< sum of the traces of Q: what chi2 is on average
-  double probability = 1;  ///< of a chi2 that is this far off or farther, to either side; 1 without redundancy
+  double chi2 = 0;        ///< sum of |w|^2, weights of losses not counted
+  double redundancy = 0;  ///< sum of the traces of Q: what chi2 is on average
+  double probability =
+      1;  ///< of a chi2 that is this far off or farther, to either side; 1 without redundancy
   bool has_losses = false;
   int suspects = 0;
   std::vector<MeasurementCheck> worst;  ///< by probability, the least probable first
 };
 
 struct OutlierReport {
-  double significance = 0;  ///< of each single test
+  double significance = 0;     ///< of each single test
   double variance_factor = 1;  ///< by which chi2 and T were divided: 1 for Sigma::known
   std::vector<GroupCheck> groups;
 

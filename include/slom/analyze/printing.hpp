@@ -12,21 +12,23 @@
 
 namespace slom::detail {
 /// A program may have defined another format; then its files compile what they print, and this names a type that nobody does.
-inline constexpr bool has_eigens_format = std::string_view(SLOM_TEXT(EIGEN_DEFAULT_IO_FORMAT)) == "Eigen::IOFormat()";
+inline constexpr bool has_eigens_format =
+    std::string_view(SLOM_TEXT(EIGEN_DEFAULT_IO_FORMAT)) == "Eigen::IOFormat()";
 template <class X>
 using Printed = std::conditional_t<has_eigens_format, X, Eigen::Array<bool, 1, 1>>;
 }  // namespace slom::detail
 
-#define SLOM_PRINT_(keyword, X) \
-  keyword template std::ostream& operator<< <slom::detail::Printed<X>>(std::ostream&, const DenseBase<slom::detail::Printed<X>>&);
-#define SLOM_PRINT_VECTOR_(keyword, X)    \
-  SLOM_PRINT_(keyword, X)                 \
-  SLOM_PRINT_(keyword, Transpose<X>)      \
+#define SLOM_PRINT_(keyword, X)                                         \
+  keyword template std::ostream& operator<< <slom::detail::Printed<X>>( \
+      std::ostream&, const DenseBase<slom::detail::Printed<X>>&);
+#define SLOM_PRINT_VECTOR_(keyword, X) \
+  SLOM_PRINT_(keyword, X)              \
+  SLOM_PRINT_(keyword, Transpose<X>)   \
   SLOM_PRINT_(keyword, Transpose<const X>)
-#define SLOM_PRINT_ALL(keyword)           \
-  SLOM_PRINT_VECTOR_(keyword, Vector2d)   \
-  SLOM_PRINT_VECTOR_(keyword, Vector3d)   \
-  SLOM_PRINT_VECTOR_(keyword, VectorXd)   \
+#define SLOM_PRINT_ALL(keyword)         \
+  SLOM_PRINT_VECTOR_(keyword, Vector2d) \
+  SLOM_PRINT_VECTOR_(keyword, Vector3d) \
+  SLOM_PRINT_VECTOR_(keyword, VectorXd) \
   SLOM_PRINT_(keyword, MatrixXd)
 
 namespace Eigen {

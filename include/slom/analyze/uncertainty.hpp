@@ -20,9 +20,9 @@ enum class Sigma {
 
 /// What covariances are when the measurements leave a rigid motion or a scale of everything free.
 enum class FreeGauge {
-  error,              ///< none: covariance throws [slom.free-gauge] with the motions that are free
+  error,  ///< none: covariance throws [slom.free-gauge] with the motions that are free
   inner_constraints,  ///< those of the free network: the pseudo-inverse of J^T J, whose trace is the smallest of all choices
-                      ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns
+  ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns
 };
 
 /// A confidence interval of a coordinate.

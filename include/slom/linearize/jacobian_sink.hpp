@@ -10,11 +10,12 @@ struct JacobianBatch {
   int group = 0;
   int first = 0;
   int count = 0;
-  const int* rows = nullptr;      ///< count entries: length of each residual
-  const int* dof = nullptr;       ///< count x arity: columns of each variable
-  const double* r = nullptr;      ///< residuals, one after the other
-  const double* J = nullptr;      ///< for each measurement rows x (sum of its dof), column-major, one after the other;
-                                  ///< columns of fixed variables hold nothing meaningful
+  const int* rows = nullptr;  ///< count entries: length of each residual
+  const int* dof = nullptr;   ///< count x arity: columns of each variable
+  const double* r = nullptr;  ///< residuals, one after the other
+  const double* J =
+      nullptr;  ///< for each measurement rows x (sum of its dof), column-major, one after the other;
+                ///< columns of fixed variables hold nothing meaningful
 };
 
 /// A measurement in the order of all: by group, and in it by index.

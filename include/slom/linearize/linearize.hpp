@@ -62,7 +62,9 @@ class Linearizer {
     /// What went wrong.
     void forget() { bad = -1, threw.reset(); }
     bool isGood() const { return !threw && bad < 0; }
-    JacobianBatch batch() const { return {group, first, last - first, rows.data(), dof.data(), r.data(), J.data()}; }
+    JacobianBatch batch() const {
+      return {group, first, last - first, rows.data(), dof.data(), r.data(), J.data()};
+    }
   };
   struct Range {
     int group, first, last;

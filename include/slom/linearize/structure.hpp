@@ -10,7 +10,8 @@ namespace slom {
 /// A batch of measurements of one pool as the solver sees it: which blocks each one touches.
 struct MeasurementGroup {
   int arity = 0;
-  std::vector<int> blocks;  ///< size() x arity; -1 for a fixed variable. The same block may occur twice in a row.
+  std::vector<int>
+      blocks;  ///< size() x arity; -1 for a fixed variable. The same block may occur twice in a row.
   int size() const { return arity == 0 ? 0 : static_cast<int>(blocks.size()) / arity; }
 };
 
@@ -20,7 +21,9 @@ struct BlockStructure {
 
   int blockCount() const { return static_cast<int>(offset.size()) - 1; }
   int unknowns() const { return offset.back(); }
-  int dof(int block) const { return offset[static_cast<std::size_t>(block) + 1] - offset[static_cast<std::size_t>(block)]; }
+  int dof(int block) const {
+    return offset[static_cast<std::size_t>(block) + 1] - offset[static_cast<std::size_t>(block)];
+  }
 };
 
 /// The structure of a problem, and the way back from unknowns to variables. Components that are held keep their place among

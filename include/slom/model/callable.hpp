@@ -25,9 +25,10 @@ template <class Z>
 Measured<Z> measured(const Z& z) {
   mtk::requireManifold<Z>();
   if constexpr (requires { typename mtk::scalar_t<Z>; }) {
-    static_assert(std::is_same_v<mtk::scalar_t<Z>, double>,
-                  "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
-                  "round the residual so that it has no derivatives");
+    static_assert(
+        std::is_same_v<mtk::scalar_t<Z>, double>,
+        "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
+        "round the residual so that it has no derivatives");
   }
   return {z};
 }
@@ -74,14 +75,13 @@ struct Call {
   using Result = double;
 };
 template <class F, class... P>
-  requires requires(const F& f) { f(std::declval<P>()...); }
+requires requires(const F& f) { f(std::declval<P>()...); }
 struct Call<F, std::tuple<P...>> {
   static constexpr bool is_possible = true;
   using Result = std::remove_cvref_t<decltype(std::declval<const F&>()(std::declval<P>()...))>;
 };
 template <class F, class... P>
-  requires(std::is_member_pointer_v<F> && std::is_invocable_v<const F&, P...>)
-struct Call<F, std::tuple<P...>> {
+requires(std::is_member_pointer_v<F>&& std::is_invocable_v<const F&, P...>) struct Call<F, std::tuple<P...>> {
   static constexpr bool is_possible = true;
   using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
 };
@@ -105,43 +105,56 @@ struct Parameters<R (C::*)(P...) const> : ParameterList<P...> {};
 template <class R, class C, class... P>
 struct Parameters<R (C::*)(P...) const noexcept> : ParameterList<P...> {};
 template <class F>
-  requires requires { &F::operator(); }
+requires requires { &F::operator(); }
 struct Parameters<F> : Parameters<decltype(&F::operator())> {};
 
 /// One line for the first argument that does not fit, with both types in the line that says where.
 template <int Number, class Given, class Wanted>
 constexpr void requireArgument() {
   constexpr bool fits = std::is_convertible_v<Given, Wanted>;
-  static_assert(Number != 1 || fits, "slom: argument 1 of the measurement function is not of the type that it takes");
-  static_assert(Number != 2 || fits, "slom: argument 2 of the measurement function is not of the type that it takes");
-  static_assert(Number != 3 || fits, "slom: argument 3 of the measurement function is not of the type that it takes");
-  static_assert(Number != 4 || fits, "slom: argument 4 of the measurement function is not of the type that it takes");
-  static_assert(Number != 5 || fits, "slom: argument 5 of the measurement function is not of the type that it takes");
-  static_assert(Number != 6 || fits, "slom: argument 6 of the measurement function is not of the type that it takes");
-  static_assert(Number <= 6 || fits, "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
+  static_assert(Number != 1 || fits,
+                "slom: argument 1 of the measurement function is not of the type that it takes");
+  static_assert(Number != 2 || fits,
+                "slom: argument 2 of the measurement function is not of the type that it takes");
+  static_assert(Number != 3 || fits,
+                "slom: argument 3 of the measurement function is not of the type that it takes");
+  static_assert(Number != 4 || fits,
+                "slom: argument 4 of the measurement function is not of the type that it takes");
+  static_assert(Number != 5 || fits,
+                "slom: argument 5 of the measurement function is not of the type that it takes");
+  static_assert(Number != 6 || fits,
+                "slom: argument 6 of the measurement function is not of the type that it takes");
+  static_assert(
+      Number <= 6 || fits,
+      "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
 }
 /// Fails to compile, naming the argument where the function is no template.
 template <class F, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
-    constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
-    static_assert(!is_mutable, "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
-                               "write `const` behind the parameters of operator()");
+    constexpr bool is_mutable = requires(F & f) { f(std::declval<Given>()...); };
+    static_assert(
+        !is_mutable,
+        "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
+        "write `const` behind the parameters of operator()");
     if constexpr (is_mutable) {
     } else if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;
       constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
-      static_assert(right_number, "slom: the measurement function takes another number of arguments: it gets one for each "
-                                  "VarID and each datum, none for noise, loss, name and slom::measured");
+      static_assert(right_number,
+                    "slom: the measurement function takes another number of arguments: it gets one for each "
+                    "VarID and each datum, none for noise, loss, name and slom::measured");
       if constexpr (right_number) {
         [&]<std::size_t... I>(std::index_sequence<I...>) {
           (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
-        }(std::index_sequence_for<Given...>{});
+        }
+        (std::index_sequence_for<Given...>{});
       }
     } else {
-      static_assert(Call<F, std::tuple<Given...>>::is_possible,
-                    "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
-                    "and `const D&` for each datum of type D, in the order of the call");
+      static_assert(
+          Call<F, std::tuple<Given...>>::is_possible,
+          "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
+          "and `const D&` for each datum of type D, in the order of the call");
     }
   }
 }
@@ -149,24 +162,28 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
 /// The residual that a callable's return value stands for.
 template <class R>
 struct Returned {
-  static_assert(std::is_convertible_v<R, double>,
-                "slom: a measurement function must return a number, a std::array or an Eigen column vector of doubles; "
-                "one that predicts another manifold value needs slom::measured(z) among the arguments");
-  static_assert(!std::is_arithmetic_v<R> || std::is_same_v<R, double> || std::is_same_v<R, long double>,
-                "slom: a measurement function must return double; this one returns float, an integer or bool, which rounds the "
-                "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
+  static_assert(
+      std::is_convertible_v<R, double>,
+      "slom: a measurement function must return a number, a std::array or an Eigen column vector of doubles; "
+      "one that predicts another manifold value needs slom::measured(z) among the arguments");
+  static_assert(
+      !std::is_arithmetic_v<R> || std::is_same_v<R, double> || std::is_same_v<R, long double>,
+      "slom: a measurement function must return double; this one returns float, an integer or bool, which rounds the "
+      "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
   static constexpr int rows = 1;
   static int size(const R&) { return 1; }
   static void write(const R& value, double* r) { *r = static_cast<double>(value); }
 };
 template <class R>
-  requires requires { typename R::PlainObject; }
+requires requires { typename R::PlainObject; }
 struct Returned<R> {
-  static_assert(requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
-                "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
-                "that are gone; return its value, as eval of Eigen gives it, or give the function a return type");
+  static_assert(
+      requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
+      "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
+      "that are gone; return its value, as eval of Eigen gives it, or give the function a return type");
   static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
-  static_assert(std::is_same_v<typename R::Scalar, double>, "slom: a measurement function must return a vector of doubles");
+  static_assert(std::is_same_v<typename R::Scalar, double>,
+                "slom: a measurement function must return a vector of doubles");
   static constexpr int rows = R::RowsAtCompileTime;
   static int size(const R& value) { return static_cast<int>(value.size()); }
   static void write(const R& value, double* r) {
@@ -196,9 +213,8 @@ constexpr auto findDatum(const First& first, const Rest&... rest) {
 /// J[c * stride] := d[c] for c < N
 template <int N, class Partials>
 void storeStrided(const Partials& d, double* J, int stride) {
-  [&]<int... C>(std::integer_sequence<int, C...>) {
-    ((J[C * stride] = d.get(C)), ...);
-  }(std::make_integer_sequence<int, N>{});
+  [&]<int... C>(std::integer_sequence<int, C...>) { ((J[C * stride] = d.get(C)), ...); }
+  (std::make_integer_sequence<int, N>{});
 }
 
 /// Stands for the number of a first unknown that is known only at run time.
@@ -215,7 +231,8 @@ struct DualArgument<VarArg<T>, D, Offset> {
   mtk::rebind_t<T, D> value;
   /// first: the number of its first unknown.
   DualArgument(const VarArg<T>& variable, int first)
-      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(*variable, Offset == kRuntimeOffset ? first : Offset, D::size)) {}
+      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(*variable, Offset == kRuntimeOffset ? first : Offset,
+                                                         D::size)) {}
   DualArgument(const DualArgument&) = delete;
 };
 
@@ -308,7 +325,8 @@ constexpr bool roundsVariables() {
         ((I == here ? any = any || roundsVariable<Arg, std::tuple_element_t<I, Wanted>>() : false), ...);
       };
       (check(std::type_identity<Args>()), ...);
-    }(std::make_index_sequence<count>());
+    }
+    (std::make_index_sequence<count>());
     return any;
   } else {
     return false;
@@ -327,7 +345,9 @@ constexpr bool parametersRoundVariables() {
 template <int Rows, int Dof>
 using JacobianBlock =
     Eigen::Matrix<double, Rows, Dof,
-                  Eigen::DontAlign | (Rows == 1 && Dof != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;  // rows are row-major to Eigen
+                  Eigen::DontAlign |
+                      (Rows == 1 && Dof != 1 ? Eigen::RowMajor
+                                             : Eigen::ColMajor)>;  // rows are row-major to Eigen
 template <int Rows, class A>
 struct BlockFor {
   using type = std::tuple<>;
@@ -342,8 +362,10 @@ using BlockTuple = typename Join<typename BlockFor<Rows, Stored>::type...>::type
 template <class F, class Passed, class Blocks>
 inline constexpr bool has_jacobian = false;
 template <class F, class... P, class... B>
-inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> =
-    requires(const F& f, B&... block) { f.jacobian(std::declval<P>()..., block...); };
+inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> = requires(const F& f,
+                                                                                     B&... block) {
+  f.jacobian(std::declval<P>()..., block...);
+};
 
 }  // namespace detail
 
@@ -362,12 +384,14 @@ class CallableMeasurement {
   using Passed = typename detail::Join<typename detail::Argument<Args>::Passed...>::type;
   static_assert((detail::is_var_id<Args> || ...),
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
-  static_assert((int{detail::is_measured<Args>} + ... + 0) <= 1,
-                "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
+  static_assert(
+      (int{detail::is_measured<Args>} + ... + 0) <= 1,
+      "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
   static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
-  static_assert(!detail::parametersRoundVariables<Function, Args...>(),
-                "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "
-                "its value so that there are no derivatives: declare it as double or const auto&");
+  static_assert(
+      !detail::parametersRoundVariables<Function, Args...>(),
+      "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "
+      "its value so that there are no derivatives: declare it as double or const auto&");
   using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
@@ -375,11 +399,13 @@ class CallableMeasurement {
   static constexpr int rows() {
     if constexpr (has_datum) {
       using Z = std::remove_cvref_t<decltype(*std::declval<Datum>())>;
-      static_assert(std::is_convertible_v<Value, Z>,
-                    "slom: with slom::measured(z) the measurement function must predict a value of the type of z");
-      static_assert(!std::is_arithmetic_v<Value> || std::is_same_v<Value, double> || std::is_same_v<Value, long double>,
-                    "slom: a measurement function must predict double; this one returns float, an integer or bool, which rounds the "
-                    "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
+      static_assert(
+          std::is_convertible_v<Value, Z>,
+          "slom: with slom::measured(z) the measurement function must predict a value of the type of z");
+      static_assert(
+          !std::is_arithmetic_v<Value> || std::is_same_v<Value, double> || std::is_same_v<Value, long double>,
+          "slom: a measurement function must predict double; this one returns float, an integer or bool, which rounds the "
+          "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
       return mtk::DOF_v<Z>;
     } else {
       return detail::Returned<Value>::rows;
@@ -409,7 +435,8 @@ class CallableMeasurement {
     if constexpr (detail::is_vectorized<F>) {
       return true;
     } else if constexpr (detail::VectorizedByItself<F>) {
-      return columns <= detail::kMostPackedColumns && (detail::isPackable<detail::Held<Stored<Args>>>() && ...);
+      return columns <= detail::kMostPackedColumns &&
+             (detail::isPackable<detail::Held<Stored<Args>>>() && ...);
     } else {
       return false;
     }
@@ -419,7 +446,8 @@ class CallableMeasurement {
     if (vectorized) return DerivativeSource::exact;
     if (detail::is_numeric<F>) return DerivativeSource::numeric;
     if (detail::has_jacobian<Function, Passed, Blocks>) return DerivativeSource::given;
-    return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact : DerivativeSource::numeric;
+    return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact
+                                                                     : DerivativeSource::numeric;
   }();
   static constexpr bool richardson = detail::is_richardson<F>;
 
@@ -437,7 +465,8 @@ class CallableMeasurement {
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return detail::listVariables(detail::valueAt<I>(args_)...);
-    }(VariableIndices{});
+    }
+    (VariableIndices{});
   }
   /// As stored: VarArg<T> for variables, Measured<Z>, data.
   const auto& arguments() const { return args_; }
@@ -455,44 +484,45 @@ class CallableMeasurement {
   /// Residual (`rows` entries) and derivatives by all unknowns (rows x columns, column-major). Returns the length of the
   /// residual that the function returned; nothing is written when it is not `rows`.
   int linearize(int rows, double* r, double* J) const
-    requires(derivatives == DerivativeSource::exact && !vectorized)
-  {
+      requires(derivatives == DerivativeSource::exact && !vectorized) {
     constexpr auto arguments = std::index_sequence_for<Args...>{};
     if constexpr (is_fixed && columns == window) {
       return linearizeSeeded(arguments, fixedOffsets(), rows, r, J, columns);
     } else {
-      const int all = detail::applyTo(args_, [](const auto&... stored) { return (detail::runtimeDof(stored) + ...); });
+      const int all =
+          detail::applyTo(args_, [](const auto&... stored) { return (detail::runtimeDof(stored) + ...); });
       int got = rows;
       for (int first = 0; first < all && got == rows; first += window) {
-        got = linearizeSeeded(arguments, offsets(first), rows, r, J + static_cast<std::ptrdiff_t>(first) * rows,
-                              std::min(window, all - first));
+        got = linearizeSeeded(arguments, offsets(first), rows, r,
+                              J + static_cast<std::ptrdiff_t>(first) * rows, std::min(window, all - first));
       }
       return got;
     }
   }
-  int linearize(int rows, double* r, double* J) const
-    requires(derivatives == DerivativeSource::given)
-  {
+  int linearize(int rows, double* r, double* J) const requires(derivatives == DerivativeSource::given) {
     if (const int got = evaluate(rows, r); got != rows) return got;
     writeJacobian(rows, J, PassedIndices{}, VariableIndices{});
     return rows;
   }
 
   /// Residuals of `count` measurements, which lie one after the other, and, unless J is null, derivatives.
-  static void evaluateMany(const CallableMeasurement* first, int count, double* r, double* J)
-    requires(vectorized)
-  {
-    static_assert(std::is_empty_v<Function>,
-                  "slom: slom::vectorized needs a function without captures or members, since one call serves several "
-                  "measurements: pass what it captures as further arguments of insertMeasurement");
-    static_assert(is_fixed && residual_dim != mtk::Dynamic &&
-                      (detail::hasFixedSize<detail::Held<Stored<Args>>>() && ...),
-                  "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
-    static_assert(!is_fixed || columns <= detail::kMostPackedColumns,
-                  "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
-    static_assert((!std::is_void_v<mtk::rebind_t<detail::Held<Stored<Args>>, double>> && ...),
-                  "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
-                  "types, compounds of them and class templates (see mtk/rebind.hpp)");
+  static void evaluateMany(const CallableMeasurement* first, int count, double* r,
+                           double* J) requires(vectorized) {
+    static_assert(
+        std::is_empty_v<Function>,
+        "slom: slom::vectorized needs a function without captures or members, since one call serves several "
+        "measurements: pass what it captures as further arguments of insertMeasurement");
+    static_assert(
+        is_fixed && residual_dim != mtk::Dynamic &&
+            (detail::hasFixedSize<detail::Held<Stored<Args>>>() && ...),
+        "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
+    static_assert(
+        !is_fixed || columns <= detail::kMostPackedColumns,
+        "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
+    static_assert(
+        (!std::is_void_v<mtk::rebind_t<detail::Held<Stored<Args>>, double>> && ...),
+        "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
+        "types, compounds of them and class templates (see mtk/rebind.hpp)");
     using Evaluation = typename Packed<std::make_index_sequence<sizeof...(Args)>>::type;
     constexpr int width = Evaluation::width, entries = residual_dim * columns;
     for (int left = count; left > 0; left -= width) {
@@ -521,8 +551,8 @@ class CallableMeasurement {
   struct Packed;
   template <std::size_t... I>
   struct Packed<std::index_sequence<I...>> {
-    using type = detail::PackEvaluation<Function, residual_dim, columns, std::integer_sequence<int, fixedOffsets()[I]...>,
-                                        Stored<Args>...>;
+    using type = detail::PackEvaluation<Function, residual_dim, columns,
+                                        std::integer_sequence<int, fixedOffsets()[I]...>, Stored<Args>...>;
   };
 
   const Function& function() const {
@@ -548,11 +578,15 @@ class CallableMeasurement {
   template <std::size_t... P, std::size_t... V>
   void writeJacobian(int rows, double* J, std::index_sequence<P...>, std::index_sequence<V...>) const {
     detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
-    std::apply([&](auto&... block) {
-      (block.setConstant(rows, detail::runtimeDof(detail::valueAt<V>(args_)), std::numeric_limits<double>::quiet_NaN()), ...);
-      function().jacobian(detail::held(detail::valueAt<P>(args_))..., block...);
-      ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
-    }, blocks);
+    std::apply(
+        [&](auto&... block) {
+          (block.setConstant(rows, detail::runtimeDof(detail::valueAt<V>(args_)),
+                             std::numeric_limits<double>::quiet_NaN()),
+           ...);
+          function().jacobian(detail::held(detail::valueAt<P>(args_))..., block...);
+          ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
+        },
+        blocks);
   }
   /// Writes the residual to where target(its length) says, unless that is null. Returns its length.
   template <class Target>
@@ -588,11 +622,12 @@ class CallableMeasurement {
   }
   /// Residual and the `width` columns of the derivatives in a window; offset: of each argument's first unknown in it.
   template <std::size_t... I>
-  SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset, int rows,
-                                   double* r, double* J, int width) const {
+  SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset,
+                                   int rows, double* r, double* J, int width) const {
     constexpr bool one_pass = is_fixed && columns == window;
     const detail::Values<Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>...> seeds{
-        {Dual<Args, one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset>(detail::valueAt<I>(args_), offset[I])}...};
+        {Dual < Args,
+         one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset > (detail::valueAt<I>(args_), offset[I])}...};
     if constexpr (one_pass) width = columns;
     if constexpr (residual_dim != mtk::Dynamic) rows = residual_dim;
     return write(predictFrom(seeds, PassedIndices{}), rows, r, J, width);
@@ -600,8 +635,10 @@ class CallableMeasurement {
   template <class Result>
   int write(const Result& result, int rows, double* r, double* J, int width) const {
     // The columns of a small Jacobian are put together in registers. With fewer rows, single stores are hidden by arithmetic.
-    constexpr bool in_registers = is_fixed && columns == window && residual_dim >= 4 && residual_dim * columns <= kMostInRegisters;
-    [[maybe_unused]] mtk::detail::Lanes<double, in_registers ? columns : 1> gathered[in_registers ? residual_dim : 1];
+    constexpr bool in_registers =
+        is_fixed && columns == window && residual_dim >= 4 && residual_dim * columns <= kMostInRegisters;
+    [[maybe_unused]] mtk::detail::Lanes<double, in_registers ? columns : 1>
+        gathered[in_registers ? residual_dim : 1];
     const auto sink = [&](int row, const auto& x) {
       if constexpr (mtk::detail::is_dual<std::remove_cvref_t<decltype(x + 0.0)>>) {
         r[row] = x.value();

@@ -46,7 +46,8 @@ void coordinates(const X& x, double* out) {
       out[at] = part;
     } else if constexpr (requires { []<class D>(const Eigen::MatrixBase<D>&) {}(part); }) {
       for (Eigen::Index i = 0; i < part.size(); ++i) out[at + i] = part[i];
-    } else if constexpr (std::is_convertible_v<P, double> && mtk::DOF_v<P> == 1 && !mtk::detail::is_rotation<P>) {
+    } else if constexpr (std::is_convertible_v<P, double> && mtk::DOF_v<P> == 1 &&
+                         !mtk::detail::is_rotation<P>) {
       out[at] = static_cast<double>(part);
     } else {
       for (int i = 0; i < mtk::dof(part); ++i) out[at + i] = std::numeric_limits<double>::quiet_NaN();

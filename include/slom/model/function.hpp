@@ -27,9 +27,12 @@ enum class DerivativeSource {
 /// One word: "exact".
 constexpr const char* toString(DerivativeSource source) {
   switch (source) {
-    case DerivativeSource::exact: return "exact";
-    case DerivativeSource::given: return "given";
-    case DerivativeSource::numeric: return "numeric";
+    case DerivativeSource::exact:
+      return "exact";
+    case DerivativeSource::given:
+      return "given";
+    case DerivativeSource::numeric:
+      return "numeric";
   }
   return "unknown";
 }
@@ -85,7 +88,9 @@ inline constexpr bool is_vectorized<VectorizedFunction<F>> = true;
 
 /// A functor that is vectorised without being asked, wherever its arguments allow it.
 template <class F>
-concept VectorizedByItself = requires { requires bool(F::is_vectorized); };
+concept VectorizedByItself = requires {
+  requires bool(F::is_vectorized);
+};
 
 /// The user's function inside the wrappers.
 template <class F>

@@ -13,7 +13,9 @@ class IndexSet {
  public:
   class Iterator {
    public:
-    Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) { skipEmptyWords(); }
+    Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) {
+      skipEmptyWords();
+    }
     int operator*() const { return static_cast<int>(64 * word_) + std::countr_zero(rest_); }
     Iterator& operator++() {
       rest_ &= rest_ - 1;

@@ -45,8 +45,9 @@ constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
 template <class... T, class All>
 NoiseView noiseAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsNoise<T>...});
-  static_assert(found != -2, "slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, "
-                             "InvCovariance and InvStandardDeviation");
+  static_assert(found != -2,
+                "slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, "
+                "InvCovariance and InvStandardDeviation");
   if constexpr (found >= 0) {
     return viewNoise(valueAt<static_cast<std::size_t>(found)>(all));
   } else {
@@ -57,8 +58,9 @@ NoiseView noiseAmong(const All& all) {
 template <class... T, class All>
 Loss lossAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsLoss<T>...});
-  static_assert(found != -2, "slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, "
-                             "GemanMcClure and Barron");
+  static_assert(found != -2,
+                "slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, "
+                "GemanMcClure and Barron");
   if constexpr (found >= 0) {
     return valueAt<static_cast<std::size_t>(found)>(all);
   } else {

@@ -92,7 +92,8 @@ std::string faultOf(const Loss& loss);
 /// Throws [slom.bad-loss], naming `subject()`, which is called only then.
 template <class Subject>
 void checkLoss(const Loss& loss, Subject&& subject) {
-  if (const std::string fault = detail::faultOf(loss); !fault.empty()) detail::raiseLossError(loss, fault, subject());
+  if (const std::string fault = detail::faultOf(loss); !fault.empty())
+    detail::raiseLossError(loss, fault, subject());
 }
 
 }  // namespace slom

@@ -40,7 +40,8 @@ auto plainNoise(const T& value) {
   } else if constexpr (std::is_convertible_v<T, double>) {
     return static_cast<double>(value);
   } else {
-    static_assert(requires { typename T::PlainObject; }, "slom: noise is given by a number, a vector or a matrix");
+    static_assert(
+        requires { typename T::PlainObject; }, "slom: noise is given by a number, a vector or a matrix");
     return typename T::PlainObject(value);
   }
 }
@@ -75,7 +76,8 @@ InvCovariance(const X&) -> InvCovariance<detail::PlainNoise<X>>;
 template <class T = double>
 struct InvStandardDeviation : Noise<NoiseForm::inv_standard_deviation, T> {
   template <class X>
-  explicit InvStandardDeviation(const X& x) : Noise<NoiseForm::inv_standard_deviation, T>{detail::plainNoise(x)} {}
+  explicit InvStandardDeviation(const X& x)
+      : Noise<NoiseForm::inv_standard_deviation, T>{detail::plainNoise(x)} {}
 };
 template <class X>
 InvStandardDeviation(const X&) -> InvStandardDeviation<detail::PlainNoise<X>>;
@@ -131,20 +133,26 @@ bool appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store
 /// Appends the numbers of W for residuals of length `dim` to `store`. Throws mtk::Error that names `subject()`, which
 /// is called only then; `store` stays as it was.
 template <class Subject>
-WhiteningKind appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, Subject&& subject) {
+WhiteningKind appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store,
+                              Subject&& subject) {
   detail::NoiseComplaint complaint;
   WhiteningKind kind = WhiteningKind::unit;
-  if (!detail::appendWhitening(noise, dim, store, kind, complaint)) detail::raiseNoiseError(complaint, subject());
+  if (!detail::appendWhitening(noise, dim, store, kind, complaint))
+    detail::raiseNoiseError(complaint, subject());
   return kind;
 }
 
 /// Number of entries that W of this kind has in the store.
 constexpr int whiteningSize(WhiteningKind kind, int dim) {
   switch (kind) {
-    case WhiteningKind::unit: return 0;
-    case WhiteningKind::scalar: return 1;
-    case WhiteningKind::diagonal: return dim;
-    case WhiteningKind::full: return dim * dim;
+    case WhiteningKind::unit:
+      return 0;
+    case WhiteningKind::scalar:
+      return 1;
+    case WhiteningKind::diagonal:
+      return dim;
+    case WhiteningKind::full:
+      return dim * dim;
   }
   return 0;
 }

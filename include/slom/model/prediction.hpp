@@ -42,8 +42,12 @@ void eachRow(const R& value, const Sink& sink) {
   if constexpr (requires { value.template get<0>(); }) {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (sink(static_cast<int>(I), plainNumber(value.template get<I>())), ...);
-    }(std::make_index_sequence<std::tuple_size_v<R>>{});
-  } else if constexpr (requires { value.size(); value[0]; }) {
+    }
+    (std::make_index_sequence<std::tuple_size_v<R>>{});
+  } else if constexpr (requires {
+                         value.size();
+                         value[0];
+                       }) {
     eachIndex(value, [&](int i) { sink(i, plainNumber(value[static_cast<decltype(value.size())>(i)])); });
   } else if constexpr (requires { value.partials(); } || mtk::is_scalar_v<R>) {
     sink(0, plainNumber(value));
@@ -56,9 +60,7 @@ void eachRow(const R& value, const Sink& sink) {
 /// over different ones; z is over plain numbers.
 template <class X, class Z, class Sink>
 void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
-  const auto entries = [&](const auto& v) {
-    eachIndex(v, [&](int i) { sink(row + i, v[i]); });
-  };
+  const auto entries = [&](const auto& v) { eachIndex(v, [&](int i) { sink(row + i, v[i]); }); };
   if constexpr (mtk::detail::Compound<Z>) {
     const auto part_x = mtk::detail::membersOf(x);
     const auto part_z = mtk::detail::membersOf(z);
@@ -68,7 +70,8 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
         row += mtk::dof(b);
       };
       (one(std::get<I>(part_x), std::get<I>(part_z)), ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(part_z)>>{});
+    }
+    (std::make_index_sequence<std::tuple_size_v<decltype(part_z)>>{});
   } else if constexpr (mtk::detail::StdArray<Z>) {
     for (std::size_t i = 0; i < z.size(); ++i) {
       eachDifference(x[i], z[i], row, sink);

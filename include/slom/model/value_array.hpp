@@ -9,7 +9,8 @@ namespace slom {
 /// Memory alone: the owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.
 class ValueArray {
  public:
-  ValueArray(std::size_t value_size, std::size_t alignment) : value_size_(value_size), alignment_(alignment) {}
+  ValueArray(std::size_t value_size, std::size_t alignment)
+      : value_size_(value_size), alignment_(alignment) {}
   ValueArray(const ValueArray&) = delete;
   ValueArray& operator=(const ValueArray&) = delete;
   ~ValueArray();

@@ -83,7 +83,8 @@ class VariableArgument {
 #endif
 
  protected:
-  VariableArgument(const VariableHandle& id, const void* value) : value_(value), store_(id.store_.get()), ref_(id.ref_) {}
+  VariableArgument(const VariableHandle& id, const void* value)
+      : value_(value), store_(id.store_.get()), ref_(id.ref_) {}
 
   const void* value_;
 

@@ -85,7 +85,8 @@ class VariableStoreBase {
   /// Index of the slot's variable in the problem, -1 when the slot is free.
   int variable(std::uint32_t slot) const { return variable_[slot]; }
   bool isCurrent(SlotRef ref) const {
-    return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && variable_[ref.slot] >= 0;
+    return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
+           variable_[ref.slot] >= 0;
   }
   /// Frees the slot; handles to it become stale.
   void release(std::uint32_t slot);
@@ -105,7 +106,8 @@ class VariableStoreBase {
 
 template <class T>
 class VariableStore final : public VariableStoreBase {
-  static_assert(std::is_same_v<mtk::scalar_t<T>, double>, "slom: the scalar of an estimated variable must be double");
+  static_assert(std::is_same_v<mtk::scalar_t<T>, double>,
+                "slom: the scalar of an estimated variable must be double");
 
  public:
   VariableStore();
@@ -176,7 +178,8 @@ void VariableStore<T>::leftPerturbation(const void* value, double* A) const {
   for (int i = 0; i < n * n; ++i) A[i] = i % (n + 1) == 0 ? 1 : 0;
   const T& x = *static_cast<const T*>(value);
   mtk::detail::forEachBasicPart(x, x, 0, [&](const auto& part, const auto&, int at) {
-    if constexpr (requires { part.toRotationMatrix(); } && mtk::DOF_v<std::remove_cvref_t<decltype(part)>> == 3) {
+    if constexpr (requires { part.toRotationMatrix(); } &&
+                  mtk::DOF_v<std::remove_cvref_t<decltype(part)>> == 3) {
       const auto R = part.toRotationMatrix();
       for (int i = 0; i < 9; ++i) A[(at + i / 3) * n + at + i % 3] = R(i / 3, i % 3);
     }
@@ -203,7 +206,8 @@ VariableStoreBase* makeVariableStore() {
   return new VariableStore<T>;
 }
 extern template VariableStoreBase* makeVariableStore<double>();
-#if EIGEN_MAX_ALIGN_BYTES <= 16  // with more, which -march=native brings, Eigen aligns in other ways than the library
+#if EIGEN_MAX_ALIGN_BYTES <= \
+    16  // with more, which -march=native brings, Eigen aligns in other ways than the library
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::VectorXd>();

@@ -54,7 +54,9 @@ inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
 /// How many measurements are evaluated at once: as many as registers are wide, unless so many derivatives (`entries` of a
 /// Jacobian) would leave the registers that another width is faster.
-constexpr int packWidth(int entries) { return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4); }
+constexpr int packWidth(int entries) {
+  return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4);
+}
 
 /// Written out: of a loop over pointers compilers make gathering loads, which are slow.
 template <int Width, class F>
@@ -141,7 +143,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         rows[row] = x.value();
         [&]<int... C>(std::integer_sequence<int, C...>) {
           ((partials[C * Rows + row] = entry<X, C>(x)), ...);
-        }(std::make_integer_sequence<int, Columns>{});
+        }
+        (std::make_integer_sequence<int, Columns>{});
       } else {
         rows[row] = Lanes(x);
         for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
@@ -170,7 +173,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     return result;
   }
   template <std::size_t... I>
-  static Values<SeededArgument<Stored, width, Offset>...> seed(const Arguments& arguments, std::index_sequence<I...>) {
+  static Values<SeededArgument<Stored, width, Offset>...> seed(const Arguments& arguments,
+                                                               std::index_sequence<I...>) {
     return {{SeededArgument<Stored, width, Offset>(valueAt<I>(arguments))}...};
   }
   template <class X, int C>
@@ -191,7 +195,8 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     if constexpr (has_datum) {
       [&]<std::size_t... I>(std::index_sequence<I...>) {
         (eachResidual<F>(result, valueAt<I>(arguments).value, sink), ...);
-      }(DatumIndices{});
+      }
+      (DatumIndices{});
     } else {
       eachRow(result, sink);
     }

@@ -35,9 +35,11 @@ class WorldMotionWriter {
       addRotation(part, at);
     } else if constexpr (requires { [](const mtk::S2<double>&) {}(part); }) {
       addDirection({part.x(), part.y(), part.z()}, at);
-    } else if constexpr (requires { [](const Eigen::Matrix<double, 3, 1>&) {}(part); } && mtk::DOF_v<P> == 3) {
+    } else if constexpr (requires { [](const Eigen::Matrix<double, 3, 1>&) {}(part); } &&
+                         mtk::DOF_v<P> == 3) {
       addVector({part[0], part[1], part[2]}, 3, at);
-    } else if constexpr (requires { [](const Eigen::Matrix<double, 2, 1>&) {}(part); } && mtk::DOF_v<P> == 2) {
+    } else if constexpr (requires { [](const Eigen::Matrix<double, 2, 1>&) {}(part); } &&
+                         mtk::DOF_v<P> == 2) {
       addVector({part[0], part[1], 0}, 2, at);
     } else if constexpr (mtk::detail::Compound<P>) {
       auto members = mtk::detail::membersOf(part);
@@ -66,7 +68,8 @@ class WorldMotionWriter {
     const auto matrix = rotation.toRotationMatrix();
     Matrix result{};
     for (int i = 0; i < R::DIM; ++i) {
-      for (int k = 0; k < R::DIM; ++k) result[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = double(matrix(i, k));
+      for (int k = 0; k < R::DIM; ++k)
+        result[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] = double(matrix(i, k));
     }
     return result;
   }

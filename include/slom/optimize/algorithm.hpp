@@ -27,12 +27,13 @@ struct StepOutcome {
   double rss_before = 0;
   double rss_after = 0;
   double predicted_decrease = 0;  ///< of the RSS, by the linear model
-  bool is_undamped = false;       ///< the step solves the linear system as it is, so that model promises no more than this
+  bool is_undamped =
+      false;  ///< the step solves the linear system as it is, so that model promises no more than this
   double damping = 0;
   int trials = 0;
   Eigen::VectorXd step;
-  SolveStatus status;             ///< of the linear solver when singular
-  std::string event;              ///< what the user should know: "the Gauss-Newton step made the RSS grow; ..."
+  SolveStatus status;  ///< of the linear solver when singular
+  std::string event;   ///< what the user should know: "the Gauss-Newton step made the RSS grow; ..."
 };
 
 /// One of your own implements this, with the System of slom/optimize/system.hpp.

@@ -14,7 +14,7 @@ enum class StopReason {
   step,            ///< converged: the last step moved nothing
   nothing_to_do,   ///< no unknowns, or no measurements
   max_iterations,  ///< not converged
-  no_progress,     ///< not converged: no step, however short, makes the RSS smaller, though the linear model promises it
+  no_progress,  ///< not converged: no step, however short, makes the RSS smaller, though the linear model promises it
   rank_deficient,  ///< not converged: the measurements do not determine all unknowns
   not_finite,      ///< not converged: the step led to values where a residual is not finite
   time_limit,      ///< not converged: Options::max_seconds have passed
@@ -27,17 +27,17 @@ bool isConverged(StopReason reason);
 
 /// One line of progress.
 struct IterationRecord {
-  int iteration = 0;              ///< 0 is the start
-  std::string algorithm;          ///< that made the step
-  double rss = 0;                 ///< after the step: sum of squared whitened residuals, with losses the robust cost;
-                                  ///< while graduating that of the stage's widened losses
-  double relative_decrease = 0;   ///< (old - new) / old; negative when the RSS grew
-  double gradient = 0;            ///< max_i |g_i| / (|J_i| |r|), where the step started
-  double step = 0;                ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
-  double damping = 0;             ///< Levenberg-Marquardt's mu, dog leg's radius
-  int trials = 1;                 ///< steps tried in this iteration
-  double widening = 1;            ///< mu of the stage of graduated non-convexity; 1: the losses as they are
-  double seconds = 0;             ///< since the start of optimize()
+  int iteration = 0;      ///< 0 is the start
+  std::string algorithm;  ///< that made the step
+  double rss = 0;         ///< after the step: sum of squared whitened residuals, with losses the robust cost;
+                          ///< while graduating that of the stage's widened losses
+  double relative_decrease = 0;  ///< (old - new) / old; negative when the RSS grew
+  double gradient = 0;           ///< max_i |g_i| / (|J_i| |r|), where the step started
+  double step = 0;      ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
+  double damping = 0;   ///< Levenberg-Marquardt's mu, dog leg's radius
+  int trials = 1;       ///< steps tried in this iteration
+  double widening = 1;  ///< mu of the stage of graduated non-convexity; 1: the losses as they are
+  double seconds = 0;   ///< since the start of optimize()
 };
 
 using Observer = std::function<void(const IterationRecord&)>;
@@ -86,20 +86,22 @@ struct Options {
 
 /// What one loss did to the measurements of a group.
 struct LossSummary {
-  std::string loss;           ///< `Huber(1.345)`
-  int measurements = 0;       ///< that have it
-  int down_weighted = 0;      ///< of these, with a weight below 1/2 at the end
-  int weightless = 0;         ///< of these, with weight 0
+  std::string loss;       ///< `Huber(1.345)`
+  int measurements = 0;   ///< that have it
+  int down_weighted = 0;  ///< of these, with a weight below 1/2 at the end
+  int weightless = 0;     ///< of these, with weight 0
 };
 
 struct GroupSummary {
-  std::string name;           ///< the label, or the measurement type
+  std::string name;  ///< the label, or the measurement type
   int measurements = 0;
-  int residuals = 0;          ///< sum of the lengths of their residuals
+  int residuals = 0;  ///< sum of the lengths of their residuals
   double initial_rss = 0;
   double final_rss = 0;
-  double redundancy = -1;     ///< what chi-square is on average, when the summary has parameters; -1: not computed
-  std::string derivatives;    ///< "exact" (dual numbers), "given" (the functor's own) or "numeric" (differences)
+  double redundancy =
+      -1;  ///< what chi-square is on average, when the summary has parameters; -1: not computed
+  std::string
+      derivatives;  ///< "exact" (dual numbers), "given" (the functor's own) or "numeric" (differences)
   std::vector<LossSummary> losses;  ///< empty when no measurement of the group has one
 };
 
@@ -108,7 +110,7 @@ struct PhaseSeconds {
   double setup = 0;      ///< the graph of variables, the order of elimination, the layout of the factor
   double linearize = 0;  ///< residuals and derivatives, and summing up the normal equations
   double factorize = 0;
-  double solve = 0;      ///< with the factor
+  double solve = 0;  ///< with the factor
 };
 
 /// A fitted component.
@@ -131,17 +133,18 @@ struct Summary {
   std::string algorithm;              ///< the one at the end
   std::string solver;                 ///< what solved the linear systems
   int iterations = 0;
-  int stages = 0;                     ///< begun, of graduated non-convexity; 0: not graduated
-  int variables = 0;                  ///< optimised ones
-  int measurements = 0;               ///< number of scalar residuals
-  int unknowns = 0;                   ///< those held at a bound are none
-  int redundancy = 0;                 ///< measurements - unknowns
-  bool sigma_is_estimated = false;    ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
-  std::vector<std::string> active_bounds;  ///< `camera.k3 is at its upper bound 0.5`; covariances hold on that condition
+  int stages = 0;                   ///< begun, of graduated non-convexity; 0: not graduated
+  int variables = 0;                ///< optimised ones
+  int measurements = 0;             ///< number of scalar residuals
+  int unknowns = 0;                 ///< those held at a bound are none
+  int redundancy = 0;               ///< measurements - unknowns
+  bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
+  std::vector<std::string>
+      active_bounds;  ///< `camera.k3 is at its upper bound 0.5`; covariances hold on that condition
   double initial_rss = 0;
   double final_rss = 0;
   double seconds = 0;
-  PhaseSeconds phases;                ///< parts of `seconds`
+  PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;
   std::vector<ParameterSummary> parameters;      ///< when there are no more than Options::most_parameters
   std::vector<CorrelationSummary> correlations;  ///< of these the strongest, from 0.95 on

@@ -64,7 +64,8 @@ class System {
   /// one: a direction in which no residual changes promises nothing.
   struct Promise {
     bool is_known = false;
-    double decrease = 0;   ///< of the RSS: g^T H^-1 g
+    bool has_full_rank = false;
+    double decrease = 0;  ///< of the RSS: g^T H^-1 g
     Eigen::VectorXd step;
   };
   /// `carefully`: by the careful solver, where the other finds no rank.
@@ -121,6 +122,9 @@ class System {
   Eigen::VectorXd withinBounds(const Eigen::VectorXd& d);
   void move(const Eigen::VectorXd& d);
   std::vector<int> unseenUnknowns(const Eigen::VectorXd& d);
+  bool hasRunAway(int unknown);
+  void lookDeeper(const std::vector<int>& out_of_sight, Promise& promise);
+  bool hasFreeGauge(const LinearSolver& solver) const;
   void clearHeld(Eigen::VectorXd& d) const;
   void roundToBounds();
   void requireRange();
@@ -133,7 +137,7 @@ class System {
   LinearSolver* given_ = nullptr;
   std::unique_ptr<LinearSolver> careful_;
   std::uint64_t careful_failed_at_ = ~std::uint64_t{0};  // revision of the structure
-  LinearSolver* solver_ = nullptr;  // one of the two
+  LinearSolver* solver_ = nullptr;                       // one of the two
   ProblemStructure structure_;
   std::uint64_t structured_at_ = ~std::uint64_t{0};
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
@@ -141,7 +145,8 @@ class System {
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
   std::function<bool()> must_stop_;
-  bool saved_is_linearized_ = false;  // the linearisation is that of the values before the step that was tried last
+  bool saved_is_linearized_ =
+      false;  // the linearisation is that of the values before the step that was tried last
   double setup_seconds_ = 0, linearize_seconds_ = 0;
 };
 

@@ -32,9 +32,9 @@ struct VariableRecord {
   std::uint32_t slot = 0;
   int dof = 0;
   bool optimize = true;
-  int uses = 0;      ///< measurements that depend on it
-  long serial = 0;   ///< running number of insertion
-  std::string name;  ///< the user's, may be empty
+  int uses = 0;                        ///< measurements that depend on it
+  long serial = 0;                     ///< running number of insertion
+  std::string name;                    ///< the user's, may be empty
   std::vector<char> fixed;             ///< by component; empty: none of them by itself
   std::vector<ComponentBound> bounds;  ///< at most one for each component, by component
 
@@ -44,7 +44,8 @@ struct VariableRecord {
     std::size_t first = 0, last = bounds.size();
     while (first < last) {
       const std::size_t middle = (first + last) / 2;
-      (bounds[middle].component < component ? first : last) = bounds[middle].component < component ? middle + 1 : middle;
+      (bounds[middle].component < component ? first : last) =
+          bounds[middle].component < component ? middle + 1 : middle;
     }
     return first < bounds.size() && bounds[first].component == component ? &bounds[first] : nullptr;
   }
@@ -81,7 +82,8 @@ struct MeasurementType {
   std::string (*const* variable_type)();  ///< name of the type of each variable
   std::string (*name)();                  ///< of the measurements
   /// The caller owns the pool.
-  MeasurementPool* (*make_pool)(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table);
+  MeasurementPool* (*make_pool)(const std::string& name, const std::string& label,
+                                const std::vector<VariableRecord>& table);
 };
 
 class MeasurementPool {
@@ -116,7 +118,9 @@ class MeasurementPool {
   /// The loss of measurement i; null: least squares. evaluate and linearize know nothing of it.
   const Loss* lossOf(int i) const { return loss_[at(i)]; }
   /// W of measurement i: residuals are multiplied by it.
-  std::pair<WhiteningKind, const double*> whitening(int i) const { return {noise_kind_[at(i)], noise_.data() + noise_at_[at(i)]}; }
+  std::pair<WhiteningKind, const double*> whitening(int i) const {
+    return {noise_kind_[at(i)], noise_.data() + noise_at_[at(i)]};
+  }
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
 
@@ -143,7 +147,8 @@ class MeasurementPool {
   int indexOf(SlotRef ref) const;
   /// Whether a measurement has this handle.
   bool has(SlotRef ref) const {
-    return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation && index_of_slot_[ref.slot] >= 0;
+    return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
+           index_of_slot_[ref.slot] >= 0;
   }
   /// The handle of measurement i.
   SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
@@ -249,12 +254,14 @@ class TypedPool final : public MeasurementPool {
       return slom::typeName<M>();
     }
   }
-  static MeasurementPool* make(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table) {
+  static MeasurementPool* make(const std::string& name, const std::string& label,
+                               const std::vector<VariableRecord>& table) {
     return new TypedPool(name, label, table);
   }
 
  public:
-  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows, Of<Args>::dof, source(), Of<Args>::name, &typeName, &make};
+  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
+                                        source(),   Of<Args>::name,  &typeName, &make};
 
   TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table)
       : MeasurementPool(name, label, type, table) {}
@@ -271,7 +278,9 @@ class TypedPool final : public MeasurementPool {
         const int got = J == nullptr ? evaluateOne(i, n, r) : linearizeOne(i, n, r, J);
         if (got != n) return got;
         r += n;
-        if (J != nullptr) J += static_cast<std::ptrdiff_t>(n) * (Of<Args>::columns == Dynamic ? columns(i) : Of<Args>::columns);
+        if (J != nullptr)
+          J += static_cast<std::ptrdiff_t>(n) *
+               (Of<Args>::columns == Dynamic ? columns(i) : Of<Args>::columns);
       }
     }
     return -1;
@@ -306,7 +315,9 @@ class TypedPool final : public MeasurementPool {
     measurements_.pop_back();
   }
 
-  VariableArgument& argument(int i, int k) override { return *measurements_[at(i)].variableArgs().all[at(k)]; }
+  VariableArgument& argument(int i, int k) override {
+    return *measurements_[at(i)].variableArgs().all[at(k)];
+  }
 
  private:
   int linearizeOne(int i, int rows, double* r, double* J) {
@@ -314,7 +325,9 @@ class TypedPool final : public MeasurementPool {
     if constexpr (requires { measurement.linearize(rows, r, J); }) {
       return measurement.linearize(rows, r, J);
     } else {
-      return differentiate(i, rows, r, J, requires { requires M::richardson; } ? Differences::extrapolated : Differences::central);
+      return differentiate(
+          i, rows, r, J,
+          requires { requires M::richardson; } ? Differences::extrapolated : Differences::central);
     }
   }
 

@@ -54,7 +54,9 @@ class Problem {
   int heldCount() const;
   /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
   int freeCount() const;
-  ComponentBound& bound(int variable, std::size_t i) { return table_[static_cast<std::size_t>(variable)].bounds[i]; }
+  ComponentBound& bound(int variable, std::size_t i) {
+    return table_[static_cast<std::size_t>(variable)].bounds[i];
+  }
   /// Throws [slom.variable-in-use] when measurements depend on it.
   void removeVariable(int variable);
 
@@ -94,7 +96,8 @@ class Problem {
   [[noreturn]] void raiseThrew(const std::string& measurement, const int* variables, int arity,
                                const std::exception_ptr& exception) const;
   [[noreturn]] void raiseThrew(const MeasurementPool& pool, const MeasurementThrew& event) const {
-    raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(), event.exception);
+    raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(),
+               event.exception);
   }
   /// f(), which runs functions of measurements of the pool; what they throw is raised with the measurement's name.
   template <class F>
@@ -131,13 +134,14 @@ class Problem {
     std::shared_ptr<VariableStoreBase> store;
   };
   // What concerns containers is compiled once, not in every file that inserts something.
-  VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value, bool optimize,
-                                std::string_view name);
+  VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
+                                bool optimize, std::string_view name);
   void setValue(int variable, const void* value);
   /// `measurement` is of this type and is moved from; `arguments` are its variables.
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
-                                                         VariableArgument* const* arguments, const NoiseView& noise,
-                                                         std::string_view label, const Loss& loss);
+                                                         VariableArgument* const* arguments,
+                                                         const NoiseView& noise, std::string_view label,
+                                                         const Loss& loss);
   /// A measurement, wherever it lies.
   struct Use {
     MeasurementPool* pool;
@@ -160,7 +164,7 @@ class Problem {
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
-  IndexSet constrained_, bounded_;  // by table index: with fixed or bounded components; with bounds
+  IndexSet constrained_, bounded_;     // by table index: with fixed or bounded components; with bounds
   mutable detail::Hidden<Uses> uses_;  // of variables by measurements, once somebody has asked
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::vector<TypedStore> stores_;

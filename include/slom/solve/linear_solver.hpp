@@ -15,9 +15,9 @@ namespace slom {
 /// Whether the system could be solved and, if not, at which unknown the rank ran out.
 struct [[nodiscard]] SolveStatus {
   bool ok = true;
-  int unknown = -1;      ///< index of the unknown that the others already determine, or that nothing determines
-  double pivot = 0;      ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
-  double least = 0;      ///< what must be left of a column of J, relative to its length; 0: not known
+  int unknown = -1;  ///< index of the unknown that the others already determine, or that nothing determines
+  double pivot = 0;  ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
+  double least = 0;  ///< what must be left of a column of J, relative to its length; 0: not known
 };
 
 /// Time spent since construction [s].

@@ -4,11 +4,9 @@
 
 #include <Eigen/Core>
 
-namespace slom {
+#include "base/index.hpp"
 
-namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace slom {
 
 void BlockLower::layOut(const BlockGraph& graph, const std::vector<int>& position) {
   const int n = graph.size();

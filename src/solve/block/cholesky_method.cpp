@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace slom {
 
 using Eigen::VectorXd;
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Blocks of the inverse at the places of H's: eliminated columns, and the others as those of the reduced system.
 class SelectedInverse final : public InverseBlocks {
@@ -19,8 +19,10 @@ class SelectedInverse final : public InverseBlocks {
   void block(int a, int b, double* out) const override {
     const int i = position_[at(a)], j = position_[at(b)], low = std::min(i, j), high = std::max(i, j);
     const BlockLower& from = low < count_ ? eliminated : kept;
-    const int shift = low < count_ ? 0 : count_, rows = from.dof(high - shift), columns = from.dof(low - shift);
-    const Eigen::Map<const Eigen::MatrixXd> values(from.values(from.find(high - shift, low - shift)), rows, columns);
+    const int shift = low < count_ ? 0 : count_, rows = from.dof(high - shift),
+              columns = from.dof(low - shift);
+    const Eigen::Map<const Eigen::MatrixXd> values(from.values(from.find(high - shift, low - shift)), rows,
+                                                   columns);
     if (i == j) {
       Eigen::Map<Eigen::MatrixXd>(out, rows, columns) = (values + values.transpose()) / 2;
     } else if (i > j) {
@@ -37,8 +39,9 @@ class SelectedInverse final : public InverseBlocks {
 
 }  // namespace
 
-CholeskyMethod::CholeskyMethod(std::string system, const BlockStructure& structure, const NormalEquations& equations,
-                               std::unique_ptr<Elimination> elimination, const std::vector<int>& rest, Fronts fronts)
+CholeskyMethod::CholeskyMethod(std::string system, const BlockStructure& structure,
+                               const NormalEquations& equations, std::unique_ptr<Elimination> elimination,
+                               const std::vector<int>& rest, Fronts fronts)
     : system_(std::move(system)), equations_(equations), elimination_(std::move(elimination)) {
   for (int b = 0; b < structure.blockCount(); ++b) position_.push_back(equations.position(b));
   std::vector<int> offset{0};
@@ -49,7 +52,9 @@ CholeskyMethod::CholeskyMethod(std::string system, const BlockStructure& structu
   factor_.analyze(offset, std::move(fronts), matrix());
 }
 
-VectorXd CholeskyMethod::kept(const VectorXd& x) const { return x.size() == 0 ? VectorXd() : VectorXd(x(kept_)); }
+VectorXd CholeskyMethod::kept(const VectorXd& x) const {
+  return x.size() == 0 ? VectorXd() : VectorXd(x(kept_));
+}
 
 SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
   const BlockLower& H = equations_.H();
@@ -58,7 +63,8 @@ SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
   if (!status.ok) return status;
   VectorXd rest;
   if (x != nullptr) rest = kept(*x);
-  status = factor_.factorize(matrix(), kept(equations_.diagonal()), kept(damping), kPivotTolerance, x != nullptr ? &rest : nullptr);
+  status = factor_.factorize(matrix(), kept(equations_.diagonal()), kept(damping), kPivotTolerance,
+                             x != nullptr ? &rest : nullptr);
   if (!status.ok) status.unknown = kept_[at(status.unknown)];
   return status;
 }
@@ -97,7 +103,9 @@ std::unique_ptr<InverseBlocks> CholeskyMethod::invertBlocks() {
   return result;
 }
 
-double CholeskyMethod::flops() const { return factor_.fronts().flops + (elimination_ ? elimination_->flops() : 0); }
+double CholeskyMethod::flops() const {
+  return factor_.fronts().flops + (elimination_ ? elimination_->flops() : 0);
+}
 
 std::string CholeskyMethod::description() const {
   const Fronts& fronts = factor_.fronts();

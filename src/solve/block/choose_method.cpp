@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.hpp"
 #include "block_method.hpp"
 #include "cholesky_method.hpp"
 #include "iterative_method.hpp"
@@ -21,17 +22,16 @@ namespace {
 constexpr double kSecondsPerOperation = 5e-11;
 constexpr double kSecondsPerEntry = 2e-9;  // of H, in a product with it, which waits for memory
 constexpr double kReducedIterations = 100, kWholeIterations = 1000;
-constexpr double kWorthBeingInexact = 5;  // exact steps need fewer iterations of the fit
+constexpr double kWorthBeingInexact = 5;      // exact steps need fewer iterations of the fit
 constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
 constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double entries(const BlockGraph& graph) {
   double sum = 0;
   for (int b = 0; b < graph.size(); ++b) {
     double neighbours = graph.dof[at(b)];
-    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) neighbours += 0.5 * graph.dof[at(graph.neighbour[at(e)])];
+    for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e)
+      neighbours += 0.5 * graph.dof[at(graph.neighbour[at(e)])];
     sum += graph.dof[at(b)] * neighbours;
   }
   return sum;
@@ -54,7 +54,8 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
 }
 
 /// Of each block in the order of elimination: `first`, and behind them `block`, at these positions of their own.
-std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block, const std::vector<int>& position) {
+std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block,
+                                 const std::vector<int>& position) {
   std::vector<int> result(first.size() + block.size());
   const int count = static_cast<int>(first.size());
   for (int i = 0; i < count; ++i) result[at(first[at(i)])] = i;
@@ -85,8 +86,8 @@ std::string shape(const BlockStructure& structure, const Predicate& is) {
 /// What is solved: "reduced system 49 x 9 after elimination of 7776 x 3".
 std::string describe(const BlockStructure& structure, const std::vector<char>& points) {
   if (points.empty()) return "system " + shape(structure, [](int) { return true; });
-  return "reduced system " + shape(structure, [&](int b) { return points[at(b)] == 0; }) + " after elimination of " +
-         shape(structure, [&](int b) { return points[at(b)] != 0; });
+  return "reduced system " + shape(structure, [&](int b) { return points[at(b)] == 0; }) +
+         " after elimination of " + shape(structure, [&](int b) { return points[at(b)] != 0; });
 }
 
 /// The choice for one structure.
@@ -113,8 +114,10 @@ class Choice {
 
   bool isTooExpensive(double operations, double factor_entries) const {
     if (options_.method != BlockSolverOptions::Method::automatic) return false;
-    const double iterating = (points_.empty() ? kWholeIterations : kReducedIterations) * kSecondsPerEntry * entries(graph_);
-    return factor_entries > kMostFactorEntries || kSecondsPerOperation * operations > kWorthBeingInexact * iterating;
+    const double iterating =
+        (points_.empty() ? kWholeIterations : kReducedIterations) * kSecondsPerEntry * entries(graph_);
+    return factor_entries > kMostFactorEntries ||
+           kSecondsPerOperation * operations > kWorthBeingInexact * iterating;
   }
 
   std::unique_ptr<BlockMethod> whole() {
@@ -139,14 +142,15 @@ class Choice {
     if (isTooExpensive(flops + fronts.flops, entries(left.graph) + entries(fronts))) return iterative();
     const std::vector<int> first = blocksWhere(true);
     equations_.layOut(structure_, graph_, positionsBehind(first, left.block, fronts.position));
-    auto elimination =
-        std::make_unique<SchurComplement>(equations_.H(), static_cast<int>(first.size()), flops, left.graph, fronts.position);
+    auto elimination = std::make_unique<SchurComplement>(equations_.H(), static_cast<int>(first.size()),
+                                                         flops, left.graph, fronts.position);
     return cholesky(std::move(elimination), left.block, std::move(fronts));
   }
 
-  std::unique_ptr<BlockMethod> cholesky(std::unique_ptr<Elimination> elimination, const std::vector<int>& rest, Fronts fronts) {
-    return std::make_unique<CholeskyMethod>(describe(structure_, points_), structure_, equations_, std::move(elimination), rest,
-                                            std::move(fronts));
+  std::unique_ptr<BlockMethod> cholesky(std::unique_ptr<Elimination> elimination,
+                                        const std::vector<int>& rest, Fronts fronts) {
+    return std::make_unique<CholeskyMethod>(describe(structure_, points_), structure_, equations_,
+                                            std::move(elimination), rest, std::move(fronts));
   }
 
   std::unique_ptr<BlockMethod> iterative() {
@@ -154,7 +158,8 @@ class Choice {
     std::vector<int> position(rest.size());
     std::iota(position.begin(), position.end(), 0);
     equations_.layOut(structure_, graph_, positionsBehind(first, rest, position));
-    return std::make_unique<IterativeMethod>(describe(structure_, points_), options_, equations_, static_cast<int>(first.size()));
+    return std::make_unique<IterativeMethod>(describe(structure_, points_), options_, equations_,
+                                             static_cast<int>(first.size()));
   }
 
   /// Ascending.
@@ -170,7 +175,8 @@ class Choice {
     double sum = 0;
     for (int b = 0; b < graph_.size(); ++b) {
       double height = 0;
-      for (int e = graph_.start[at(b)]; e < graph_.start[at(b) + 1]; ++e) height += graph_.dof[at(graph_.neighbour[at(e)])];
+      for (int e = graph_.start[at(b)]; e < graph_.start[at(b) + 1]; ++e)
+        height += graph_.dof[at(graph_.neighbour[at(e)])];
       if (points_[at(b)]) sum += graph_.dof[at(b)] * height * height;
     }
     return sum;
@@ -180,7 +186,8 @@ class Choice {
   const BlockSolverOptions& options_;
   NormalEquations& equations_;
   const BlockGraph graph_;
-  std::vector<char> points_;  // of each block, whether it is eliminated with others that it never meets; empty: none
+  std::vector<char>
+      points_;  // of each block, whether it is eliminated with others that it never meets; empty: none
 };
 
 }  // namespace

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <type_traits>
 
-#include "linearize/parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 #include "solve/dense/kernels.hpp"
 
 namespace slom {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int kPerTask = 256;
 
@@ -23,7 +22,8 @@ void withSize(int d, const F& f) {
 
 /// L of V + damping (null: none); the failure is of no component when there is none.
 template <int D>
-EliminatedBlocks::Failure factorizeOne(int size, const double* V, const double* damping, double tolerance, double* L) {
+EliminatedBlocks::Failure factorizeOne(int size, const double* V, const double* damping, double tolerance,
+                                       double* L) {
   const int d = D > 0 ? D : size;
   for (int j = 0; j < d; ++j) {
     const double diagonal = V[j * d + j] + (damping != nullptr ? damping[j] : 0);

@@ -24,10 +24,10 @@ class EliminatedBlocks {
   };
   /// V_e + damping = L L^T for e in [first, last), up to the first of them that fails: whose pivot falls below the share
   /// `tolerance` of its diagonal entry. Vectors by unknown; offset: first unknown of each position of H.
-  Failure factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                    double tolerance);
-  SolveStatus factorizeAll(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                           double tolerance);
+  Failure factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset,
+                    const Eigen::VectorXd& damping, double tolerance);
+  SolveStatus factorizeAll(const BlockLower& H, const std::vector<int>& offset,
+                           const Eigen::VectorXd& damping, double tolerance);
   /// b := L^-1 b
   void forward(int e, int d, double* b) const;
   /// b := L^-T b

@@ -27,8 +27,8 @@ class Elimination {
 
   /// Factorises the eliminated columns of H + damping and makes S, without damping. A pivot below the share `tolerance` of
   /// its diagonal entry of H + damping ends it. x, where given, goes through `forward` on the way.
-  virtual SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                             double tolerance, Eigen::VectorXd* x) = 0;
+  virtual SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset,
+                             const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) = 0;
   /// Makes of a right-hand side x that of S, in place, and for the eliminated blocks what `substitute` takes.
   virtual void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const = 0;
   /// x_e for the eliminated blocks, when x has the solution for the others.

@@ -12,8 +12,8 @@ namespace {
 constexpr double kExactTolerance = 1e-13;
 }  // namespace
 
-IterativeMethod::IterativeMethod(std::string system, const BlockSolverOptions& options, const NormalEquations& equations,
-                                 int eliminated)
+IterativeMethod::IterativeMethod(std::string system, const BlockSolverOptions& options,
+                                 const NormalEquations& equations, int eliminated)
     : system_(std::move(system)), options_(options), equations_(equations) {
   reduced_.analyze(equations.H(), eliminated, options.preconditioner);
 }
@@ -28,7 +28,8 @@ SolveStatus IterativeMethod::iterate(double tolerance, int max_iterations, Vecto
   const EliminatedBlocks& eliminated = reduced_.eliminated();
   eliminated.reduceVector(H, offset, x);
   VectorXd rest;
-  const auto outcome = conjugateGradients(reduced_, reduced_.reducedOf(x, offset), tolerance, max_iterations, rest);
+  const auto outcome =
+      conjugateGradients(reduced_, reduced_.reducedOf(x, offset), tolerance, max_iterations, rest);
   iterations_ += outcome.iterations;
   ++solutions_;
   if (!outcome.ok) return {false, offset[static_cast<std::size_t>(eliminated.count())], 0};
@@ -42,7 +43,9 @@ SolveStatus IterativeMethod::solve(VectorXd& x) {
   return iterate(kExactTolerance, enough, x);
 }
 
-SolveStatus IterativeMethod::finishStep(VectorXd& x, bool) { return iterate(forcing(), options_.max_iterations, x); }
+SolveStatus IterativeMethod::finishStep(VectorXd& x, bool) {
+  return iterate(forcing(), options_.max_iterations, x);
+}
 
 double IterativeMethod::forcing() {
   const VectorXd &g = equations_.gradient(), &diagonal = equations_.diagonal();
@@ -59,12 +62,17 @@ std::string IterativeMethod::description() const {
     case BlockSolverOptions::Preconditioner::schur_jacobi:
       text += reduced_.eliminated().count() > 0 ? "Schur-Jacobi" : "block Jacobi";
       break;
-    case BlockSolverOptions::Preconditioner::block_jacobi: text += "block Jacobi"; break;
-    case BlockSolverOptions::Preconditioner::power_series: text += "power series"; break;
+    case BlockSolverOptions::Preconditioner::block_jacobi:
+      text += "block Jacobi";
+      break;
+    case BlockSolverOptions::Preconditioner::power_series:
+      text += "power series";
+      break;
   }
   text += " preconditioner";
   if (solutions_ == 0) return text;
-  return text + ", " + std::to_string(static_cast<int>(std::lround(iterations_ / solutions_))) + " iterations per step";
+  return text + ", " + std::to_string(static_cast<int>(std::lround(iterations_ / solutions_))) +
+         " iterations per step";
 }
 
 }  // namespace slom

@@ -11,7 +11,8 @@ namespace slom {
 class IterativeMethod final : public BlockMethod {
  public:
   /// `system` describes what is solved. The first `eliminated` columns of H are eliminated.
-  IterativeMethod(std::string system, const BlockSolverOptions& options, const NormalEquations& equations, int eliminated);
+  IterativeMethod(std::string system, const BlockSolverOptions& options, const NormalEquations& equations,
+                  int eliminated);
 
   SolveStatus solve(Eigen::VectorXd& x) override;
   std::unique_ptr<InverseBlocks> invertBlocks() override { return nullptr; }

@@ -63,7 +63,8 @@ VectorXd JacobianRows::gradient() const {
   VectorXd g = VectorXd::Zero(structure_->unknowns());
   forEach([&](std::size_t group, int m) {
     const auto r = residual(group, m);
-    forEachPart(group, m, [&](int block, const Part& J) { g.segment(offset(block), J.cols()) += J.transpose() * r; });
+    forEachPart(group, m,
+                [&](int block, const Part& J) { g.segment(offset(block), J.cols()) += J.transpose() * r; });
   });
   return g;
 }
@@ -73,7 +74,8 @@ VectorXd JacobianRows::diagonal() const {
   forEach([&](std::size_t group, int m) {
     forEachPart(group, m, [&](int block, const Part& J) {
       forEachPart(group, m, [&](int other, const Part& K) {  // the same block may come twice
-        if (other == block) sum.segment(offset(block), J.cols()) += J.cwiseProduct(K).colwise().sum().transpose();
+        if (other == block)
+          sum.segment(offset(block), J.cols()) += J.cwiseProduct(K).colwise().sum().transpose();
       });
     });
   });

@@ -3,23 +3,23 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "solve/dense/prefetch.hpp"
 
 namespace slom {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Columns after which what is fetched is needed, where the factor is larger than [numbers] caches are.
-constexpr int kAhead = 3;
+constexpr int kColumnsAhead = 3;
 constexpr std::size_t kLarge = 1 << 16;
 
 static_assert(kMostColumns <= dense::kMostEliminated);
 
 }  // namespace
 
-LowDegreeElimination::LowDegreeElimination(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position)
+LowDegreeElimination::LowDegreeElimination(const BlockLower& H, const LowDegree& blocks,
+                                           const std::vector<int>& position)
     : columns_(blocks.order.size()), dof_(blocks.order.size()) {
   const int count = this->count();
   S_.layOut(blocks.left.graph, position);
@@ -79,7 +79,8 @@ void LowDegreeElimination::layOutFactor(const BlockLower& H, int count) {
 }
 
 SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
-                                         const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) {
+                                         const Eigen::VectorXd& damping, double tolerance,
+                                         Eigen::VectorXd* x) {
   // Both are laid out as parts of H.
   const double* from = H.values(0);
   const auto take = [&](std::size_t size, double* to) {
@@ -107,10 +108,10 @@ SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<
     const Column& column = columns_[at(e)];
     const int d = dof_[at(e)];
     double pivot = 0;
-    if (is_large && e + kAhead < count()) prefetchTargets(columns_[at(e + kAhead)]);
+    if (is_large && e + kColumnsAhead < count()) prefetchTargets(columns_[at(e + kColumnsAhead)]);
     if (x != nullptr) findBelow(column, offset, *x, below);
-    const int done = kernel.eliminate(d, column.below, height_.data() + column.first_below, column.V, column.W,
-                                      target_.data() + column.first_target, least, &pivot,
+    const int done = kernel.eliminate(d, column.below, height_.data() + column.first_below, column.V,
+                                      column.W, target_.data() + column.first_target, least, &pivot,
                                       x != nullptr ? x->data() + offset[at(e)] : nullptr, below.data());
     if (done < d) {
       const double diagonal = least[done] / tolerance;
@@ -130,10 +131,12 @@ void LowDegreeElimination::prefetchTargets(const Column& column) const {
 
 void LowDegreeElimination::findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x,
                                      Below& below) const {
-  for (int i = 0; i < column.below; ++i) below[at(i)] = x.data() + offset[at(row_[at(column.first_below + i)])];
+  for (int i = 0; i < column.below; ++i)
+    below[at(i)] = x.data() + offset[at(row_[at(column.first_below + i)])];
 }
 
-void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& offset,
+                                   Eigen::VectorXd& x) const {
   const auto forward_column = dense::kernels().forwardColumn;
   Below below;
   for (int e = 0; e < count(); ++e) {
@@ -144,14 +147,15 @@ void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& of
   }
 }
 
-void LowDegreeElimination::substitute(const BlockLower&, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void LowDegreeElimination::substitute(const BlockLower&, const std::vector<int>& offset,
+                                      Eigen::VectorXd& x) const {
   const auto backward_column = dense::kernels().backwardColumn;
   Below below;
   for (int e = count() - 1; e >= 0; --e) {
     const Column& column = columns_[at(e)];
     findBelow(column, offset, x, below);
-    backward_column(dof_[at(e)], column.below, height_.data() + column.first_below,
-                    column.V, column.W, below.data(), x.data() + offset[at(e)]);
+    backward_column(dof_[at(e)], column.below, height_.data() + column.first_below, column.V, column.W,
+                    below.data(), x.data() + offset[at(e)]);
   }
 }
 

@@ -20,11 +20,13 @@ class LowDegreeElimination final : public Elimination {
   LowDegreeElimination(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position);
 
   int count() const override { return static_cast<int>(columns_.size()); }
-  std::string description() const override { return std::to_string(count()) + " blocks with few neighbours first"; }
+  std::string description() const override {
+    return std::to_string(count()) + " blocks with few neighbours first";
+  }
   double flops() const override { return flops_; }
   const BlockLower& S() const override { return S_; }
-  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance,
-                     Eigen::VectorXd* x) override;
+  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                     double tolerance, Eigen::VectorXd* x) override;
   void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
   void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
   void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const override;
@@ -32,14 +34,15 @@ class LowDegreeElimination final : public Elimination {
  private:
   struct Column {
     double *V = nullptr, *W = nullptr;  // in factor_: the diagonal block, and those below it
-    int first_below = 0, below = 0;  // in height_ and row_
-    int first_target = 0;            // in target_
+    int first_below = 0, below = 0;     // in height_ and row_
+    int first_target = 0;               // in target_
   };
 
   using Below = std::array<double*, kMostRowsBelow>;  // parts of a vector
   void layOutFactor(const BlockLower& H, int count);
   void prefetchTargets(const Column& column) const;
-  void findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x, Below& below) const;
+  void findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x,
+                 Below& below) const;
 
   BlockLower S_;
   double flops_ = 0;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "linearize/parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 
 namespace slom {
 
@@ -12,8 +13,6 @@ namespace {
 using dense::kernels;
 using dense::kStripe;
 using dense::stripesOf;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Subtrees are cut until none has more than this share of the whole work.
 constexpr double kLargestSubtree = 1.0 / 16;
@@ -75,7 +74,7 @@ void MultifrontalCholesky::analyze(const std::vector<int>& offset, Fronts fronts
   relate();
   findEntries(H);
   cutIntoSubtrees();
-  planUpdates(tbb::this_task_arena::max_concurrency() == 1);
+  planUpdates(detail::threadCount() == 1);
   inverse_.assign(n, 0.0);
   least_.assign(n, 0.0);
   shift_.assign(n, 0.0);
@@ -114,8 +113,11 @@ void MultifrontalCholesky::layOut() {
 void MultifrontalCholesky::relate() {
   runs_.clear();
   relative_.clear();
-  std::vector<int> local(fronts_.order.size(), 0);  // of each position in the front at hand: its first row there
-  const auto dof = [&](int position) { return fronts_.offset[at(position) + 1] - fronts_.offset[at(position)]; };
+  std::vector<int> local(fronts_.order.size(),
+                         0);  // of each position in the front at hand: its first row there
+  const auto dof = [&](int position) {
+    return fronts_.offset[at(position) + 1] - fronts_.offset[at(position)];
+  };
   for (std::size_t f = 0; f < fronts_.front.size(); ++f) {
     const Front& front = fronts_.front[f];
     int next = 0;
@@ -169,7 +171,8 @@ void MultifrontalCholesky::findEntries(const BlockLower& H) {
       for (int k = H.begin(j); k < H.begin(j + 1); ++k) {
         const int i = H.row(k);
         const int row = i < front.last_column ? fronts_.offset[at(i)] - origin : local[at(i)];
-        entries_.push_back({k, row, fronts_.offset[at(j)] - origin, fronts_.offset[at(i) + 1] - fronts_.offset[at(i)],
+        entries_.push_back({k, row, fronts_.offset[at(j)] - origin,
+                            fronts_.offset[at(i) + 1] - fronts_.offset[at(i)],
                             fronts_.offset[at(j) + 1] - fronts_.offset[at(j)]});
       }
     }
@@ -273,7 +276,8 @@ void MultifrontalCholesky::assemble(const BlockLower& H, const Front& front, con
   for (int i = 0; i < front.p; ++i) address(i)[kStripe * i] += shift_[at(first + i)];
 }
 
-MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLower& H, int f, bool in_parallel) {
+MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLower& H, int f,
+                                                                   bool in_parallel) {
   const auto& kernel = kernels();
   const Front& front = fronts_.front[at(f)];
   const Layout& layout = layout_[at(f)];
@@ -364,7 +368,7 @@ SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::Ve
     shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
     least_[i] = tolerance * (diagonal[unknown] + shift_[i]);
   }
-  if (is_sequential_ && tbb::this_task_arena::max_concurrency() > 1) planUpdates(false);
+  if (is_sequential_ && detail::threadCount() > 1) planUpdates(false);
   const Failure first = is_sequential_ ? factorizeSequentially(H) : factorizeSubtrees(H);
   if (first.pivot < 0) return {};
   const double reference = least_[at(first.pivot)] / tolerance;
@@ -391,7 +395,8 @@ void MultifrontalCholesky::forward(int f) {
     }
   };
   add_children([&](int target) { return target < front.p ? x + target : nullptr; });
-  kernel.forwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
+  kernel.forwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)],
+                       front.p, x);
   kernel.forwardRows(L_.data() + layout.B, front.p, front.u, x, rows);
   add_children([&](int target) { return target < front.p ? nullptr : rows + (target - front.p); });
 }
@@ -407,7 +412,8 @@ void MultifrontalCholesky::backward(int f) {
     for (int i = fronts_.offset[at(position)]; i < fronts_.offset[at(position) + 1]; ++i) *to++ = x_[at(i)];
   }
   kernel.backwardRows(L_.data() + layout.B, front.p, front.u, vectors_.data() + layout.vector, x);
-  kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)], front.p, x);
+  kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)],
+                        front.p, x);
 }
 
 void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
@@ -416,7 +422,9 @@ void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
 
 void MultifrontalCholesky::solveFirst(const Eigen::VectorXd& b) {
   begin(b);
-  forEachSubtree([&](int t) { for (const int f : subtree_[at(t)]) forward(f); });
+  forEachSubtree([&](int t) {
+    for (const int f : subtree_[at(t)]) forward(f);
+  });
   for (const int f : subtree_.back()) forward(f);
 }
 

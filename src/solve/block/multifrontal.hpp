@@ -25,8 +25,8 @@ class MultifrontalCholesky {
 
   /// Factorises H + damping (by unknown; may be empty). A pivot below the share `tolerance` of its diagonal entry ends it. A
   /// right-hand side b is taken along, while each front is in the cache: solveRest() then ends the solution for it.
-  SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping, double tolerance,
-                        const Eigen::VectorXd* b = nullptr);
+  SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping,
+                        double tolerance, const Eigen::VectorXd* b = nullptr);
   /// The first half of the solution for b, where the factorisation did not take it along, and the rest of it:
   /// (H + damping)^-1 b, by unknown.
   void solveFirst(const Eigen::VectorXd& b);
@@ -39,13 +39,13 @@ class MultifrontalCholesky {
     int block, row, column, height, width;
   };
   struct Layout {
-    std::size_t D = 0, B = 0;               // in L_
-    std::size_t U = 0;                      // in updates_
-    int first_child = 0, last_child = 0;    // in children_
-    int first_run = 0, last_run = 0;        // in runs_; of this front's rows in its parent
-    std::size_t relative = 0;               // in relative_; likewise
-    int first_entry = 0, last_entry = 0;    // in entries_
-    std::size_t vector = 0;                 // in vectors_
+    std::size_t D = 0, B = 0;             // in L_
+    std::size_t U = 0;                    // in updates_
+    int first_child = 0, last_child = 0;  // in children_
+    int first_run = 0, last_run = 0;      // in runs_; of this front's rows in its parent
+    std::size_t relative = 0;             // in relative_; likewise
+    int first_entry = 0, last_entry = 0;  // in entries_
+    std::size_t vector = 0;               // in vectors_
   };
   struct Failure {
     int pivot = -1;  // position of the unknown in the permuted system

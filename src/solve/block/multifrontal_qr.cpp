@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "linearize/parallel.hpp"
-#include "model/decompositions.hpp"
+#include "base/decompositions.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 
 namespace slom {
 
@@ -13,9 +14,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-int width(const Fronts& fronts, int position) { return fronts.offset[at(position) + 1] - fronts.offset[at(position)]; }
+int width(const Fronts& fronts, int position) {
+  return fronts.offset[at(position) + 1] - fronts.offset[at(position)];
+}
 
 }  // namespace
 
@@ -67,7 +68,8 @@ void MultifrontalQR::analyze(const BlockStructure& structure, Fronts fronts) {
 /// First column of this block in front f.
 int MultifrontalQR::columnIn(int f, int position) const {
   const Front& front = fronts_.front[at(f)];
-  if (position < front.last_column) return fronts_.offset[at(position)] - fronts_.offset[at(front.first_column)];
+  if (position < front.last_column)
+    return fronts_.offset[at(position)] - fronts_.offset[at(front.first_column)];
   const auto first = fronts_.row.begin() + front.first_row, last = fronts_.row.begin() + front.last_row;
   return row_column_[static_cast<std::size_t>(std::lower_bound(first, last, position) - fronts_.row.begin())];
 }
@@ -79,8 +81,8 @@ int MultifrontalQR::rowsOf(int f, const JacobianRows& rows, bool is_damped) cons
   return static_cast<int>(count);
 }
 
-SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, const VectorXd& scale, const VectorXd& damping,
-                                           double tolerance) {
+SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, const VectorXd& scale,
+                                           const VectorXd& damping, double tolerance) {
   const Front& front = fronts_.front[at(f)];
   const std::vector<int>& unknown = unknown_[at(f)];
   const bool is_damped = damping.size() > 0;
@@ -102,7 +104,8 @@ SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, cons
     const Front& from = fronts_.front[at(child)];
     for (int k = from.first_row; k < from.last_row; ++k) {
       const int position = fronts_.row[at(k)], columns = width(fronts_, position);
-      A.block(next, columnIn(f, position), rest.rows(), columns) = rest.middleCols(row_column_[at(k)] - from.p, columns);
+      A.block(next, columnIn(f, position), rest.rows(), columns) =
+          rest.middleCols(row_column_[at(k)] - from.p, columns);
     }
     A.col(n).segment(next, rest.rows()) = rest.col(from.u);
     next += rest.rows();
@@ -125,8 +128,8 @@ SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, cons
   return {};
 }
 
-SolveStatus MultifrontalQR::factorize(const JacobianRows& rows, const VectorXd& scale, const VectorXd& damping,
-                                      double tolerance) {
+SolveStatus MultifrontalQR::factorize(const JacobianRows& rows, const VectorXd& scale,
+                                      const VectorXd& damping, double tolerance) {
   std::vector<SolveStatus> status(fronts_.front.size());
   for (const std::vector<int>& level : levels_) {
     detail::forEachIndex(static_cast<int>(level.size()), [&](int i) {

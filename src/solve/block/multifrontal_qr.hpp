@@ -20,7 +20,8 @@ class MultifrontalQR {
 
   /// Factorises J diag(scale) with rows sqrt(damping) below (may be empty), both by unknown, and -r beside it. A pivot
   /// below `tolerance` ends it: columns should have the length 1.
-  SolveStatus factorize(const JacobianRows& rows, const Eigen::VectorXd& scale, const Eigen::VectorXd& damping, double tolerance);
+  SolveStatus factorize(const JacobianRows& rows, const Eigen::VectorXd& scale,
+                        const Eigen::VectorXd& damping, double tolerance);
   /// The x, by unknown, with R x = Q^T (-r).
   Eigen::VectorXd solve() const;
   /// R^-1 R^-T b
@@ -34,17 +35,17 @@ class MultifrontalQR {
   };
   int columnIn(int f, int position) const;
   int rowsOf(int f, const JacobianRows& rows, bool is_damped) const;
-  SolveStatus factorizeFront(int f, const JacobianRows& rows, const Eigen::VectorXd& scale, const Eigen::VectorXd& damping,
-                             double tolerance);
+  SolveStatus factorizeFront(int f, const JacobianRows& rows, const Eigen::VectorXd& scale,
+                             const Eigen::VectorXd& damping, double tolerance);
 
   const BlockStructure* structure_ = nullptr;
   Fronts fronts_;
-  std::vector<int> row_column_;                         // of each entry of Fronts::row: its first column in the front
-  std::vector<std::vector<int>> unknown_;               // of each front's columns
+  std::vector<int> row_column_;            // of each entry of Fronts::row: its first column in the front
+  std::vector<std::vector<int>> unknown_;  // of each front's columns
   std::vector<std::vector<Measurement>> measurements_;  // that begin in each front
-  std::vector<std::vector<int>> children_, levels_;     // the fronts of a level need those of the levels before
-  std::vector<Eigen::MatrixXd> R_;                      // p x (p + u + 1), the right-hand side last
-  std::vector<Eigen::MatrixXd> rest_;                   // k x (u + 1), for the parent
+  std::vector<std::vector<int>> children_, levels_;  // the fronts of a level need those of the levels before
+  std::vector<Eigen::MatrixXd> R_;                   // p x (p + u + 1), the right-hand side last
+  std::vector<Eigen::MatrixXd> rest_;                // k x (u + 1), for the parent
 };
 
 }  // namespace slom

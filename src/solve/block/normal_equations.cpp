@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "base/index.hpp"
 #include "solve/dense/kernels.hpp"
 #include "solve/dense/prefetch.hpp"
 
 namespace slom {
 
 namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Measurements after which what is fetched is needed.
-constexpr int kAhead = 4;
+constexpr int kMeasurementsAhead = 4;
 
 /// Parts of the measurements: at most 2^kMostHalvings, each of so many measurements or more, which begin at multiples of
 /// what the linearisation takes at a time, and with so few numbers of their own for each product that is added.
@@ -146,7 +145,8 @@ void NormalEquations::findDestinations() {
         const int b = block[k];
         if (b >= 0 && met[at(b)] != part) {
           const int dof = structure_->dof(b);
-          place[at(b)] = met[at(b)] < 0 ? b : count + make_own(H_.begin(position(b)), position(b), dof * (dof + 1));
+          place[at(b)] =
+              met[at(b)] < 0 ? b : count + make_own(H_.begin(position(b)), position(b), dof * (dof + 1));
           met[at(b)] = static_cast<signed char>(part);
         }
         if (!parts_.empty()) place_of_[at(g)].push_back(b < 0 ? b : place[at(b)]);
@@ -165,7 +165,8 @@ void NormalEquations::findDestinations() {
           }
           const int found = H_.find(std::max(a, b), std::min(a, b));
           const int before = std::exchange(touched[at(found)], static_cast<signed char>(part));
-          if (before >= 0 && before != part) own_of_block[found] = blocks + make_own(found, std::min(a, b), H_.dof(a) * H_.dof(b));
+          if (before >= 0 && before != part)
+            own_of_block[found] = blocks + make_own(found, std::min(a, b), H_.dof(a) * H_.dof(b));
           const auto own = own_of_block.empty() ? own_of_block.end() : own_of_block.find(found);
           destination_[at(g)].push_back({own == own_of_block.end() ? found : own->second, before < 0});
         }
@@ -178,7 +179,8 @@ void NormalEquations::findDestinations() {
   for (const Own& own : own_) {
     double* const values = own_values_.data() + own.start;
     const bool is_diagonal = H_.row(own.block) == own.column;
-    place_.push_back(is_diagonal ? Place{own.column, values, values + H_.dof(own.column) * H_.dof(own.column)} : Place{});
+    place_.push_back(is_diagonal ? Place{own.column, values, values + H_.dof(own.column) * H_.dof(own.column)}
+                                 : Place{});
   }
   for (int j = 0; j < H_.columns(); ++j) {  // what nothing is ever added to
     for (int k = H_.begin(j) + 1; k < H_.begin(j + 1); ++k) {
@@ -246,7 +248,8 @@ void NormalEquations::prefetch(const int* places, Destination destination) const
     const Place& place = place_[at(places[k])];
     dense::prefetch(place.diagonal, place.diagonal + 1);
   }
-  if (destination.block < H_.begin(H_.columns())) dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
+  if (destination.block < H_.begin(H_.columns()))
+    dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
 }
 
 void NormalEquations::add(const JacobianBatch& batch) {
@@ -261,7 +264,8 @@ void NormalEquations::add(const JacobianBatch& batch) {
   const int* dof = batch.dof;
   for (int m = 0; m < batch.count; ++m, places += arity, dof += arity) {
     const int rows = batch.rows[m];
-    if (arity == 2 && m + kAhead < batch.count) prefetch(places + 2 * kAhead, destination[kAhead]);
+    if (arity == 2 && m + kMeasurementsAhead < batch.count)
+      prefetch(places + 2 * kMeasurementsAhead, destination[kMeasurementsAhead]);
     if (arity == 2 && addPair(kernel, rows, places, dof, *destination, J, r)) {
       ++destination;
       J += static_cast<std::ptrdiff_t>(rows) * (dof[0] + dof[1]);

@@ -57,8 +57,8 @@ class NormalEquations {
   };
   void chooseParts();
   void findDestinations();
-  bool addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof, Destination destination, const double* J,
-               const double* r);
+  bool addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
+               Destination destination, const double* J, const double* r);
   void prefetch(const int* places, Destination destination) const;
   const int* placesOf(int group) const;
   const double* values(int block) const;
@@ -71,8 +71,9 @@ class NormalEquations {
   std::vector<int> offset_;
   std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
   std::vector<MeasurementPlace> parts_;                // where they begin; empty: there is but one
-  std::vector<Own> own_;                               // in the order of the parts; in destinations behind the blocks of H
-  std::vector<std::vector<int>> place_of_;             // of each group: measurement x arity, where any part has places of its own
+  std::vector<Own> own_;  // in the order of the parts; in destinations behind the blocks of H
+  std::vector<std::vector<int>>
+      place_of_;  // of each group: measurement x arity, where any part has places of its own
   dense::BigArray own_values_;
   std::size_t own_size_ = 0;
   Eigen::VectorXd gradient_, diagonal_;

@@ -2,7 +2,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "linearize/parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 
 namespace slom {
 
@@ -13,8 +14,6 @@ using Eigen::VectorXd;
 using Block = Eigen::Map<const MatrixXd>;
 using Part = Eigen::Map<VectorXd>;
 using ConstPart = Eigen::Map<const VectorXd>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int kPowerSeriesTerms = 3;
 constexpr int kPerTask = 256;
@@ -38,7 +37,8 @@ void ReducedOperator::analyze(const BlockLower& H, int eliminated, Preconditione
   neighbours_.resize(at(first_.back()));
   std::vector<int> next = first_;
   for (int j = 0; j < H.columns(); ++j) {
-    for (int k = H.begin(j) + 1; k < H.begin(j + 1); ++k) neighbours_[at(next[at(H.row(k) - eliminated)]++)] = {k, j};
+    for (int k = H.begin(j) + 1; k < H.begin(j + 1); ++k)
+      neighbours_[at(next[at(H.row(k) - eliminated)]++)] = {k, j};
   }
   const bool diverges = preconditioner == Preconditioner::power_series && (meet || eliminated == 0);
   preconditioner_ = diverges ? Preconditioner::schur_jacobi : preconditioner;
@@ -46,8 +46,8 @@ void ReducedOperator::analyze(const BlockLower& H, int eliminated, Preconditione
   inverse_.resize(at(left()));
 }
 
-SolveStatus ReducedOperator::prepare(const BlockLower& H, const std::vector<int>& offset, const VectorXd& damping,
-                                     double tolerance) {
+SolveStatus ReducedOperator::prepare(const BlockLower& H, const std::vector<int>& offset,
+                                     const VectorXd& damping, double tolerance) {
   H_ = &H;
   const SolveStatus status = eliminated_.factorizeAll(H, offset, damping, tolerance);
   if (!status.ok) return status;
@@ -104,13 +104,14 @@ void ReducedOperator::multiply(const VectorXd& x, VectorXd& y) {
     Part out(y.data() + start_[at(c)], height);
     out.noalias() = diagonal_[at(c)].lazyProduct(part(j));
     for (int k = H_->begin(j) + 1; k < H_->begin(j + 1); ++k) {
-      out.noalias() += Block(H_->values(k), H_->dof(H_->row(k)), height).transpose().lazyProduct(part(H_->row(k)));
+      out.noalias() +=
+          Block(H_->values(k), H_->dof(H_->row(k)), height).transpose().lazyProduct(part(H_->row(k)));
     }
     for (int n = first_[at(c)]; n < first_[at(c) + 1]; ++n) {
       const auto [block, column] = neighbours_[at(n)];
       const int width = H_->dof(column);
-      const double* const from =
-          column < count ? images_.data() + eliminated_start_[at(column)] : x.data() + start_[at(column - count)];
+      const double* const from = column < count ? images_.data() + eliminated_start_[at(column)]
+                                                : x.data() + start_[at(column - count)];
       out.noalias() += Block(H_->values(block), height, width).lazyProduct(ConstPart(from, width));
     }
   });
@@ -119,7 +120,8 @@ void ReducedOperator::multiply(const VectorXd& x, VectorXd& y) {
 void ReducedOperator::applyDiagonal(const VectorXd& r, VectorXd& z) const {
   z.resize(size());
   for (int c = 0; c < left(); ++c) {
-    Part(z.data() + start_[at(c)], dof(c)).noalias() = inverse_[at(c)].lazyProduct(ConstPart(r.data() + start_[at(c)], dof(c)));
+    Part(z.data() + start_[at(c)], dof(c)).noalias() =
+        inverse_[at(c)].lazyProduct(ConstPart(r.data() + start_[at(c)], dof(c)));
   }
 }
 
@@ -150,8 +152,8 @@ void ReducedOperator::putInto(const VectorXd& reduced, const std::vector<int>& o
   }
 }
 
-ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const VectorXd& b, double tolerance, int max_iterations,
-                                             VectorXd& x) {
+ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const VectorXd& b, double tolerance,
+                                             int max_iterations, VectorXd& x) {
   ConjugateGradientsOutcome outcome;
   x = VectorXd::Zero(b.size());
   VectorXd r = b, z, image;

@@ -27,7 +27,8 @@ class ReducedOperator {
 
   /// For these numbers of H, which must stay as they are until the last product. Vectors by unknown; offset: first
   /// unknown of each position of H. A pivot below the share `tolerance` of its diagonal entry ends it.
-  SolveStatus prepare(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance);
+  SolveStatus prepare(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                      double tolerance);
   /// y := S x
   void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y);
   /// z := M^-1 r with an M near S.
@@ -40,7 +41,9 @@ class ReducedOperator {
   struct Neighbour {
     int block, column;  // of H, left of the diagonal
   };
-  int dof(int c) const { return start_[static_cast<std::size_t>(c) + 1] - start_[static_cast<std::size_t>(c)]; }
+  int dof(int c) const {
+    return start_[static_cast<std::size_t>(c) + 1] - start_[static_cast<std::size_t>(c)];
+  }
   int left() const { return static_cast<int>(start_.size()) - 1; }
   void prepareRow(int c, const std::vector<int>& offset, const Eigen::VectorXd& damping);
   void applyDiagonal(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
@@ -48,13 +51,13 @@ class ReducedOperator {
   const BlockLower* H_ = nullptr;
   Preconditioner preconditioner_ = Preconditioner::schur_jacobi;
   EliminatedBlocks eliminated_;
-  std::vector<int> start_;                // of each block that is left
-  std::vector<int> first_;                // of each block that is left, in neighbours_
-  std::vector<Neighbour> neighbours_;     // in its row of H
+  std::vector<int> start_;                     // of each block that is left
+  std::vector<int> first_;                     // of each block that is left, in neighbours_
+  std::vector<Neighbour> neighbours_;          // in its row of H
   std::vector<std::size_t> eliminated_start_;  // of each eliminated block in images_
-  std::vector<double> images_;            // -V^-1 W^T x
-  std::vector<Eigen::MatrixXd> diagonal_;  // of H_cc + damping
-  std::vector<Eigen::MatrixXd> inverse_;   // of the preconditioner's diagonal blocks
+  std::vector<double> images_;                 // -V^-1 W^T x
+  std::vector<Eigen::MatrixXd> diagonal_;      // of H_cc + damping
+  std::vector<Eigen::MatrixXd> inverse_;       // of the preconditioner's diagonal blocks
   Eigen::VectorXd term_, image_;
 };
 

@@ -4,15 +4,14 @@
 #include <cstdint>
 #include <utility>
 
-#include "linearize/parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 #include "solve/dense/kernels.hpp"
 #include "solve/symbolic/independent_blocks.hpp"
 
 namespace slom {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// With more blocks left, the block of S at a place is searched for instead of looked up.
 constexpr int kMostInTable = 1024;
@@ -62,7 +61,8 @@ int SchurComplement::waves() const { return (eliminated_.count() + kPerWave - 1)
 int SchurComplement::chooseParts() const {
   const double numbers = static_cast<double>(S_.size()) + offset_.back();
   const double affordable = numbers > 0 ? kNumbersPerPair * static_cast<double>(pair_.size()) / numbers : 0;
-  return std::max(1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostParts)), kMostParts, waves()}));
+  return std::max(
+      1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostParts)), kMostParts, waves()}));
 }
 
 /// Finds blocks of S, and counts.
@@ -137,7 +137,9 @@ void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
     };
     const auto begin =
         static_cast<std::uint32_t>((reduced_[at(e)] - reduced_[at(wave)]) / dense::kRowPadding);
-    const auto add = [&](std::uint32_t a, std::uint32_t b) { pair_[at(places.count[at(*block++)]++)] = {a, b}; };
+    const auto add = [&](std::uint32_t a, std::uint32_t b) {
+      pair_[at(places.count[at(*block++)]++)] = {a, b};
+    };
     const std::uint32_t behind = begin + static_cast<std::uint32_t>(vectorSize() / dense::kRowPadding);
     std::uint32_t Yi = behind;
     for (int k = H.begin(e) + 1; k < H.begin(e + 1); Yi += width(k++)) {
@@ -186,8 +188,9 @@ void SchurComplement::start(const BlockLower& H) {
 }
 
 EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const std::vector<int>& offset,
-                                                      const Eigen::VectorXd& damping, double tolerance, int wave,
-                                                      const Eigen::VectorXd* b, const Target& target, double* Y) {
+                                                      const Eigen::VectorXd& damping, double tolerance,
+                                                      int wave, const Eigen::VectorXd* b,
+                                                      const Target& target, double* Y) {
   const int begin = wave * kPerWave, end = std::min(begin + kPerWave, eliminated_.count());
   const auto failure = eliminated_.factorize(H, begin, end, offset, damping, tolerance);
   if (failure.happened()) return failure;
@@ -205,13 +208,15 @@ EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const
     const int pairs = meeting_[at(m + 1)].first - meeting.first, row = meeting.block - blocks;
     const dense::Pair* const pair = &pair_[at(meeting.first)];
     if (row < 0) {
-      subtract_outers(depth_, S_.dof(S_.row(meeting.block)), S_.dof(column_[at(meeting.block)]), pairs, pair, Y,
-                      target.S + (S_.values(meeting.block) - S_.values(0)));
+      subtract_outers(depth_, S_.dof(S_.row(meeting.block)), S_.dof(column_[at(meeting.block)]), pairs, pair,
+                      Y, target.S + (S_.values(meeting.block) - S_.values(0)));
     } else if (b != nullptr) {
       subtract_outers(depth_, S_.dof(row), 1, pairs, pair, Y, target.b + target.offset[row]);
     }
   };
-  const bool is_shared = parts_ == 1 && meeting_[at(last_meeting)].first - meeting_[at(first_meeting)].first >= kFewestSharedPairs;
+  const bool is_shared =
+      parts_ == 1 &&
+      meeting_[at(last_meeting)].first - meeting_[at(first_meeting)].first >= kFewestSharedPairs;
   if (is_shared) {
     detail::forEachIndex(last_meeting - first_meeting, [&](int m) { take(first_meeting + m); });
   } else {
@@ -236,7 +241,8 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
     if (part > 0) std::fill_n(target(part).S, own, 0.0);
     const int last = static_cast<int>(std::int64_t{waves()} * (part + 1) / parts_);
     for (int wave = static_cast<int>(std::int64_t{waves()} * part / parts_); wave < last; ++wave) {
-      failures[at(part)] = reduceWave(H, offset, damping, tolerance, wave, b, target(part), Y_.data() + at(part) * largest_);
+      failures[at(part)] =
+          reduceWave(H, offset, damping, tolerance, wave, b, target(part), Y_.data() + at(part) * largest_);
       if (failures[at(part)].happened()) return;
     }
   });
@@ -249,7 +255,8 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
   for (int part = 1; part < parts_; ++part) {
     const Target from = target(part);
     add(from.S, static_cast<Eigen::Index>(S_.size()), whole.S);
-    for (int j = 0; b != nullptr && j < S_.columns(); ++j) add(from.b + from.offset[j], S_.dof(j), whole.b + whole.offset[j]);
+    for (int j = 0; b != nullptr && j < S_.columns(); ++j)
+      add(from.b + from.offset[j], S_.dof(j), whole.b + whole.offset[j]);
   }
   return {};
 }
@@ -258,7 +265,8 @@ void SchurComplement::forward(const BlockLower& H, const std::vector<int>& offse
   eliminated_.reduceVector(H, offset, x);
 }
 
-void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const {
+void SchurComplement::substitute(const BlockLower& H, const std::vector<int>& offset,
+                                 Eigen::VectorXd& x) const {
   eliminated_.substitute(H, offset, x);
 }
 

@@ -19,15 +19,16 @@ class SchurComplement final : public Elimination {
  public:
   /// The first `eliminated` columns of H are eliminated, in `flops` operations. `reduced`: graph of the rest, whose nodes have
   /// these positions in S.
-  SchurComplement(const BlockLower& H, int eliminated, double flops, const BlockGraph& reduced, const std::vector<int>& position);
+  SchurComplement(const BlockLower& H, int eliminated, double flops, const BlockGraph& reduced,
+                  const std::vector<int>& position);
 
   int count() const override { return eliminated_.count(); }
   std::string description() const override { return ""; }
   double flops() const override { return flops_; }
   const BlockLower& S() const override { return S_; }
   /// S := H_cc - W (V + damping)^-1 W^T.
-  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping, double tolerance,
-                     Eigen::VectorXd* b) override;
+  SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
+                     double tolerance, Eigen::VectorXd* b) override;
   void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
   void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const override;
   void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const override;
@@ -48,8 +49,9 @@ class SchurComplement final : public Elimination {
   int chooseParts() const;
   int waves() const;
   void start(const BlockLower& H);
-  EliminatedBlocks::Failure reduceWave(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
-                                       double tolerance, int wave, const Eigen::VectorXd* b, const Target& target, double* Y);
+  EliminatedBlocks::Failure reduceWave(const BlockLower& H, const std::vector<int>& offset,
+                                       const Eigen::VectorXd& damping, double tolerance, int wave,
+                                       const Eigen::VectorXd* b, const Target& target, double* Y);
   void listWave(const BlockLower& H, int wave, Places& places);
   void halfReduce(const BlockLower& H, int e, double* Y) const;
   void halfReduce(const double* b, int e, int d, double* y) const;
@@ -59,20 +61,21 @@ class SchurComplement final : public Elimination {
   EliminatedBlocks eliminated_;
   BlockLower S_;
   double flops_;
-  int depth_ = 0;                     // columns of each block of Y
-  std::vector<Meeting> meeting_;      // wave after wave, in each by block; one more for the end
-  std::vector<int> first_meeting_;    // of each wave; one more for the end
-  std::vector<dense::Pair> pair_;     // meeting after meeting
-  std::vector<int> column_;           // of each block of S
-  std::vector<int> copied_;           // block of H that each block of S starts from, -1: 0
-  std::vector<std::size_t> reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
+  int depth_ = 0;                   // columns of each block of Y
+  std::vector<Meeting> meeting_;    // wave after wave, in each by block; one more for the end
+  std::vector<int> first_meeting_;  // of each wave; one more for the end
+  std::vector<dense::Pair> pair_;   // meeting after meeting
+  std::vector<int> column_;         // of each block of S
+  std::vector<int> copied_;         // block of H that each block of S starts from, -1: 0
+  std::vector<std::size_t>
+      reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
   /// Parts of the waves that threads take, with numbers of their own, which are added up in the end: as many whatever the
   /// number of threads.
   int parts_ = 1;
-  std::vector<int> offset_;         // first unknown of each position of S; one more for the end
-  std::size_t largest_ = 0;         // numbers of Y in a wave
-  dense::BigArray Y_;               // of each part
-  dense::BigArray taken_;           // of each part but the first: from S, from b
+  std::vector<int> offset_;  // first unknown of each position of S; one more for the end
+  std::size_t largest_ = 0;  // numbers of Y in a wave
+  dense::BigArray Y_;        // of each part
+  dense::BigArray taken_;    // of each part but the first: from S, from b
 };
 
 }  // namespace slom

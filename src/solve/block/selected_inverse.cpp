@@ -3,7 +3,8 @@
 //            study", 1973; Campbell and Davis, "Computing the sparse inverse subset: an inverse multifrontal approach", 1995
 #include <algorithm>
 
-#include "linearize/parallel.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
 #include "multifrontal.hpp"
 
 namespace slom {
@@ -13,15 +14,13 @@ namespace {
 using dense::kStripe;
 using Eigen::MatrixXd;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// The rows x p matrix whose stripes lie at `panel`.
 MatrixXd unpack(const double* panel, int rows, int p) {
   MatrixXd result(rows, p);
   for (int s = 0; s < rows; s += kStripe) {
     const int height = std::min(kStripe, rows - s);
-    const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<kStripe>> stripe(panel + static_cast<std::ptrdiff_t>(s) * p,
-                                                                            height, p);
+    const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<kStripe>> stripe(
+        panel + static_cast<std::ptrdiff_t>(s) * p, height, p);
     result.middleRows(s, height) = stripe;
   }
   return result;

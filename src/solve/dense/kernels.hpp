@@ -21,21 +21,24 @@ constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * k
 constexpr int stripesOf(int rows) { return (rows + kStripe - 1) / kStripe; }
 /// Where stripe s of U begins.
 constexpr std::size_t updateOffset(int s) {
-  return static_cast<std::size_t>(kStripe) * kStripe / 2 * static_cast<std::size_t>(s) * static_cast<std::size_t>(s + 1);
+  return static_cast<std::size_t>(kStripe) * kStripe / 2 * static_cast<std::size_t>(s) *
+         static_cast<std::size_t>(s + 1);
 }
 constexpr std::size_t panelSize(int rows, int p) {
-  return static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(stripesOf(rows)) * static_cast<std::size_t>(p);
+  return static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(stripesOf(rows)) *
+         static_cast<std::size_t>(p);
 }
 constexpr std::size_t updateSize(int u) {
   return u == 0 ? 0
-               : updateOffset(stripesOf(u) - 1) + static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(u);
+                : updateOffset(stripesOf(u) - 1) +
+                      static_cast<std::size_t>(kStripe) * static_cast<std::size_t>(u);
 }
 
 /// Rows of a child's update that lie next to each other in the parent's stripes too.
 struct Run {
-  int row;          ///< first row in the child's U
-  int length;       ///< <= kStripe, within one stripe of either
-  int target;       ///< first row in the parent's front
+  int row;     ///< first row in the child's U
+  int length;  ///< <= kStripe, within one stripe of either
+  int target;  ///< first row in the parent's front
 };
 
 /// The update of a front's child, and where it belongs.
@@ -86,7 +89,8 @@ struct Kernels {
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
   /// AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as for
   /// addProduct. Returns false, with nothing done, for sizes it is not made for.
-  bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to);
+  bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r,
+                  const PairTarget& to);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
   /// paddedRows(k) rows, those behind the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);
@@ -100,14 +104,14 @@ struct Kernels {
   /// contiguous. V := L D^-1 in V = L D L^T, with unit lower L; W_i := W_i L^-T; for i and j <= i, in this order, target -=
   /// W_i D^-1 W_j^T (the W as they are then). Where x is not null, what forwardColumn does. Returns the first pivot that is not
   /// above least[i] and writes it to *pivot; d when there is none.
-  int (*eliminate)(int d, int count, const int* height, double* V, double* W, double* const* target, const double* least,
-                   double* pivot, double* x, double* const* below);
+  int (*eliminate)(int d, int count, const int* height, double* V, double* W, double* const* target,
+                   const double* least, double* pivot, double* x, double* const* below);
   /// x := L^-1 x and below[i] -= W_i D^-1 x
   void (*forwardColumn)(int d, int count, const int* height, const double* V, const double* W, double* x,
                         double* const* below);
   /// x := L^-T D^-1 (x - sum of W_i^T below[i])
-  void (*backwardColumn)(int d, int count, const int* height, const double* V, const double* W, const double* const* below,
-                         double* x);
+  void (*backwardColumn)(int d, int count, const int* height, const double* V, const double* W,
+                         const double* const* below, double* x);
 };
 
 /// For this processor.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace slom {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Calls f(a, b) for any two different blocks of a measurement, in both orders.
 template <class F>

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
+
 namespace slom {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Fewer are left to the ordering.
 constexpr int kFewestEliminated = 64;

@@ -5,15 +5,15 @@
 #include <bit>
 #include <cstdint>
 
+#include "base/index.hpp"
+
 namespace slom {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Fewer, or a smaller share of all blocks, are left to the ordering.
-constexpr int kFewestEliminated = 16;
-constexpr double kLeastShare = 0.2;
+constexpr int kFewestOfLowDegree = 16;
+constexpr double kLeastShareOfLowDegree = 0.2;
 /// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
 /// eliminated.
 constexpr int kMostNeighbours = 48;
@@ -119,7 +119,7 @@ class Elimination {
   std::vector<int> first_, count_, room_;  // of each block's neighbours; room -1: the block is gone
   std::vector<int> rows_;                  // degrees of freedom of each block's neighbours
   std::vector<int> round_;                 // in which a neighbour was eliminated last
-  std::vector<int> place_;  // of the neighbours of the block being eliminated: which of them
+  std::vector<int> place_;                 // of the neighbours of the block being eliminated: which of them
   std::vector<int> neighbour_;
   std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some have others by now
 };
@@ -131,7 +131,7 @@ LowDegree eliminateLowDegree(const BlockGraph& graph) {
   Elimination elimination(graph);
   result.order = elimination.run();
   const int n = graph.size(), count = static_cast<int>(result.order.size());
-  if (count < kFewestEliminated || count < kLeastShare * n) return {};
+  if (count < kFewestOfLowDegree || count < kLeastShareOfLowDegree * n) return {};
   BlockGraph& filled = result.filled;
   BlockGraph& left = result.left.graph;
   filled.dof = graph.dof;
@@ -149,7 +149,8 @@ LowDegree eliminateLowDegree(const BlockGraph& graph) {
     filled.start.push_back(static_cast<int>(filled.neighbour.size()));
     if (elimination.is_gone(b)) continue;
     const auto first = static_cast<std::ptrdiff_t>(left.neighbour.size());
-    for (const int* c = elimination.begin(b); c != elimination.end(b); ++c) left.neighbour.push_back(node[at(*c)]);
+    for (const int* c = elimination.begin(b); c != elimination.end(b); ++c)
+      left.neighbour.push_back(node[at(*c)]);
     std::sort(left.neighbour.begin() + first, left.neighbour.end());
     left.start.push_back(static_cast<int>(left.neighbour.size()));
   }

@@ -12,7 +12,8 @@ std::vector<int> orderByNestedDissection(const BlockGraph& graph) {
   std::vector<idx_t> neighbour(graph.neighbour.begin(), graph.neighbour.end());
   std::vector<idx_t> weight(graph.dof.begin(), graph.dof.end());
   std::vector<idx_t> order(graph.dof.size()), position(graph.dof.size());
-  const int status = METIS_NodeND(&n, start.data(), neighbour.data(), weight.data(), nullptr, order.data(), position.data());
+  const int status =
+      METIS_NodeND(&n, start.data(), neighbour.data(), weight.data(), nullptr, order.data(), position.data());
   return status == METIS_OK ? std::vector<int>(order.begin(), order.end()) : std::vector<int>{};
 }
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "base/index.hpp"
+
 namespace slom {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Fronts with more pivots are cut into chains, so that a stripe of the panel stays in the first-level cache.
 constexpr int kMostPivots = 144;
@@ -23,7 +23,8 @@ double cost(double p, double u) {
 
 /// For each node the next one on the way to the root; -1 for roots.
 ///   source   Liu 1990, algorithm 4.2: path compression by `ancestor`
-std::vector<int> eliminationTree(const BlockGraph& graph, const std::vector<int>& order, const std::vector<int>& position) {
+std::vector<int> eliminationTree(const BlockGraph& graph, const std::vector<int>& order,
+                                 const std::vector<int>& position) {
   const int n = graph.size();
   std::vector<int> parent(at(n), -1), ancestor(at(n), -1);
   for (int j = 0; j < n; ++j) {
@@ -79,8 +80,8 @@ std::vector<int> inverse(const std::vector<int>& order) {
 struct ColumnCounts {
   std::vector<int> blocks, dof;
 };
-ColumnCounts countColumns(const BlockGraph& graph, const std::vector<int>& order, const std::vector<int>& position,
-                          const std::vector<int>& parent) {
+ColumnCounts countColumns(const BlockGraph& graph, const std::vector<int>& order,
+                          const std::vector<int>& position, const std::vector<int>& parent) {
   const int n = graph.size();
   ColumnCounts count{std::vector<int>(at(n), 0), std::vector<int>(at(n), 0)};
   std::vector<int> mark(at(n), -1);
@@ -113,8 +114,8 @@ struct Nodes {
 };
 
 /// Neighbouring columns with the same rows below them.
-Nodes fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& order, const std::vector<int>& parent,
-                            const ColumnCounts& count) {
+Nodes fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& order,
+                            const std::vector<int>& parent, const ColumnCounts& count) {
   Nodes nodes;
   nodes.of_column.resize(parent.size());
   std::vector<int> last_column;
@@ -175,7 +176,8 @@ void amalgamate(std::vector<Node>& nodes) {
 /// The merged nodes, children before parents, and the columns of each, ascending.
 struct Merged {
   std::vector<Node> node;
-  std::vector<int> first_column, column;  // those of node i are in column [first_column[i], first_column[i + 1])
+  std::vector<int> first_column,
+      column;  // those of node i are in column [first_column[i], first_column[i + 1])
 };
 Merged compact(const Nodes& nodes) {
   const int n = static_cast<int>(nodes.node.size());
@@ -244,7 +246,8 @@ void findRows(const BlockGraph& graph, Fronts& fronts) {
     };
     for (int j = front.first_column; j < front.last_column; ++j) {
       const int b = fronts.order[at(j)];
-      for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e) add(fronts.position[at(graph.neighbour[at(e)])]);
+      for (int e = graph.start[at(b)]; e < graph.start[at(b) + 1]; ++e)
+        add(fronts.position[at(graph.neighbour[at(e)])]);
     }
     for (int c = first_child[at(s)]; c >= 0; c = sibling[at(c)]) {
       const Front& child = fronts.front[at(c)];
@@ -285,7 +288,8 @@ Fronts makeFronts(const BlockGraph& graph, const std::vector<int>& given_order) 
   }
   parent = std::move(moved);
 
-  Nodes fundamental = fundamentalSupernodes(graph, order, parent, countColumns(graph, order, inverse(order), parent));
+  Nodes fundamental =
+      fundamentalSupernodes(graph, order, parent, countColumns(graph, order, inverse(order), parent));
   amalgamate(fundamental.node);
   const Merged nodes = compact(fundamental);
 

@@ -1,14 +1,14 @@
 // Uses whatever passes between a program and the compiled library, built for this machine's processor while the library
 // was built for any: values of dynamic and of vectorisable size, noise, residuals, covariances, solvers. It uses of Eigen what the library
 // uses too, so that a linker could mix the two.
-#include <slom/measurements/relative_pose.hpp>
-#include <slom/slom.hpp>
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 #include <Eigen/Dense>
+
+#include <slom/measurements/relative_pose.hpp>
+#include <slom/slom.hpp>
 
 namespace {
 
@@ -33,7 +33,8 @@ void useEigen() {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::JacobiSVD<Eigen::MatrixXd> full(A, Eigen::ComputeFullV);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H);
-  require((svd.solve(b) - x).norm() < 1e-9 && (H.llt().solve(A.transpose() * b) - x).norm() < 1e-9, "solutions");
+  require((svd.solve(b) - x).norm() < 1e-9 && (H.llt().solve(A.transpose() * b) - x).norm() < 1e-9,
+          "solutions");
   require((Q * (Q.transpose() * A) - A).norm() < 1e-9 && H.fullPivLu().isInvertible(), "factors");
   require(std::abs(full.singularValues()[6] - std::sqrt(eigen.eigenvalues()[0])) < 1e-9, "singular values");
 }
@@ -68,14 +69,17 @@ void fitVectors(bool dense) {
   const auto pose = est.insertRV(Pose(), "pose");
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(11, 11, 0.5);
   covariance.diagonal().setConstant(2);
-  const auto id = est.insertMeasurement([](const Eigen::VectorXd& x, const Eigen::VectorXd& z) { return Eigen::VectorXd(x - z); },
-                                        dynamic, long_value, slom::Covariance(covariance));
+  const auto id = est.insertMeasurement(
+      [](const Eigen::VectorXd& x, const Eigen::VectorXd& z) { return Eigen::VectorXd(x - z); }, dynamic,
+      long_value, slom::Covariance(covariance));
   est.insertMeasurement([](const Eigen::Vector4d& x) { return Eigen::Vector4d(x.array() - 3); }, four,
                         slom::StandardDeviation(0.1), slom::Huber(2));
   est.insertMeasurement([](const Eigen::Vector2d& x) { return Eigen::Vector2d(2 * x); }, plane);
   est.insertMeasurement([](const auto& x) { return x; }, pose, slom::measured(Pose()));
-  const auto dual = est.insertRV(Eigen::VectorXd(Eigen::VectorXd::Zero(3)), "dynamic, with exact derivatives");
-  for (int i = 0; i < 3; ++i) est.insertMeasurement([](const auto& x, int component) { return x[component] - component; }, dual, i);
+  const auto dual =
+      est.insertRV(Eigen::VectorXd(Eigen::VectorXd::Zero(3)), "dynamic, with exact derivatives");
+  for (int i = 0; i < 3; ++i)
+    est.insertMeasurement([](const auto& x, int component) { return x[component] - component; }, dual, i);
   for (const int threads : {1, 2}) {
     est.setThreads(threads);
     require(est.optimize().converged, "convergence");

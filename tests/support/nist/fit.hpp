@@ -37,8 +37,9 @@ inline constexpr double kCautiousDamping = 1e3;
 inline VarID<Eigen::VectorXd> insert(const Problem& problem, const Eigen::VectorXd& start, Estimator& est) {
   const auto b = est.insertRV(start, "b");
   for (const Datum& datum : problem.data) {
-    est.insertMeasurement([](const auto& p, Model model, const Predictors& x, double y) { return predict(model, p, x) - y; }, b,
-                          problem.model, datum.x, datum.y);
+    est.insertMeasurement(
+        [](const auto& p, Model model, const Predictors& x, double y) { return predict(model, p, x) - y; }, b,
+        problem.model, datum.x, datum.y);
   }
   return b;
 }
@@ -55,7 +56,8 @@ inline Fit fitted(Estimator& est, const VarID<Eigen::VectorXd>& b, const Summary
 }
 
 /// By the library, to the last digit.
-inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const Algorithm& algorithm, const Options& options) {
+inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const Algorithm& algorithm,
+                     const Options& options) {
   Estimator est;
   est.setThreads(1);
   const auto b = insert(problem, start, est);

@@ -41,12 +41,14 @@ enum class Model {
 /// By the name of the data set; none: no such data set.
 inline std::optional<Model> modelOf(std::string_view name) {
   static constexpr std::pair<std::string_view, Model> all[] = {
-      {"Bennett5", Model::bennett5}, {"BoxBOD", Model::boxbod},     {"Chwirut1", Model::chwirut},  {"Chwirut2", Model::chwirut},
-      {"DanWood", Model::danwood},   {"ENSO", Model::enso},         {"Eckerle4", Model::eckerle4}, {"Gauss1", Model::gauss},
-      {"Gauss2", Model::gauss},      {"Gauss3", Model::gauss},      {"Hahn1", Model::thurber},     {"Kirby2", Model::kirby2},
-      {"Lanczos1", Model::lanczos},  {"Lanczos2", Model::lanczos},  {"Lanczos3", Model::lanczos},  {"MGH09", Model::mgh09},
-      {"MGH10", Model::mgh10},       {"MGH17", Model::mgh17},       {"Misra1a", Model::boxbod},    {"Misra1b", Model::misra1b},
-      {"Misra1c", Model::misra1c},   {"Misra1d", Model::misra1d},   {"Nelson", Model::nelson},     {"Rat42", Model::rat42},
+      {"Bennett5", Model::bennett5}, {"BoxBOD", Model::boxbod},     {"Chwirut1", Model::chwirut},
+      {"Chwirut2", Model::chwirut},  {"DanWood", Model::danwood},   {"ENSO", Model::enso},
+      {"Eckerle4", Model::eckerle4}, {"Gauss1", Model::gauss},      {"Gauss2", Model::gauss},
+      {"Gauss3", Model::gauss},      {"Hahn1", Model::thurber},     {"Kirby2", Model::kirby2},
+      {"Lanczos1", Model::lanczos},  {"Lanczos2", Model::lanczos},  {"Lanczos3", Model::lanczos},
+      {"MGH09", Model::mgh09},       {"MGH10", Model::mgh10},       {"MGH17", Model::mgh17},
+      {"Misra1a", Model::boxbod},    {"Misra1b", Model::misra1b},   {"Misra1c", Model::misra1c},
+      {"Misra1d", Model::misra1d},   {"Nelson", Model::nelson},     {"Rat42", Model::rat42},
       {"Rat43", Model::rat43},       {"Roszman1", Model::roszman1}, {"Thurber", Model::thurber}};
   for (const auto& [known, model] : all) {
     if (known == name) return model;

@@ -48,16 +48,19 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file.string()) {
     std::ifstream stream(file);
-    if (!stream) throw std::runtime_error(file_ + ": cannot be read; pass a .dat file of NIST's nonlinear regression");
+    if (!stream)
+      throw std::runtime_error(file_ + ": cannot be read; pass a .dat file of NIST's nonlinear regression");
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
     problem_.name = file.stem().string();
     const std::optional<Model> model = modelOf(problem_.name);
-    if (!model) throw std::runtime_error(file_ + ": no model of this name; keep the name that NIST gave to the file");
+    if (!model)
+      throw std::runtime_error(file_ + ": no model of this name; keep the name that NIST gave to the file");
     problem_.model = *model;
   }
 
   Problem read() {
-    problem_.difficulty = headed("the level of difficulty", R"(^\s*(Lower|Average|Higher) Level of Difficulty)")[1];
+    problem_.difficulty =
+        headed("the level of difficulty", R"(^\s*(Lower|Average|Higher) Level of Difficulty)")[1];
     readParameters();
     problem_.rss = number(headed("the residual sum of squares", R"(^Residual Sum of Squares:\s*(.*))"));
     readData(number(headed("the number of observations", R"(^Number of Observations:\s*(.*))")));
@@ -68,7 +71,8 @@ class Reader {
   static constexpr std::size_t kHeader = 60;  // lines
 
   [[noreturn]] void fail(std::size_t line, const std::string& fault) const {
-    throw std::runtime_error(file_ + ":" + std::to_string(line) + ": " + fault + "; take the file from NIST again");
+    throw std::runtime_error(file_ + ":" + std::to_string(line) + ": " + fault +
+                             "; take the file from NIST again");
   }
 
   /// What a line of the header has in the parentheses of this pattern; [0]: the number of the line, from 1.
@@ -90,11 +94,13 @@ class Reader {
     const auto found = headed("the lines of " + what, title + R"(\s*\(lines\s+(\d{1,6})\s+to\s+(\d{1,6})\))");
     const std::size_t line = std::stoul(found[0]), first = std::stoul(found[1]), last = std::stoul(found[2]);
     if (first < 1 || first > last) fail(line, "there are no lines from " + found[1] + " to " + found[2]);
-    if (last > lines_.size()) fail(lines_.size(), "the file ends before line " + found[2] + ", the last one of " + what);
+    if (last > lines_.size())
+      fail(lines_.size(), "the file ends before line " + found[2] + ", the last one of " + what);
     return {first, last};
   }
 
-  std::vector<double> numbers(std::size_t line, const std::string& text, std::size_t least, std::size_t most) const {
+  std::vector<double> numbers(std::size_t line, const std::string& text, std::size_t least,
+                              std::size_t most) const {
     std::istringstream stream(text);
     std::vector<double> result;
     for (double x; stream >> x;) result.push_back(x);
@@ -104,12 +110,15 @@ class Reader {
     }
     return result;
   }
-  double number(const std::vector<std::string>& found) const { return numbers(std::stoul(found[0]), found[1], 1, 1)[0]; }
+  double number(const std::vector<std::string>& found) const {
+    return numbers(std::stoul(found[0]), found[1], 1, 1)[0];
+  }
 
   void readParameters() {
     const auto [first, last] = part("Starting Values", "the starts");
     const auto n = static_cast<Eigen::Index>(last - first + 1);
-    for (Eigen::VectorXd* v : {&problem_.starts[0], &problem_.starts[1], &problem_.parameters, &problem_.deviations})
+    for (Eigen::VectorXd* v :
+         {&problem_.starts[0], &problem_.starts[1], &problem_.parameters, &problem_.deviations})
       v->resize(n);
     for (std::size_t line = first; line <= last; ++line) {
       const std::string& text = lines_[line - 1];
@@ -150,7 +159,8 @@ inline std::vector<Problem> readProblems(const std::filesystem::path& folder) {
     }
   }
   if (files.empty()) {
-    throw std::runtime_error(folder.string() + ": no .dat files here; pass the folder with NIST's nonlinear regression data");
+    throw std::runtime_error(folder.string() +
+                             ": no .dat files here; pass the folder with NIST's nonlinear regression data");
   }
   std::sort(files.begin(), files.end());
   std::vector<Problem> problems;

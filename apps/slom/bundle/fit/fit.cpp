@@ -25,7 +25,8 @@ constexpr double initial_damping = 1e-4, scale_memory = 0.1;
 BundleFit::BundleFit(const Scene& scene, const FitOptions& options)
     : cameras_(insertAll(est_, scene.cameras, "camera ")), points_(insertAll(est_, scene.points, "point ")) {
   apply(options, est_);
-  if (options.algorithm == AlgorithmName::lm) est_.changeAlgorithm(LevenbergMarquardt(initial_damping, scale_memory));
+  if (options.algorithm == AlgorithmName::lm)
+    est_.changeAlgorithm(LevenbergMarquardt(initial_damping, scale_memory));
   for (const Observation& observation : scene.observations) {
     est_.insertMeasurement(Sight(), cameras_[std::size_t(observation.camera)],
                            points_[std::size_t(observation.point)], measured(observation.pixel), options.loss,

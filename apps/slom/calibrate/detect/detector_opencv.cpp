@@ -73,8 +73,10 @@ Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   Points corners;
   // Without the fast check, noise that is blown up to full contrast keeps it busy for many seconds.
   constexpr int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-  const bool is_found = cv::findChessboardCorners(reduced(image, side_at_first, scale), size, corners, flags) ||
-                        cv::findChessboardCornersSB(reduced(image, longest_side, scale), size, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
+  const bool is_found =
+      cv::findChessboardCorners(reduced(image, side_at_first, scale), size, corners, flags) ||
+      cv::findChessboardCornersSB(reduced(image, longest_side, scale), size, corners,
+                                  cv::CALIB_CB_NORMALIZE_IMAGE);
   if (!is_found) return {};
   for (cv::Point2f& p : corners) p = {float((p.x + 0.5) / scale - 0.5), float((p.y + 0.5) / scale - 0.5)};
   refine(image, size, corners);
@@ -124,8 +126,8 @@ bool showsChessboard(const Board& board, const Photograph& photo) {
   keepToOneThread();
   double scale = 1;
   Points corners;
-  return cv::findChessboardCornersSB(reduced(matrixOf(photo), longest_side, scale), {board.columns, board.rows}, corners,
-                                     cv::CALIB_CB_NORMALIZE_IMAGE);
+  return cv::findChessboardCornersSB(reduced(matrixOf(photo), longest_side, scale),
+                                     {board.columns, board.rows}, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
 }
 
 void requireDetector(const Board& board) {

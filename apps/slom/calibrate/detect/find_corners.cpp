@@ -5,8 +5,8 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+
+#include <slom/base/threads.hpp>
 
 #include "calibrate/detect/board_size.hpp"
 #include "calibrate/detect/detector.hpp"
@@ -58,17 +58,12 @@ std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& camera
     for (std::size_t i = 0; i < seen[c].size(); ++i) jobs.emplace_back(c, i);
   }
   ProgressBar progress("looking for the board", jobs.size(), with_progress);
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, jobs.size(), 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t job = range.begin(); job < range.end(); ++job) {
-          FitLimits::requireTime();
-          const auto [c, i] = jobs[job];
-          seen[c][i] = look(board, cameras[c].photos[i].file);
-          progress.step();
-        }
-      },
-      tbb::simple_partitioner());
+  forEachOnThreads(static_cast<int>(jobs.size()), [&](int job) {
+    FitLimits::requireTime();
+    const auto [c, i] = jobs[static_cast<std::size_t>(job)];
+    seen[c][i] = look(board, cameras[c].photos[i].file);
+    progress.step();
+  });
   return seen;
 }
 

@@ -46,7 +46,7 @@ const std::map<std::string, Dictionary> dictionaries{{"4x4_50", {aruco::DICT_4X4
 constexpr int markers_of_36h11 = 587;
 constexpr int border_of_aprilgrid = 2;  // black bits around a tag; ArUco and newer AprilTags have one
 
-cv::Mat matrixOf(const Photograph& photo) {
+cv::Mat viewOf(const Photograph& photo) {
   return {photo.size.height, photo.size.width, CV_8UC1, const_cast<std::uint8_t*>(photo.grey.data())};
 }
 
@@ -195,7 +195,7 @@ std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image)
 }  // namespace
 
 std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo) {
-  const cv::Mat image = matrixOf(photo);
+  const cv::Mat image = viewOf(photo);
   return board.kind == BoardKind::charuco ? findCharuco(board, image) : findAprilgrid(board, image);
 }
 

@@ -70,10 +70,12 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
 /// A small board seen from afar looks nearly the same when it is tilted the other way: where that is not clearly worse, fits
 /// both and keeps the better.
 template <class Camera>
-SE3 poseOfEitherTilt(const Camera& camera, const PlaneView& plane, const SE3& world2camera, const View& view) {
+SE3 poseOfEitherTilt(const Camera& camera, const PlaneView& plane, const SE3& world2camera,
+                     const View& view) {
   constexpr double clearly_worse = 16;  // squared error
   const double error = squaredPixelError(camera, world2camera, view);
-  if (squaredPixelError(camera, tiltedOtherWay(plane, world2camera), view) > clearly_worse * error) return world2camera;
+  if (squaredPixelError(camera, tiltedOtherWay(plane, world2camera), view) > clearly_worse * error)
+    return world2camera;
   const SE3 one = fitPose(camera, world2camera, view);
   const SE3 other = fitPose(camera, tiltedOtherWay(plane, one), view);
   return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
@@ -86,7 +88,8 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
   est.changeAlgorithm(LevenbergMarquardt(1e-6));
   const auto camera = est.insertRV(fit.camera, true, data.name);
   constrain(est, camera, data.name, settings);
-  if (settings.sigma_denominator) keepDenominatorNearZero(est, camera, *settings.sigma_denominator / settings.sigma_px);
+  if (settings.sigma_denominator)
+    keepDenominatorNearZero(est, camera, *settings.sigma_denominator / settings.sigma_px);
   std::map<int, VarID<SE3>> poses;
   for (const View& view : data.views) {
     const auto pose = est.insertRV(fit.world2camera.at(view.image).inverse(), true,

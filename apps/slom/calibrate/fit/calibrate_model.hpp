@@ -103,8 +103,8 @@ ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes,
 /// From start values to the result. Boards that are all `parallel` (the sentence says so) rarely allow a fit: it is not tried
 /// for long.
 template <class Camera>
-Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel, Settings settings,
-                     const Progress& progress) {
+Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel,
+                     Settings settings, const Progress& progress) {
   constexpr int few_iterations = 20;
   if (!parallel.empty()) settings.max_iterations = std::min(settings.max_iterations, few_iterations);
   const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, planes, settings, progress);
@@ -177,7 +177,8 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   }
   const std::vector<int> wanted = data.images();
   for (const ImageResult& image : start.images) {
-    if (std::binary_search(wanted.begin(), wanted.end(), image.image)) rig.left2world[image.image] = image.left2world;
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image))
+      rig.left2world[image.image] = image.left2world;
   }
   Settings same = settings;
   same.sigma_denominator = start.sigma_denominator;

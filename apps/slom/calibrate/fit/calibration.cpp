@@ -36,12 +36,14 @@ std::string sentenceOf(const slom::Error& error) {
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkDataset(data);
-  return withModel(settings.model, [&]<class Camera>() { return calibrateModel<Camera>(data, settings, progress); });
+  return withModel(settings.model,
+                   [&]<class Camera>() { return calibrateModel<Camera>(data, settings, progress); });
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
   checkConnected(data);
-  return withModel(settings.model, [&]<class Camera>() { return calibrateModelFrom<Camera>(start, data, settings); });
+  return withModel(settings.model,
+                   [&]<class Camera>() { return calibrateModelFrom<Camera>(start, data, settings); });
 }
 
 }  // namespace slom::app::calib

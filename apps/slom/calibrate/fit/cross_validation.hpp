@@ -34,7 +34,8 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
     if (!view) continue;
     for (std::size_t i = 1 - fitted; i < view->corners.size(); i += 2) {
       const Corner& corner = view->corners[i];
-      sum += (CornerInOther()(cameras[c], rig.left2camera[c], *pose, corner.world) - corner.pixel).squaredNorm();
+      sum +=
+          (CornerInOther()(cameras[c], rig.left2camera[c], *pose, corner.world) - corner.pixel).squaredNorm();
     }
   }
   return sum;

@@ -73,7 +73,8 @@ JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings
     const std::string& name = data.cameras[c].name;
     cameras_.push_back(est_.insertRV(constrained(cameras[c], name, settings), true, name));
     constrain(est_, cameras_.back(), name, settings);
-    if (settings.sigma_denominator) keepDenominatorNearZero(est_, cameras_.back(), *settings.sigma_denominator);
+    if (settings.sigma_denominator)
+      keepDenominatorNearZero(est_, cameras_.back(), *settings.sigma_denominator);
     left2camera_.push_back(c == 0 ? VarID<SE3>()
                                   : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
   }
@@ -95,7 +96,8 @@ std::vector<Camera> JointProblem<Camera>::cameras() const {
 template <class Camera>
 RigStart JointProblem<Camera>::rig() const {
   RigStart rig;
-  for (std::size_t c = 0; c < left2camera_.size(); ++c) rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
+  for (std::size_t c = 0; c < left2camera_.size(); ++c)
+    rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
   for (const auto& [image, id] : left2world_) rig.left2world[image] = *id;
   return rig;
 }
@@ -133,7 +135,8 @@ void JointProblem<Camera>::insertImu(const ImuStart& start) {
   acc_bias_ = est_.insertRV(start.acc_bias, !settings_.fixed.acc_bias, "acc_bias");
   gravity_ = est_.insertRV(mtk::Scalar<>(start.gravity), !settings_.fixed.gravity, "gravity");
   for (const ImuReading& reading : data_.imu->readings) {
-    insertReading(est_, left2world_.at(reading.image), left2imu_, acc_bias_, gravity_, reading.acc, settings_.sigma_acc);
+    insertReading(est_, left2world_.at(reading.image), left2imu_, acc_bias_, gravity_, reading.acc,
+                  settings_.sigma_acc);
   }
 }
 
@@ -145,7 +148,8 @@ vec2 JointProblem<Camera>::residual(std::size_t camera, int image, const Corner&
 
 template <class Camera>
 vec3 JointProblem<Camera>::gravityResidual(const ImuReading& reading) const {
-  return calib::gravityResidual(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_, reading.acc);
+  return calib::gravityResidual(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_,
+                                reading.acc);
 }
 
 template <class Camera>

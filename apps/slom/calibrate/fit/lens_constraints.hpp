@@ -31,7 +31,8 @@ Camera constrained(Camera camera, const std::string& name, const Settings& setti
 
 /// Fixes and bounds components of a variable whose value is `constrained`.
 template <class Camera>
-void constrain(Estimator& estimator, const VarID<Camera>& id, const std::string& name, const Settings& settings) {
+void constrain(Estimator& estimator, const VarID<Camera>& id, const std::string& name,
+               const Settings& settings) {
   for (const LensConstraint& constraint : settings.lens) {
     if (!constraint.concerns(name)) continue;
     if (constraint.isFixed()) {
@@ -46,8 +47,9 @@ void constrain(Estimator& estimator, const VarID<Camera>& id, const std::string&
 template <class Camera>
 void keepDenominatorNearZero(Estimator& estimator, const VarID<Camera>& id, double sigma) {
   if constexpr (has_denominator<Camera>) {
-    estimator.insertMeasurement([](const auto& camera) { return mtk::vector(camera[9], camera[10], camera[11]); }, id,
-                                StandardDeviation(sigma), named("prior of k4, k5, k6"));
+    estimator.insertMeasurement(
+        [](const auto& camera) { return mtk::vector(camera[9], camera[10], camera[11]); }, id,
+        StandardDeviation(sigma), named("prior of k4, k5, k6"));
   }
 }
 

@@ -22,8 +22,7 @@ std::string firstPlace(const CameraData& camera) {
 }
 
 void checkView(const CameraData& camera, const View& view) {
-  const std::string place =
-      fmt::format("{}: image {}", camera.place(view, view.corners.front()), view.image);
+  const std::string place = fmt::format("{}: image {}", camera.place(view, view.corners.front()), view.image);
   const std::size_t count = view.corners.size();
   if (count < 4) {
     throw UserError(
@@ -85,10 +84,10 @@ void checkViews(const CameraData& camera) {
     requireNoRepeatedCorner(camera, view);
   }
   if (camera.views.size() < 2) {
-    throw UserError(fmt::format(
-        "{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
-        "different directions, so add images",
-        firstPlace(camera), camera.views.front().image, camera.name));
+    throw UserError(
+        fmt::format("{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
+                    "different directions, so add images",
+                    firstPlace(camera), camera.views.front().image, camera.name));
   }
 }
 

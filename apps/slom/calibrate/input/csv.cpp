@@ -52,8 +52,8 @@ constexpr std::size_t longest_text =
 
 }  // namespace
 
-CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns, int line, std::size_t first_field,
-               const std::vector<std::string_view>& fields)
+CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns, int line,
+               std::size_t first_field, const std::vector<std::string_view>& fields)
     : file_(&file), columns_(&columns), fields_(&fields), first_field_(first_field), line_(line) {}
 
 std::string CsvRow::place() const { return fmt::format("{}:{}", *file_, line_); }
@@ -65,7 +65,8 @@ void CsvRow::fail(std::size_t column, const std::string& expectation) const {
 
 double CsvRow::number(std::size_t column) const {
   double value = 0;
-  if (!parseNumber(fields_->at(first_field_ + column), value)) fail(column, "write a number there, or remove the row");
+  if (!parseNumber(fields_->at(first_field_ + column), value))
+    fail(column, "write a number there, or remove the row");
   if (!std::isfinite(value)) fail(column, "write a finite number there, or remove the row");
   return value;
 }
@@ -104,8 +105,8 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
   while (lines.next(text, comments_)) {
     const std::size_t first = fields_.size(), count = split(text, fields_);
     if (count != columns_.size()) {
-      throw UserError(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_, lines.line, count,
-                                  count == 1 ? "" : "s", columns_.size(), header));
+      throw UserError(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_,
+                                  lines.line, count, count == 1 ? "" : "s", columns_.size(), header));
     }
     rows_.emplace_back(file_, columns_, lines.line, first, fields_);
   }

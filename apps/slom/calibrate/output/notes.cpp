@@ -30,7 +30,8 @@ void noteDetermination(const Result& result, std::vector<std::string>& notes) {
 
 void noteBounds(const Result& result, std::vector<std::string>& notes) {
   for (const std::string& bound : result.active_bounds) {
-    notes.push_back(fmt::format("{}, which --bound sets; the standard deviations hold on that condition.", bound));
+    notes.push_back(
+        fmt::format("{}, which --bound sets; the standard deviations hold on that condition.", bound));
   }
 }
 
@@ -70,11 +71,11 @@ void noteCopies(const Result& result, std::vector<std::string>& notes) {
 
 void noteDenominator(const Result& result, std::vector<std::string>& notes) {
   if (!result.sigma_denominator) return;
-  notes.push_back(
-      fmt::format("The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. "
-                  "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
-                  "parameters says as much: --intrinsics opencv5, or --compare.",
-                  *result.sigma_denominator));
+  notes.push_back(fmt::format(
+      "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. "
+      "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
+      "parameters says as much: --intrinsics opencv5, or --compare.",
+      *result.sigma_denominator));
 }
 
 /// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.

@@ -46,13 +46,15 @@ void addProjection(const FittedRig& rig, const Knowledge& knowledge, double boar
     CameraQuality& camera = cameras[c];
     const CameraKnowledge known(rig, knowledge, c);
     const double infinity = std::numeric_limits<double>::infinity();
-    camera.projection = known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
+    camera.projection =
+        known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
     ImageGrid coarse = camera.grid;
     coarse.columns = 9, coarse.rows = 7;
     constexpr int distances = 25;  // from a third of the boards' distance to far behind them
     for (int i = 0; i < distances; ++i)
       camera.distances_m.push_back(board_distance_m * std::pow(10, -0.5 + 2.0 * i / (distances - 1)));
-    for (const ProjectionUncertainty& map : known.maps(coarse, raysOf(*rig.lenses[c], coarse), camera.distances_m)) {
+    for (const ProjectionUncertainty& map :
+         known.maps(coarse, raysOf(*rig.lenses[c], coarse), camera.distances_m)) {
       camera.middle_px.push_back(map.middle_px);
       camera.worst_px.push_back(map.worst_px);
     }

@@ -16,7 +16,8 @@ BoardOutline outlineOf(const View& view) {
   BoardOutline best;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 2 * angles; ++i) {
-    const double angle = std::numbers::pi * i / (2 * angles), cosine = std::cos(angle), sine = std::sin(angle);
+    const double angle = std::numbers::pi * i / (2 * angles), cosine = std::cos(angle),
+                 sine = std::sin(angle);
     vec2 low(1e300, 1e300), high(-1e300, -1e300);
     for (const vec2& p : points) {
       const vec2 turned(cosine * p.x() + sine * p.y(), cosine * p.y() - sine * p.x());

@@ -156,7 +156,8 @@ Knowledge::Knowledge(const Information& information)
   noise_root_ = L.transpose() * inverse;
 }
 
-Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const {
+Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared,
+                                    const Eigen::MatrixXd& by_motion) const {
   const auto n = Eigen::Index(free_.size());
   Eigen::MatrixXd w(n + 6, by_motion.rows());
   auto shared = w.topRows(n);

@@ -78,9 +78,9 @@ class Information {
   friend class VarianceBound;
 
   std::vector<int> free_;
-  int all_;                                                 // shared parameters, free or not
+  int all_;                 // shared parameters, free or not
   Eigen::MatrixXd shared_;  // of the free ones, sum of Lambda: the lower triangle
-  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;  // F, likewise
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;      // F, likewise
   Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
 };
 Information informationOf(const FittedRig& rig, const Sight& sight);
@@ -101,7 +101,8 @@ struct Knowledge {
 
   std::vector<int> free_;
   int all_;
-  Eigen::VectorXd scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
+  Eigen::VectorXd
+      scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_shared_;  // G^-1 F
   Matrix6 noise_root_;                                         // its square is G^-1 N G^-1

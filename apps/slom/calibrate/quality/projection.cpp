@@ -24,7 +24,8 @@ std::vector<double> largestStds(const Eigen::MatrixXd& whitened) {
 
 void summarise(const ImageGrid& grid, ProjectionUncertainty& map) {
   std::vector<double> known;
-  std::copy_if(map.std_px.begin(), map.std_px.end(), std::back_inserter(known), [](double std) { return !std::isnan(std); });
+  std::copy_if(map.std_px.begin(), map.std_px.end(), std::back_inserter(known),
+               [](double std) { return !std::isnan(std); });
   std::sort(known.begin(), known.end());
   map.middle_px = map.std_px[std::size_t(grid.middle())];
   map.median_px = known.empty() ? unknown : known[known.size() / 2];
@@ -77,7 +78,9 @@ ProjectedPoints ProjectedPoints::at(const std::vector<std::size_t>& which) const
   return result;
 }
 
-double largestStd(double uu, double uv, double vv) { return std::sqrt((uu + vv) / 2 + std::hypot((uu - vv) / 2, uv)); }
+double largestStd(double uu, double uv, double vv) {
+  return std::sqrt((uu + vv) / 2 + std::hypot((uu - vv) / 2, uv));
+}
 
 ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& ray, double distance_m) {
   const SharedColumns& columns = rig.columns;
@@ -86,7 +89,8 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
   // In the left camera the point is distance * direction + origin; by one metre at this distance it moves by_point.
   const Eigen::Vector3d direction = R.transpose() * ray, origin = -(R.transpose() * rig.left2camera[c].pos);
   const Eigen::Matrix<double, 2, 3> by_point = q.by_point / distance_m, by_left = by_point * R;
-  const Eigen::Matrix<double, 2, 3> by_turn = q.by_point * R * crossMatrix(direction) + by_left * crossMatrix(origin);
+  const Eigen::Matrix<double, 2, 3> by_turn =
+      q.by_point * R * crossMatrix(direction) + by_left * crossMatrix(origin);
   ProjectedPoint point;
   point.by_shared.setZero(2, columns.size);
   point.by_shared.middleCols(columns.lens[c], q.by_parameters.cols()) = q.by_parameters;
@@ -102,7 +106,8 @@ CameraKnowledge::CameraKnowledge(const FittedRig& rig, const Knowledge& knowledg
   const int n = lens_.parameters();
   const Eigen::Vector3d origin = -(left2camera_.transpose() * rig.left2camera[c].pos);
   const Eigen::Matrix3d shift_by_turn = left2camera_ * crossMatrix(origin);
-  Eigen::MatrixXd by_shared = Eigen::MatrixXd::Zero(most + 6, columns.size), by_motion = Eigen::MatrixXd::Zero(most + 6, 6);
+  Eigen::MatrixXd by_shared = Eigen::MatrixXd::Zero(most + 6, columns.size),
+                  by_motion = Eigen::MatrixXd::Zero(most + 6, 6);
   by_motion.block<3, 3>(0, 3).setIdentity();
   by_motion.middleRows<3>(3) << -left2camera_, shift_by_turn;
   if (c > 0) {
@@ -162,7 +167,8 @@ std::vector<double> CameraKnowledge::stdOfRays(const std::vector<std::optional<v
   return result;
 }
 
-std::vector<ProjectionUncertainty> CameraKnowledge::maps(const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
+std::vector<ProjectionUncertainty> CameraKnowledge::maps(const ImageGrid& grid,
+                                                         const std::vector<std::optional<vec3>>& rays,
                                                          const std::vector<double>& distances_m) const {
   std::vector<ProjectionUncertainty> maps;
   for (const double distance : distances_m) {

@@ -192,7 +192,8 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
-    for (const auto& half : halves) covariance += half->knowledge.covarianceOfShared().block(first, first, n, n);
+    for (const auto& half : halves)
+      covariance += half->knowledge.covarianceOfShared().block(first, first, n, n);
     result.cameras.push_back(compare(*halves[0], *halves[1], c, grids[c], covariance));
     compareParameters(results[0].cameras[c], results[1].cameras[c], covariance, result.cameras.back());
   }

@@ -36,7 +36,7 @@ PlaneView flattened(const PlaneView& view, const Pinhole& lens) {
 }
 
 /// How far an equidistant lens puts the corners from their pixels [px^2].
-double squaredPixelError(const std::vector<PlaneView>& views, const Pinhole& pinhole) {
+double squaredErrorAsFisheye(const std::vector<PlaneView>& views, const Pinhole& pinhole) {
   const Fisheye<> lens = Fisheye<>::fromPinhole(pinhole);
   double sum = 0;
   for (const PlaneView& view : views) {
@@ -71,7 +71,7 @@ IntrinsicsStart startFisheye(const std::vector<PlaneView>& views) {
   double least = std::numeric_limits<double>::infinity();
   for (double f = 0.2 * extent; f < 20 * extent; f *= 1.1) {
     const Pinhole guess{f, f, centre.x(), centre.y()};
-    const double error = squaredPixelError(views, guess);
+    const double error = squaredErrorAsFisheye(views, guess);
     if (error < least) best.pinhole = guess, least = error;
   }
   return best;

@@ -59,7 +59,7 @@ bool plausible(const Pinhole& p, const Eigen::Vector2d& low, const Eigen::Vector
          p.cy > low.y() - extent && p.cy < high.y() + extent;
 }
 
-double squaredPixelError(const std::vector<PlaneView>& views, const Pinhole& camera) {
+double squaredErrorOfAll(const std::vector<PlaneView>& views, const Pinhole& camera) {
   double sum = 0;
   for (const PlaneView& view : views)
     sum += squaredPixelError(view, camera, poseFromHomography(view, camera));
@@ -117,7 +117,7 @@ IntrinsicsStart startIntrinsics(const std::vector<PlaneView>& views) {
   double best_error = std::numeric_limits<double>::infinity();
   const auto propose = [&](const std::optional<Pinhole>& p, const char* source) {
     if (!p || !plausible(*p, low, high)) return;
-    const double error = squaredPixelError(views, *p);
+    const double error = squaredErrorOfAll(views, *p);
     if (error < best_error) best = {*p, source}, best_error = error;
   };
   propose(zhang(homographies), "Zhang's closed form");

@@ -43,8 +43,9 @@ std::string parallelViews(const std::vector<std::vector<PlaneView>>& views, std:
   double largest = 0;
   for (const auto& of_camera : views) largest = std::max(largest, normalSpread(of_camera));
   if (largest > hardly_tilted) return "";
-  return fmt::format("all {} images show the board at the same tilt, within {:.2g} degrees, which leaves the focal length open",
-                     images, std::max(0.1, largest / degree));
+  return fmt::format(
+      "all {} images show the board at the same tilt, within {:.2g} degrees, which leaves the focal length open",
+      images, std::max(0.1, largest / degree));
 }
 
 }  // namespace slom::app::calib

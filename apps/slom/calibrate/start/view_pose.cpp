@@ -13,7 +13,8 @@ namespace {
 /// NaN for what is no rotation, as that of a homography that overflows.
 SE3 poseOf(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   const double determinant = R.determinant();
-  if (!(determinant > 0.5 && determinant < 2)) return SE3(vec3(vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  if (!(determinant > 0.5 && determinant < 2))
+    return SE3(vec3(vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
   return SE3(SO3(R), vec3(t));
 }
 

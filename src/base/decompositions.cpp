@@ -1,4 +1,4 @@
-#include "model/decompositions.hpp"
+#include "base/decompositions.hpp"
 
 namespace slom {
 
@@ -13,9 +13,7 @@ MatrixXd orthonormalBasis(const MatrixXd& A) {
   return qr.householderQ() * MatrixXd::Identity(A.rows(), A.cols());
 }
 
-void triangularize(Eigen::Ref<MatrixXd> A) {
-  const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> in_place(A);
-}
+void triangularize(Eigen::Ref<MatrixXd> A) { const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> in_place(A); }
 
 PivotedQR pivotedQrOf(const MatrixXd& A) { return PivotedQR(A); }
 

@@ -1,11 +1,15 @@
-/// Loops whose work is shared by the threads of the arena that they run in.
+/// Loops whose work is shared by the threads of the arena that they run in. The one header that knows oneTBB; without it
+/// (SLOM_WITH_TBB=OFF) there is one thread, and the results are the same, bitwise.
 #pragma once
 
 #include <algorithm>
 #include <vector>
 
+#ifdef SLOM_WITH_TBB
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#endif
 
 #ifdef __SANITIZE_THREAD__
 #include <atomic>
@@ -14,7 +18,41 @@
 
 namespace slom::detail {
 
-#ifdef __SANITIZE_THREAD__
+#ifdef SLOM_WITH_TBB
+/// The number of threads of the arena that the caller runs in.
+inline int threadCount() { return tbb::this_task_arena::max_concurrency(); }
+
+/// What is run in it uses at most its number of threads.
+class ThreadArena {
+ public:
+  /// 0: as many as the machine has, which are also the most.
+  void setThreads(int threads) {
+    const int most = tbb::info::default_concurrency();
+    arena_.terminate();
+    arena_.initialize(threads > 0 ? std::min(threads, most) : most);
+  }
+  template <class F>
+  auto run(const F& f) {
+    return arena_.execute(f);
+  }
+
+ private:
+  tbb::task_arena arena_;
+};
+#else
+inline int threadCount() { return 1; }
+
+class ThreadArena {
+ public:
+  void setThreads(int) {}
+  template <class F>
+  auto run(const F& f) {
+    return f();
+  }
+};
+#endif
+
+#if defined(__SANITIZE_THREAD__) && defined(SLOM_WITH_TBB)
 /// oneTBB's library is compiled without the thread sanitizer, which then sees one half of its locks and queues and reports races that
 /// are none. Under it loops run on threads of their own, so that what is judged is what their bodies do; these do not throw. The
 /// counter puts no body before another.
@@ -33,20 +71,20 @@ void runOnThreads(int count, const F& f) {
   run();
   for (std::thread& other : others) other.join();
 }
+#elif defined(SLOM_WITH_TBB)
+template <class F>
+void runOnThreads(int count, const F& f) {
+  tbb::parallel_for(0, count, f);
+}
 #endif
 
 /// Runs f(0) ... f(count - 1), each once.
 template <class F>
 void forEachIndex(int count, const F& f) {
-  if (count <= 1 || tbb::this_task_arena::max_concurrency() == 1) {
-    for (int i = 0; i < count; ++i) f(i);
-  } else {
-#ifdef __SANITIZE_THREAD__
-    runOnThreads(count, f);
-#else
-    tbb::parallel_for(0, count, f);
+#ifdef SLOM_WITH_TBB
+  if (count > 1 && threadCount() > 1) return runOnThreads(count, f);
 #endif
-  }
+  for (int i = 0; i < count; ++i) f(i);
 }
 
 /// Cuts [0, n) into `parts` ranges of about the same work and runs f(first, last) for each. work: n + 1 entries, that of

@@ -1,4 +1,4 @@
-#include "model/words.hpp"
+#include "base/words.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -17,7 +17,8 @@ std::string listed(const std::vector<std::string>& items, std::size_t most) {
     shown.push_back(std::to_string(items.size() - shown.size()) + " more");
   }
   std::string text;
-  for (std::size_t i = 0; i < shown.size(); ++i) text += (i == 0 ? "" : i + 1 == shown.size() ? " and " : ", ") + shown[i];
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == shown.size() ? " and " : ", ") + shown[i];
   return text;
 }
 
