@@ -239,9 +239,10 @@ class SO3<SparseDual<S, C>> {
 // Products in which at least one factor carries derivatives; the other may be a constant.
 
 namespace detail {
+// clang-format off: version 14 knows no concepts
 template <class A, class B>
-concept OneIsDual = (is_dual<A> || is_dual<B>)&&requires {
-  typename promote_t<A, B>;
+concept OneIsDual = (is_dual<A> || is_dual<B>) && requires { typename promote_t<A, B>; };
+// clang-format on
 };
 template <class A, class B>
 concept PackAndBuiltIn = !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires {

@@ -234,9 +234,11 @@ auto scaled(const vect<N, S>& a, const Op& op) {
   return result;
 }
 /// A number type other than S, one of the two not built in.
+// clang-format off: version 14 knows no concepts
 template <class T, class S>
-concept OtherScalar = (is_scalar_v<T> || std::is_arithmetic_v<T>)&&!std::is_same_v<T, S> &&
+concept OtherScalar = (is_scalar_v<T> || std::is_arithmetic_v<T>) && !std::is_same_v<T, S> &&
                       !(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
+// clang-format on
 }  // namespace detail
 
 template <int N, class S>
