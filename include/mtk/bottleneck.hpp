@@ -48,8 +48,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
         result.partials().set(index, sum);
       };
       (one(std::integral_constant<int, I>{}), ...);
-    }
-    (std::make_integer_sequence<int, countColumns(all)>{});
+    }(std::make_integer_sequence<int, countColumns(all)>{});
     return result;
   }
 }
@@ -70,8 +69,8 @@ auto bottleneck(const Eigen::MatrixBase<D>& p, const F& f) {
   return f(p.derived());
 }
 template <int N, int W, std::uint64_t C, class F>
-requires(N <= 3 && detail::countColumns(C) > N) auto bottleneck(const vect<N, SparseDual<Pack<W>, C>>& p,
-                                                                const F& f) {
+  requires(N <= 3 && detail::countColumns(C) > N)
+auto bottleneck(const vect<N, SparseDual<Pack<W>, C>>& p, const F& f) {
   vect<N, Pack<W>> values{Uninitialized()};
   detail::unrolled<N>([&](int i) { values[i] = p[i].value(); });
   const auto y = f(detail::LocalVector<N, Pack<W>>(values));
@@ -80,9 +79,8 @@ requires(N <= 3 && detail::countColumns(C) > N) auto bottleneck(const vect<N, Sp
   } else {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return vector(detail::withoutLocal(y.template get<I>(), p)...);
-    }
-    (std::make_index_sequence<static_cast<std::size_t>(
-         std::remove_cvref_t<decltype(y)>::SizeAtCompileTime)>{});
+    }(std::make_index_sequence<static_cast<std::size_t>(
+               std::remove_cvref_t<decltype(y)>::SizeAtCompileTime)>{});
   }
 }
 

@@ -68,8 +68,7 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
         }
       };
       (one(std::integral_constant<int, I>{}), ...);
-    }
-    (std::make_integer_sequence<int, countColumns(A | B)>{});
+    }(std::make_integer_sequence<int, countColumns(A | B)>{});
     return r;
   }
 }
@@ -105,27 +104,30 @@ class SparseDual {
   SparseDual() = default;
   /// A constant.
   template <class T>
-  requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>) SparseDual(const T& constant)
+    requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
+  SparseDual(const T& constant)
       : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
   /// With the partial derivatives that make() returns, which are not copied.
   template <class Make>
-  requires requires(const Make& make) {
-    { make() } -> std::same_as<Partials>;
-  }
+    requires requires(const Make& make) {
+      { make() } -> std::same_as<Partials>;
+    }
   SparseDual(const S& value, const Make& make) : v_(value), d_(make()) {}
   /// The same number among more columns.
   template <std::uint64_t A>
-  requires((A & ~C) == 0 && A != C)
-      SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
+    requires((A & ~C) == 0 && A != C)
+  SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
     *this = x;
   }
   template <std::uint64_t A>
-  requires((A & ~C) == 0 && A != C) SparseDual& operator=(const SparseDual<S, A>& x) {
+    requires((A & ~C) == 0 && A != C)
+  SparseDual& operator=(const SparseDual<S, A>& x) {
     v_ = x.value();
     if constexpr (Partials::lanes > 1) d_ = Partials::zero();
-    [&]<int... I>(std::integer_sequence<int, I...>) { (d_.set(I, x.partial(detail::columnAt(C, I))), ...); }
-    (std::make_integer_sequence<int, size>{});
+    [&]<int... I>(std::integer_sequence<int, I...>) {
+      (d_.set(I, x.partial(detail::columnAt(C, I))), ...);
+    }(std::make_integer_sequence<int, size>{});
     return *this;
   }
 
@@ -169,7 +171,7 @@ template <class S, int N>
 using Dual = SparseDual<S, detail::lowColumns(N)>;
 
 template <class S, std::uint64_t C>
-requires is_scalar_v<S>
+  requires is_scalar_v<S>
 inline constexpr bool is_scalar_v<SparseDual<S, C>> = true;
 
 namespace detail {
@@ -313,8 +315,8 @@ MTK_COMPARE_DUALS(>=)
 
 /// Lane by lane for dual numbers over packs.
 template <class Mask, class S, std::uint64_t C>
-requires(!std::is_same_v<Mask, bool>) SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a,
-                                                              const SparseDual<S, C>& b) {
+  requires(!std::is_same_v<Mask, bool>)
+SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a, const SparseDual<S, C>& b) {
   detail::Partials<S, C> d;
   detail::unrolled<detail::Partials<S, C>::count>(
       [&](int i) { d.v[i] = select(mask, a.partials().v[i], b.partials().v[i]); });
@@ -509,17 +511,18 @@ struct NumTraits<mtk::SparseDual<S, C>> {
 };
 
 template <class T, class S, std::uint64_t C, class Op>
-requires mtk::detail::ConstantFor<T, S>
+  requires mtk::detail::ConstantFor<T, S>
 struct ScalarBinaryOpTraits<T, mtk::SparseDual<S, C>, Op> {
   using ReturnType = mtk::SparseDual<S, C>;
 };
 template <class T, class S, std::uint64_t C, class Op>
-requires mtk::detail::ConstantFor<T, S>
+  requires mtk::detail::ConstantFor<T, S>
 struct ScalarBinaryOpTraits<mtk::SparseDual<S, C>, T, Op> {
   using ReturnType = mtk::SparseDual<S, C>;
 };
 template <class S, std::uint64_t A, std::uint64_t B, class Op>
-requires(A != B) struct ScalarBinaryOpTraits<mtk::SparseDual<S, A>, mtk::SparseDual<S, B>, Op> {
+  requires(A != B)
+struct ScalarBinaryOpTraits<mtk::SparseDual<S, A>, mtk::SparseDual<S, B>, Op> {
   using ReturnType = mtk::SparseDual<S, A | B>;
 };
 

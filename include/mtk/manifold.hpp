@@ -115,10 +115,7 @@ inline std::string joinPath(const std::string& path, std::string_view name) {
 }
 
 template <class M>
-concept HasScalar = requires {
-  typename M::scalar;
-}
-&&is_scalar_v<typename M::scalar>;
+concept HasScalar = requires { typename M::scalar; } && is_scalar_v<typename M::scalar>;
 
 template <class M>
 concept HasDof = requires {
@@ -126,16 +123,15 @@ concept HasDof = requires {
 };
 
 template <class M>
-concept HasBoxplus = HasScalar<M> && HasDof<M> &&
-    requires(M& x, vectview<const typename M::scalar, int(M::DOF)> d) {
-  x.boxplus(d, typename M::scalar(1));
-};
+concept HasBoxplus =
+    HasScalar<M> && HasDof<M> && requires(M& x, vectview<const typename M::scalar, int(M::DOF)> d) {
+      x.boxplus(d, typename M::scalar(1));
+    };
 
 template <class M>
-concept HasBoxminus = HasScalar<M> && HasDof<M> &&
-    requires(const M& x, const M& y, vectview<typename M::scalar, int(M::DOF)> out) {
-  x.boxminus(out, y);
-};
+concept HasBoxminus =
+    HasScalar<M> && HasDof<M> &&
+    requires(const M& x, const M& y, vectview<typename M::scalar, int(M::DOF)> out) { x.boxminus(out, y); };
 
 template <class M>
 concept HasRuntimeDof = requires(const M& x) {
@@ -146,9 +142,7 @@ template <class M>
 concept IsEigenColumn = std::is_base_of_v<Eigen::PlainObjectBase<M>, M> && int(M::ColsAtCompileTime) == 1;
 
 template <class M>
-concept DerivesFromEigen = requires(const M& x) {
-  []<class D>(const Eigen::MatrixBase<D>&) {}(x);
-};
+concept DerivesFromEigen = requires(const M& x) { []<class D>(const Eigen::MatrixBase<D>&) {}(x); };
 
 /// x, y, z for vectors of two or three entries, numbers otherwise.
 template <class Sink>
@@ -172,8 +166,8 @@ void requireSameSize(const X& x, const Y& y, const char* operation) {
 
 /// The type brings the operations itself (or inherits them).
 template <class M>
-concept ManifoldByMembers = detail::HasBoxplus<M> && detail::HasBoxminus<M> &&
-    (int(M::DOF) != Dynamic || detail::HasRuntimeDof<M>);
+concept ManifoldByMembers =
+    detail::HasBoxplus<M> && detail::HasBoxminus<M> && (int(M::DOF) != Dynamic || detail::HasRuntimeDof<M>);
 
 /// Compound types name their members: `mtkMembers(x)` gives references, `mtkMemberNames()` their names.
 template <class M>
@@ -195,8 +189,7 @@ void forEachPart(TupleX&& x, TupleY&& y, F&& f) {
       offset += n;
     };
     (one(std::get<I>(x), std::get<I>(y)), ...);
-  }
-  (std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
+  }(std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
 }
 
 /// Scalar and degrees of freedom of a compound of the manifolds P.
@@ -334,7 +327,7 @@ struct ManifoldTraits<M> {
 };
 
 template <class S>
-requires is_scalar_v<S>
+  requires is_scalar_v<S>
 struct ManifoldTraits<S> {
   using scalar = S;
   static constexpr bool is_manifold = true;
@@ -350,8 +343,8 @@ struct ManifoldTraits<S> {
 };
 
 template <class V>
-requires(detail::IsEigenColumn<V> && !ManifoldByMembers<V> &&
-         is_scalar_v<typename V::Scalar>) struct ManifoldTraits<V> {
+  requires(detail::IsEigenColumn<V> && !ManifoldByMembers<V> && is_scalar_v<typename V::Scalar>)
+struct ManifoldTraits<V> {
   using scalar = typename V::Scalar;
   static constexpr bool is_manifold = true;
   static constexpr int DOF = V::RowsAtCompileTime;
@@ -372,7 +365,8 @@ requires(detail::IsEigenColumn<V> && !ManifoldByMembers<V> &&
 };
 
 template <Manifold M, std::size_t N>
-requires(N > 0) struct ManifoldTraits<std::array<M, N>> {
+  requires(N > 0)
+struct ManifoldTraits<std::array<M, N>> {
   using Array = std::array<M, N>;
   using scalar = scalar_t<M>;
   static constexpr bool is_manifold = true;

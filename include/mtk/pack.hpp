@@ -104,7 +104,8 @@ class Pack {
   Pack() = default;
   /// The same number in all lanes.
   template <class T>
-  requires std::is_arithmetic_v<T> Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
+    requires std::is_arithmetic_v<T>
+  Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
     for (int i = 0; i < count; ++i) lanes.v[i] = typename Numbers::Vector{} + static_cast<double>(x);
   }
   explicit Pack(const Numbers& x) : lanes(x) {}
@@ -335,13 +336,17 @@ Pack<W> pow(const Pack<W>& x, const Pack<W>& y) {
   return detail::laneByLane(x, y, [](double a, double b) { return std::pow(a, b); });
 }
 // With a number that is the same for all lanes.
-#define MTK_PACK_AND_NUMBER(name)                                               \
-  template <int W, class T>                                                     \
-  requires std::is_arithmetic_v<T> Pack<W> name(const Pack<W>& x, const T& y) { \
-    return name(x, Pack<W>(y));                                                 \
-  }                                                                             \
-  template <int W, class T>                                                     \
-  requires std::is_arithmetic_v<T> Pack<W> name(const T& x, const Pack<W>& y) { return name(Pack<W>(x), y); }
+#define MTK_PACK_AND_NUMBER(name)              \
+  template <int W, class T>                    \
+    requires std::is_arithmetic_v<T>           \
+  Pack<W> name(const Pack<W>& x, const T& y) { \
+    return name(x, Pack<W>(y));                \
+  }                                            \
+  template <int W, class T>                    \
+    requires std::is_arithmetic_v<T>           \
+  Pack<W> name(const T& x, const Pack<W>& y) { \
+    return name(Pack<W>(x), y);                \
+  }
 MTK_PACK_AND_NUMBER(pow)
 MTK_PACK_AND_NUMBER(atan2)
 MTK_PACK_AND_NUMBER(hypot)
@@ -366,12 +371,12 @@ struct NumTraits<mtk::Pack<W>> : NumTraits<double> {
   enum { RequireInitialization = 0 };
 };
 template <int W, class T, class Op>
-requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
 struct ScalarBinaryOpTraits<T, mtk::Pack<W>, Op> {
   using ReturnType = mtk::Pack<W>;
 };
 template <int W, class T, class Op>
-requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
 struct ScalarBinaryOpTraits<mtk::Pack<W>, T, Op> {
   using ReturnType = mtk::Pack<W>;
 };

@@ -32,7 +32,7 @@ struct Rebind {
   using type = void;
 };
 template <class T, class S>
-requires std::is_floating_point_v<T>
+  requires std::is_floating_point_v<T>
 struct Rebind<T, S> {
   using type = S;
 };
@@ -55,16 +55,14 @@ struct Rebind<Eigen::Matrix<A, R, C, O, MR, MC>, S> {
                          Eigen::Matrix<S, R, C, detail::plainStorage<S, R, C>() | (O & Eigen::RowMajor)>>;
 };
 template <class T, std::size_t N, class S>
-requires(!std::is_void_v<rebound_t<T, S>>) struct Rebind<std::array<T, N>, S> {
+  requires(!std::is_void_v<rebound_t<T, S>>)
+struct Rebind<std::array<T, N>, S> {
   using type = std::array<rebound_t<T, S>, N>;
 };
 
 /// Compounds of MTK_BUILD_MANIFOLD, not what derives from them.
 template <class T>
-concept MacroCompound = requires {
-  typename T::MtkSelf;
-}
-&&std::is_same_v<typename T::MtkSelf, T>;
+concept MacroCompound = requires { typename T::MtkSelf; } && std::is_same_v<typename T::MtkSelf, T>;
 template <class S>
 struct UniformMap {
   template <class Member, int Index>
@@ -78,14 +76,15 @@ template <class T, class S, class... M>
 inline constexpr bool members_rebindable<T, S, std::tuple<M&...>> = (!std::is_void_v<rebound_t<M, S>> && ...);
 
 template <MacroCompound T, class S>
-requires members_rebindable<T, S>
+  requires members_rebindable<T, S>
 struct Rebind<T, S> {
   using type = typename T::template MtkRebound<UniformMap<S>>;
 };
 
 /// Class templates over scalars and manifolds.
 template <template <class...> class T, class... A, class S>
-requires(Manifold<T<A...>> && (!std::is_void_v<rebound_t<A, S>> && ...)) struct Rebind<T<A...>, S> {
+  requires(Manifold<T<A...>> && (!std::is_void_v<rebound_t<A, S>> && ...))
+struct Rebind<T<A...>, S> {
   using type = T<rebound_t<A, S>...>;
 };
 
@@ -104,10 +103,15 @@ namespace detail {
 /// The numbers that a basic manifold is stored as, as an Eigen vector or as one number.
 struct State {
   template <class S>
-  requires is_scalar_v<S>
-  static S& of(S& x) { return x; }
+    requires is_scalar_v<S>
+  static S& of(S& x) {
+    return x;
+  }
   template <class S>
-  requires(!is_dual<S>) static S& of(Scalar<S>& x) { return x.value_; }
+    requires(!is_dual<S>)
+  static S& of(Scalar<S>& x) {
+    return x.value_;
+  }
   template <class S, std::uint64_t C>
   static SparseDual<S, C>& of(Scalar<SparseDual<S, C>>& x) {
     return x;
@@ -161,8 +165,7 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
         offset += dof(part_x);
       };
       (one(std::get<I>(to), std::get<I>(from)), ...);
-    }
-    (std::make_index_sequence<std::tuple_size_v<decltype(from)>>{});
+    }(std::make_index_sequence<std::tuple_size_v<decltype(from)>>{});
   } else if constexpr (StdArray<X>) {
     for (std::size_t i = 0; i < x.size(); ++i) {
       forEachBasicPart(y[i], x[i], offset, f);
@@ -174,13 +177,9 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
 }
 
 template <class X>
-concept HasState = requires(X& x) {
-  State::of(x);
-};
+concept HasState = requires(X& x) { State::of(x); };
 template <class X>
-concept EigenState = requires(X& x) {
-  State::of(x).size();
-};
+concept EigenState = requires(X& x) { State::of(x).size(); };
 
 /// y := x for a basic part over a type that loses nothing.
 template <class Y, class X>
@@ -220,8 +219,9 @@ void seedPart(Y& y, const X& x, int offset, int width) {
     if constexpr (EigenState<X>) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
       if constexpr (DOF_v<X> != Dynamic && DOF_v<X> <= 32) {
-        [&]<int... I>(std::integer_sequence<int, I...>) { (state[I].seed(value[I], column(I)), ...); }
-        (std::make_integer_sequence<int, DOF_v<X>>{});
+        [&]<int... I>(std::integer_sequence<int, I...>) {
+          (state[I].seed(value[I], column(I)), ...);
+        }(std::make_integer_sequence<int, DOF_v<X>>{});
       } else {
         for (int i = 0; i < static_cast<int>(value.size()); ++i) state[i].seed(value[i], column(i));
       }
@@ -253,8 +253,7 @@ Y seededAs(const X& x, int offset, int width) {
       const auto begin = [&](int dofs) { return std::exchange(next, next + dofs); };
       return Y{seededAs<std::remove_cvref_t<std::tuple_element_t<I, To>>>(
           std::get<I>(from), begin(dof(std::get<I>(from))), width)...};
-    }
-    (std::make_index_sequence<std::tuple_size_v<To>>{});
+    }(std::make_index_sequence<std::tuple_size_v<To>>{});
   } else if constexpr (std::is_constructible_v<Y, Uninitialized> && EigenState<X>) {
     Y y{Uninitialized()};
     seedPart(y, x, offset, width);
@@ -300,8 +299,7 @@ void gatherParts(Y& y, const std::array<const X*, W>& x) {
         gatherParts(std::get<J>(to), parts);
       };
       (one(std::integral_constant<std::size_t, I>{}), ...);
-    }
-    (std::make_index_sequence<std::tuple_size_v<Members>>{});
+    }(std::make_index_sequence<std::tuple_size_v<Members>>{});
   } else if constexpr (StdArray<X>) {
     for (std::size_t i = 0; i < y.size(); ++i) {
       std::array<const typename X::value_type*, W> parts;
@@ -324,7 +322,8 @@ struct SparseRebind<trafo<R>, S, Offset> {
 };
 /// Class templates over their number type that say that they read their entries by get<I>() alone.
 template <class T, class S, int Offset>
-requires(T::has_separate_entries) struct SparseRebind<T, S, Offset> {
+  requires(T::has_separate_entries)
+struct SparseRebind<T, S, Offset> {
   using type = rebound_t<T, SeparateUnknowns<S, Offset>>;
 };
 template <class S, int Offset>
@@ -332,7 +331,8 @@ struct SparseRebind<SO3<>, S, Offset> {
   using type = SeedRotation<S, lowColumns(3) << Offset>;
 };
 template <int N, class S, int Offset>
-requires(N > 0) struct SparseRebind<vect<N>, S, Offset> {
+  requires(N > 0)
+struct SparseRebind<vect<N>, S, Offset> {
   using type = SeedVector<N, S, Offset>;
 };
 /// Degrees of freedom of the first `count` of the members M.

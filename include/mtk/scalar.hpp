@@ -59,15 +59,18 @@ struct Promote<A, A> {
   using type = A;
 };
 template <class A, class B>
-requires(std::is_arithmetic_v<A> && !std::is_arithmetic_v<B>) struct Promote<A, B> {
+  requires(std::is_arithmetic_v<A> && !std::is_arithmetic_v<B>)
+struct Promote<A, B> {
   using type = B;
 };
 template <class A, class B>
-requires(!std::is_arithmetic_v<A> && std::is_arithmetic_v<B>) struct Promote<A, B> {
+  requires(!std::is_arithmetic_v<A> && std::is_arithmetic_v<B>)
+struct Promote<A, B> {
   using type = A;
 };
 template <class A, class B>
-requires(std::is_arithmetic_v<A>&& std::is_arithmetic_v<B> && !std::is_same_v<A, B>) struct Promote<A, B> {
+  requires(std::is_arithmetic_v<A> && std::is_arithmetic_v<B> && !std::is_same_v<A, B>)
+struct Promote<A, B> {
   using type = std::common_type_t<A, B>;
 };
 template <int W, class S, std::uint64_t C>
@@ -79,7 +82,8 @@ struct Promote<SparseDual<S, C>, Pack<W>> {
   using type = SparseDual<S, C>;
 };
 template <class S, std::uint64_t A, std::uint64_t B>
-requires(A != B) struct Promote<SparseDual<S, A>, SparseDual<S, B>> {
+  requires(A != B)
+struct Promote<SparseDual<S, A>, SparseDual<S, B>> {
   using type = SparseDual<S, A | B>;
 };
 
@@ -151,7 +155,8 @@ double firstWithout(const Condition& condition, const S& x) {
 
 /// The angle in [-pi, pi) that differs from `a` by whole turns, exact for angles of any size; NaN for infinite ones.
 template <class S>
-requires std::is_floating_point_v<S> S reducedAngle(const S& a) {
+  requires std::is_floating_point_v<S>
+S reducedAngle(const S& a) {
   const S reduced = std::atan2(std::sin(a), std::cos(a));
   constexpr S half = S(3.141592653589793238462643383279502884L);
   return reduced >= half ? -half : reduced;

@@ -161,7 +161,7 @@ constexpr bool isWritable() {
   } else if constexpr (detail::is_std_array<M>) {
     return isWritable<typename M::value_type>();
   } else {
-    return requires(std::ostream & os, const M& x) { os << x; };
+    return requires(std::ostream& os, const M& x) { os << x; };
   }
 }
 
@@ -204,7 +204,9 @@ template <class M>
 struct Streamed {
   M& value;
   friend std::ostream& operator<<(std::ostream& os, const Streamed& s) { return write(os, s.value); }
-  friend std::istream& operator>>(std::istream& is, const Streamed& s) requires(!std::is_const_v<M>) {
+  friend std::istream& operator>>(std::istream& is, const Streamed& s)
+    requires(!std::is_const_v<M>)
+  {
     return read(is, s.value);
   }
 };

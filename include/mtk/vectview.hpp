@@ -34,7 +34,7 @@ using MappedVector = std::conditional_t<std::is_const_v<S>, const PlainVector<st
 
 template <class D>
 concept ContiguousVector = bool(D::IsVectorAtCompileTime) && (D::InnerStrideAtCompileTime == 1) &&
-                           bool(D::Flags& Eigen::DirectAccessBit);
+                           bool(D::Flags & Eigen::DirectAccessBit);
 }  // namespace detail
 
 /// `vectview<const double, 3>` reads, `vectview<double, 3>` writes; made from a pointer, or implicitly from
@@ -46,22 +46,24 @@ class vectview : public Eigen::Map<detail::MappedVector<S, N>> {
  public:
   using Base = Eigen::Map<detail::MappedVector<S, N>>;
 
-  explicit vectview(S* data) requires(N != Dynamic) : Base(data) {}
+  explicit vectview(S* data)
+    requires(N != Dynamic)
+      : Base(data) {}
   vectview(S* data, Eigen::Index size) : Base(data, size) {}
 
   template <class D>
-  requires(detail::ContiguousVector<D>&& std::is_same_v<typename D::Scalar, Value>&& std::is_const_v<S>)
-      vectview(const Eigen::DenseBase<D>& v)
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && std::is_const_v<S>)
+  vectview(const Eigen::DenseBase<D>& v)
       : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
 
   template <class D>
-  requires(detail::ContiguousVector<D>&& std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
-      vectview(Eigen::DenseBase<D>& v)
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
+  vectview(Eigen::DenseBase<D>& v)
       : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
 
   template <class D>
-  requires(detail::ContiguousVector<D>&& std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
-      vectview(Eigen::DenseBase<D>&& v)
+    requires(detail::ContiguousVector<D> && std::is_same_v<typename D::Scalar, Value> && !std::is_const_v<S>)
+  vectview(Eigen::DenseBase<D>&& v)
       : Base(v.derived().data(), v.size()) {}  // NOLINT(google-explicit-constructor)
 
   vectview(const vectview&) = default;

@@ -272,8 +272,7 @@ struct Archive::DeclaredKind {
       if (problem == nullptr) return true;
       const auto ids = [&]<std::size_t... I>(std::index_sequence<I...>) {
         return std::tuple<VarID<T>...>(idOf<T>(variables[I])...);
-      }
-      (std::index_sequence_for<T...>{});
+      }(std::index_sequence_for<T...>{});
       problem->insertMeasurement(std::make_from_tuple<M>(std::tuple_cat(ids, data)), options.noise,
                                  options.label, options.loss);
       return true;

@@ -201,7 +201,8 @@ class Estimator {
   /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
   /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
   template <class F, class... Args>
-  requires(!Measurement<F> && sizeof...(Args) > 0) auto insertMeasurement(F f, const Args&... args) {
+    requires(!Measurement<F> && sizeof...(Args) > 0)
+  auto insertMeasurement(F f, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
     return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
                           detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all));

@@ -398,7 +398,8 @@ void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) 
   if (!rows->solve(damping, step).ok) return;
   clearHeld(step);
   const double decrease = -rows->gradient().dot(step);
-  if (decrease > std::max(promise.decrease, most_rounding * rss_)) promise = {true, false, decrease, std::move(step)};
+  if (decrease > std::max(promise.decrease, most_rounding * rss_))
+    promise = {true, false, decrease, std::move(step)};
 }
 
 /// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of

@@ -278,8 +278,7 @@ void expectExactRows() {
   const auto f = [](const auto& x, const auto& y, const Vec3& p) {
     return [&]<int... I>(std::integer_sequence<int, I...>) {
       return mtk::vector(sin((I + 1.0) * (x[0] * p[0] + x[1] * y * p[1] + x[2] * p[2]))..., 0.25);
-    }
-    (std::make_integer_sequence<int, Rows - 1>{});
+    }(std::make_integer_sequence<int, Rows - 1>{});
   };
   const Vec3 p(0.3, -0.7, 1.1);
   slom::Estimator est;

@@ -137,8 +137,7 @@ void expectExact(const std::string& name, const F& f, const X&... x) {
     }();
     return std::tuple<mtk::detail::sparse_rebind_t<X, P, offset[I]>...>{
         mtk::detail::seededAs<mtk::detail::sparse_rebind_t<X, P, offset[I]>>(packed(x), offset[I], 64)...};
-  }
-  (std::index_sequence_for<X...>{});
+  }(std::index_sequence_for<X...>{});
   const auto pack_rows = rowsOf(std::apply(f, seeds));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (int lane = 0; lane < 4; ++lane) {

@@ -1,6 +1,6 @@
 # Fails where clang-format would change a source: cmake -DCLANG_FORMAT=... -DROOT=... -P format.cmake
 # Versions format differently; another than the one that the sources are written with skips the test.
-set(version_wanted 14)
+set(version_wanted 16)
 execute_process(COMMAND "${CLANG_FORMAT}" --version OUTPUT_VARIABLE version OUTPUT_STRIP_TRAILING_WHITESPACE)
 if(NOT version MATCHES "version ${version_wanted}[.]")
   message(STATUS "skipped: ${version}, where the sources are formatted by version ${version_wanted}")
@@ -17,5 +17,5 @@ if(count LESS 100)
 endif()
 execute_process(COMMAND "${CLANG_FORMAT}" --dry-run -Werror ${sources} RESULT_VARIABLE result ERROR_VARIABLE complaints)
 if(NOT result EQUAL 0)
-  message(FATAL_ERROR "${complaints}\nformat them by: clang-format -i FILE...")
+  message(FATAL_ERROR "${complaints}\nformat them by: clang-format-16 -i FILE...")
 endif()

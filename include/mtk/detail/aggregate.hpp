@@ -16,8 +16,8 @@ inline constexpr std::size_t kMaxAggregateMembers = 20;
 template <class T>
 struct AnyMember {
   template <class U>
-  requires(!std::is_base_of_v<U, T>) constexpr operator U()
-      const noexcept;  // NOLINT(google-explicit-constructor): that is its purpose
+    requires(!std::is_base_of_v<U, T>)
+  constexpr operator U() const noexcept;  // NOLINT(google-explicit-constructor): that is its purpose
 };
 
 template <class T, std::size_t... I>
@@ -115,8 +115,7 @@ constexpr auto memberNames() {
                                             "10", "11", "12", "13", "14", "15", "16", "17", "18", "19"};
     return std::array<std::string_view, sizeof...(I)>{numbers[I]...};
 #endif
-  }
-  (std::make_index_sequence<memberCount<T>()>{});
+  }(std::make_index_sequence<memberCount<T>()>{});
 }
 
 }  // namespace mtk::detail

@@ -12,8 +12,9 @@ namespace mtk::detail {
 template <int N, int First = 0, class F>
 void unrolled(const F& f) {
   constexpr int most = N < 128 ? N : 128;  // clang refuses longer fold expressions
-  [&]<int... I>(std::integer_sequence<int, I...>) { (f(First + I), ...); }
-  (std::make_integer_sequence<int, most>{});
+  [&]<int... I>(std::integer_sequence<int, I...>) {
+    (f(First + I), ...);
+  }(std::make_integer_sequence<int, most>{});
   if constexpr (N > most) unrolled<N - most, First + most>(f);
 }
 
@@ -49,7 +50,8 @@ struct NativeVector {
   typedef double type __attribute__((vector_size(8 * Lanes)));
 };
 template <int N>
-requires(N > 1) struct LaneLayout<double, N> {
+  requires(N > 1)
+struct LaneLayout<double, N> {
   static constexpr int lanes = lanesFor(N);
   using Vector = typename NativeVector<lanes>::type;
   static constexpr int count = (N + lanes - 1) / lanes;
@@ -90,8 +92,7 @@ struct Lanes {
       ((x.v[K] = vectorOf(number, std::integral_constant<int, K * lanes>{},
                           std::make_integer_sequence<int, lanes>{})),
        ...);
-    }
-    (std::make_integer_sequence<int, count>{});
+    }(std::make_integer_sequence<int, count>{});
     return x;
   }
   S get(int i) const {

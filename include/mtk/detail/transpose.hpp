@@ -166,12 +166,11 @@ void deinterleave(const Lanes<double, W>* x, double* out, std::ptrdiff_t stride)
 #if defined(MTK_HAS_SHUFFLES)
   if constexpr (lanes > 1) {
     unrolled<whole>([&](int v) {
-      storeLanes<N, lanes>(
-          [&](int i) -> const auto& { return x[i].v[v]; }, out + v * lanes * stride, stride);
+      storeLanes<N, lanes>([&](int i) -> const auto& { return x[i].v[v]; }, out + v * lanes * stride, stride);
     });
     if constexpr (W > whole * lanes) {
-      storeLanes<N, W - whole * lanes>(
-          [&](int i) -> const auto& { return x[i].v[whole]; }, out + whole * lanes * stride, stride);
+      storeLanes<N, W - whole * lanes>([&](int i) -> const auto& { return x[i].v[whole]; },
+                                       out + whole * lanes * stride, stride);
     }
     return;
   }

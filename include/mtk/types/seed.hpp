@@ -189,8 +189,8 @@ class vect<N, detail::SeparateUnknowns<S, Offset>> : public detail::SeedVector<N
 
 /// Rotates a point or a direction.
 template <class R, class E>
-requires(detail::is_seed_rotation<R>&& bool(E::IsVectorAtCompileTime)) auto operator*(
-    const R& rotation, const Eigen::MatrixBase<E>& point) {
+  requires(detail::is_seed_rotation<R> && bool(E::IsVectorAtCompileTime))
+auto operator*(const R& rotation, const Eigen::MatrixBase<E>& point) {
   static_assert(E::SizeAtCompileTime == 3, "mtk: SO3 rotates 3-vectors");
   using A = typename R::scalar;
   using B = typename E::Scalar;
@@ -206,8 +206,8 @@ requires(detail::is_seed_rotation<R>&& bool(E::IsVectorAtCompileTime)) auto oper
   }
 }
 template <class A, class E>
-requires(detail::is_seed_vector<E>&& E::SizeAtCompileTime == 3) auto operator*(
-    const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+  requires(detail::is_seed_vector<E> && E::SizeAtCompileTime == 3)
+auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   using B = typename E::Scalar;
   using S = detail::ValueType<B>;
   const detail::Matrix3<S> M = detail::rotationValue<S>(R).toRotationMatrix();
@@ -222,7 +222,8 @@ requires(detail::is_seed_vector<E>&& E::SizeAtCompileTime == 3) auto operator*(
 }
 
 template <class R, class B>
-requires(detail::is_seed_rotation<R>) auto operator*(const R& a, const SO3<B>& b) {
+  requires(detail::is_seed_rotation<R>)
+auto operator*(const R& a, const SO3<B>& b) {
   using A = typename R::scalar;
   using S = detail::ValueType<A>;
   using D = promote_t<A, B>;

@@ -15,8 +15,8 @@ namespace detail {
 template <class S>
 inline constexpr built_in_t<S> two_pi = built_in_t<S>(6.283185307179586476925286766559005768L);
 template <class S>
-inline constexpr built_in_t<S> two_pi_rest = built_in_t<S>(6.283185307179586476925286766559005768L -
-                                                           (long double)(two_pi<S>));
+inline constexpr built_in_t<S> two_pi_rest =
+    built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
 
 /// x as a constant.
 template <class S>
@@ -64,8 +64,8 @@ class SO2 {
   /// From a rotation matrix, or the nearest rotation to another one. Throws [mtk.no-rotation] where there is none, as for
   /// reflections and the zero matrix.
   template <class D>
-  requires(D::RowsAtCompileTime == 2 &&
-           D::ColsAtCompileTime == 2) explicit SO2(const Eigen::MatrixBase<D>& R) {
+    requires(D::RowsAtCompileTime == 2 && D::ColsAtCompileTime == 2)
+  explicit SO2(const Eigen::MatrixBase<D>& R) {
     using std::abs;
     using std::atan2;
     const S c = R(0, 0) + R(1, 1), s = R(1, 0) - R(0, 1);
@@ -104,7 +104,8 @@ class SO2 {
   SO2 operator*(const SO2& other) const { return SO2(angle_ + other.angle_); }
   /// Rotates a point or a direction.
   template <class D>
-  requires(bool(D::IsVectorAtCompileTime)) auto operator*(const Eigen::MatrixBase<D>& p) const {
+    requires(bool(D::IsVectorAtCompileTime))
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 2 || D::SizeAtCompileTime == Dynamic, "mtk: SO2 rotates 2-vectors");
     using std::cos;
     using std::sin;
@@ -125,8 +126,8 @@ class SO2 {
 
 /// Rotations over different number types, one of which holds the other: constants and dual numbers.
 template <class A, class B>
-requires(!std::is_same_v<A, B>) SO2<promote_t<A, B>>
-operator*(const SO2<A>& a, const SO2<B>& b) {
+  requires(!std::is_same_v<A, B>)
+SO2<promote_t<A, B>> operator*(const SO2<A>& a, const SO2<B>& b) {
   return SO2<promote_t<A, B>>(promote_t<A, B>(a.angle() + b.angle()));
 }
 

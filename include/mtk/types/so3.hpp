@@ -47,20 +47,20 @@ class SO3 {
   }
   // Of Eigen's rotations Eigen/Core declares the names; whoever has one has included Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
-  : SO3(q.w(), q.x(), q.y(), q.z()) {}
+      : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
-  : SO3(exp(Vector(a.angle() * a.axis()))) {}
+      : SO3(exp(Vector(a.angle() * a.axis()))) {}
   /// The same rotation in a number type that loses nothing: a constant among packs.
   template <class T>
-  requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
-      SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
+    requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
+  SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it. Throws [mtk.no-rotation] for others:
   /// reflections, the zero matrix, columns of other lengths than about 1, numbers that are not finite.
   ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is no difference of large numbers
   template <class D>
-  requires(D::RowsAtCompileTime == 3 &&
-           D::ColsAtCompileTime == 3) explicit SO3(const Eigen::MatrixBase<D>& matrix) {
+    requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
+  explicit SO3(const Eigen::MatrixBase<D>& matrix) {
     const Matrix R = matrix;
     requireRotation(R);
     const S trace = R(0, 0) + R(1, 1) + R(2, 2);
@@ -151,8 +151,8 @@ class SO3 {
   }
   /// Rotates a point or a direction.
   template <class D>
-  requires(bool(D::IsVectorAtCompileTime) && std::is_same_v<promote_t<S, typename D::Scalar>, S>) Vector
-  operator*(const Eigen::MatrixBase<D>& p) const {
+    requires(bool(D::IsVectorAtCompileTime) && std::is_same_v<promote_t<S, typename D::Scalar>, S>)
+  Vector operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 3 || D::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
     const PlainVector<typename D::Scalar, 3> point = p;
     const S px(point[0]), py(point[1]), pz(point[2]);

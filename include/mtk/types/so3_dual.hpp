@@ -132,15 +132,15 @@ class SO3<SparseDual<S, C>> {
   SO3() { d_.fill(detail::Partials<S, C>::zero()); }
   /// A constant.
   template <class T>
-  requires(std::is_same_v<T, S> || std::is_arithmetic_v<T>) SO3(const SO3<T>& R)
-      : R_(R) {  // NOLINT(google-explicit-constructor): nothing is lost
+    requires(std::is_same_v<T, S> || std::is_arithmetic_v<T>)
+  SO3(const SO3<T>& R) : R_(R) {  // NOLINT(google-explicit-constructor): nothing is lost
     d_.fill(detail::Partials<S, C>::zero());
   }
   SO3(const Value& R, const RowPartials& d) : R_(R), d_(d) {}
   /// The same rotation among more unknowns.
   template <std::uint64_t A>
-  requires((A & ~C) == 0 && A != C)
-      SO3(const SO3<SparseDual<S, A>>& R)  // NOLINT(google-explicit-constructor): nothing is lost
+    requires((A & ~C) == 0 && A != C)
+  SO3(const SO3<SparseDual<S, A>>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : R_(R.value()), d_(detail::add<A, C, S>(R.partials(), SO3().d_)) {}
   /// From quaternion coefficients, normalised; note the order.
   SO3(const scalar& w, const scalar& x, const scalar& y, const scalar& z)
@@ -160,8 +160,9 @@ class SO3<SparseDual<S, C>> {
   }
   /// From a rotation matrix.
   template <class D>
-  requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3 &&
-           std::is_same_v<typename D::Scalar, scalar>) explicit SO3(const Eigen::MatrixBase<D>& M) {
+    requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3 &&
+             std::is_same_v<typename D::Scalar, scalar>)
+  explicit SO3(const Eigen::MatrixBase<D>& M) {
     Eigen::Matrix<S, 3, 3> value;
     for (int i = 0; i < 9; ++i) value(i % 3, i / 3) = M(i % 3, i / 3).value();
     R_ = Value(value);
@@ -239,15 +240,12 @@ class SO3<SparseDual<S, C>> {
 // Products in which at least one factor carries derivatives; the other may be a constant.
 
 namespace detail {
-// clang-format off: version 14 knows no concepts
 template <class A, class B>
-concept OneIsDual = (is_dual<A> || is_dual<B>) && requires { typename promote_t<A, B>; };
-// clang-format on
+concept OneIsDual = (is_dual<A> || is_dual<B>)&&requires { typename promote_t<A, B>; };
 };
 template <class A, class B>
-concept PackAndBuiltIn = !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires {
-  typename promote_t<A, B>;
-};
+concept PackAndBuiltIn =
+    !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires { typename promote_t<A, B>; };
 
 /// The number type below the derivatives.
 template <class D>
@@ -264,8 +262,8 @@ SO3<S> rotationValue(const SO3<X>& R) {
 }  // namespace detail
 
 template <class A, class B>
-requires detail::OneIsDual<A, B> SO3<promote_t<A, B>>
-operator*(const SO3<A>& a, const SO3<B>& b) {
+  requires detail::OneIsDual<A, B>
+SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
   using D = promote_t<A, B>;
   using S = detail::ValueType<D>;
   const SO3<S> left = detail::rotationValue<S>(a), right = detail::rotationValue<S>(b);
@@ -282,8 +280,8 @@ operator*(const SO3<A>& a, const SO3<B>& b) {
   }
 }
 template <class A, class B>
-requires detail::PackAndBuiltIn<A, B> SO3<promote_t<A, B>>
-operator*(const SO3<A>& a, const SO3<B>& b) {
+  requires detail::PackAndBuiltIn<A, B>
+SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
   using S = promote_t<A, B>;
   return SO3<S>(a) * SO3<S>(b);
 }
@@ -296,9 +294,9 @@ inline constexpr bool is_seed_vector = false;
 
 /// Rotates a point or a direction.
 template <class A, class E>
-requires(detail::OneIsDual<A, typename E::Scalar>&& bool(E::IsVectorAtCompileTime) &&
-         !detail::is_seed_vector<E>) auto
-operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+  requires(detail::OneIsDual<A, typename E::Scalar> && bool(E::IsVectorAtCompileTime) &&
+           !detail::is_seed_vector<E>)
+auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   static_assert(E::SizeAtCompileTime == 3 || E::SizeAtCompileTime == Dynamic, "mtk: SO3 rotates 3-vectors");
   using B = typename E::Scalar;
   using D = promote_t<A, B>;
@@ -321,9 +319,9 @@ operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   }
 }
 template <class A, class E>
-requires(detail::PackAndBuiltIn<A, typename E::Scalar> &&
-         !std::is_same_v<promote_t<A, typename E::Scalar>, A> && bool(E::IsVectorAtCompileTime)) auto
-operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
+  requires(detail::PackAndBuiltIn<A, typename E::Scalar> &&
+           !std::is_same_v<promote_t<A, typename E::Scalar>, A> && bool(E::IsVectorAtCompileTime))
+auto operator*(const SO3<A>& R, const Eigen::MatrixBase<E>& point) {
   return SO3<typename E::Scalar>(R) * point;
 }
 

@@ -34,8 +34,8 @@ class trafo {
   explicit trafo(const Vector& translation) : pos(translation) {}
   /// The same motion in another number type that loses nothing: a constant among dual numbers.
   template <class Q>
-  requires(!std::is_same_v<Q, R> && std::is_convertible_v<Q, R>) trafo(const trafo<Q>& T)
-      : pos(T.pos), orient(T.orient) {}  // NOLINT(google-explicit-constructor)
+    requires(!std::is_same_v<Q, R> && std::is_convertible_v<Q, R>)
+  trafo(const trafo<Q>& T) : pos(T.pos), orient(T.orient) {}  // NOLINT(google-explicit-constructor)
 
   trafo inverse() const {
     const R back = orient.inverse();
@@ -46,7 +46,8 @@ class trafo {
   friend trafo operator*(const R& a, const trafo& b) { return trafo(a * b.orient, a * b.pos); }
   /// Moves a point.
   template <class D>
-  requires(bool(D::IsVectorAtCompileTime)) auto operator*(const Eigen::MatrixBase<D>& p) const {
+    requires(bool(D::IsVectorAtCompileTime))
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
     return orient * p + pos;
   }
   /// Homogeneous matrix.
@@ -88,7 +89,8 @@ struct SparseTrafo {
                                                                                                   back};
   }
   template <class D>
-  requires(bool(D::IsVectorAtCompileTime)) auto operator*(const Eigen::MatrixBase<D>& p) const {
+    requires(bool(D::IsVectorAtCompileTime))
+  auto operator*(const Eigen::MatrixBase<D>& p) const {
     return orient * p + pos;
   }
 };
@@ -106,7 +108,7 @@ inline constexpr bool is_rotation<SO2<S>> = true;
 template <class S>
 void acceptRotation(const SO3<S>& R);
 template <class T>
-requires requires(const T& x) { acceptRotation(x); }
+  requires requires(const T& x) { acceptRotation(x); }
 inline constexpr bool is_rotation<T> = true;
 
 /// A trafo where both parts have the same scalar, a SparseTrafo otherwise.
@@ -122,8 +124,8 @@ auto joined(const R& rotation, const V& translation) {
 
 // Products of motions over different number types: constants, dual numbers.
 template <class A, class B>
-requires(detail::is_trafo<A>&& detail::is_trafo<B> && !std::is_same_v<A, B>) auto operator*(const A& a,
-                                                                                            const B& b) {
+  requires(detail::is_trafo<A> && detail::is_trafo<B> && !std::is_same_v<A, B>)
+auto operator*(const A& a, const B& b) {
   return detail::joined(a.orient * b.orient, a.orient * b.pos + a.pos);
 }
 template <class R, class V>
@@ -131,13 +133,13 @@ auto operator*(const detail::SparseTrafo<R, V>& a, const detail::SparseTrafo<R, 
   return detail::joined(a.orient * b.orient, a.orient * b.pos + a.pos);
 }
 template <class A, class B>
-requires(detail::is_trafo<A>&& detail::is_rotation<B> && !std::is_same_v<A, trafo<B>>) auto operator*(
-    const A& a, const B& b) {
+  requires(detail::is_trafo<A> && detail::is_rotation<B> && !std::is_same_v<A, trafo<B>>)
+auto operator*(const A& a, const B& b) {
   return detail::joined(a.orient * b, a.pos);
 }
 template <class A, class B>
-requires(detail::is_rotation<A>&& detail::is_trafo<B> && !std::is_same_v<B, trafo<A>>) auto operator*(
-    const A& a, const B& b) {
+  requires(detail::is_rotation<A> && detail::is_trafo<B> && !std::is_same_v<B, trafo<A>>)
+auto operator*(const A& a, const B& b) {
   return detail::joined(a * b.orient, a * b.pos);
 }
 

@@ -18,11 +18,12 @@ namespace mtk {
 namespace detail {
 /// Whether an Eigen vector may have N entries.
 template <class D, int N>
-inline constexpr bool fits = bool(D::IsVectorAtCompileTime) &&
-                             (N == Dynamic || D::SizeAtCompileTime == Dynamic ||
-                              int(D::SizeAtCompileTime) == N);
+inline constexpr bool fits =
+    bool(D::IsVectorAtCompileTime) &&
+    (N == Dynamic || D::SizeAtCompileTime == Dynamic || int(D::SizeAtCompileTime) == N);
 template <class D, int N>
-requires(!bool(D::IsVectorAtCompileTime)) inline constexpr bool fits<D, N> = D::SizeAtCompileTime == Dynamic;
+  requires(!bool(D::IsVectorAtCompileTime))
+inline constexpr bool fits<D, N> = D::SizeAtCompileTime == Dynamic;
 }  // namespace detail
 
 /// Says that what is constructed is about to be filled.
@@ -36,7 +37,9 @@ class vect : public PlainVector<S, N> {
   static constexpr int DOF = N;
 
   /// All entries are still to be set.
-  explicit vect(Uninitialized) requires(N != Dynamic) {}
+  explicit vect(Uninitialized)
+    requires(N != Dynamic)
+  {}
   /// All zero; of size 0 when N is Dynamic.
   vect() {
     if constexpr (N != Dynamic) {
@@ -50,34 +53,36 @@ class vect : public PlainVector<S, N> {
     }
   }
   template <class D>
-  requires(std::is_same_v<typename D::Scalar, S>&& detail::fits<D, N>) vect(const Eigen::MatrixBase<D>& v)
-      : Base(v) {}  // NOLINT(google-explicit-constructor): as Eigen's vectors
+    requires(std::is_same_v<typename D::Scalar, S> && detail::fits<D, N>)
+  vect(const Eigen::MatrixBase<D>& v) : Base(v) {}  // NOLINT(google-explicit-constructor): as Eigen's vectors
   /// From coordinates of another type that loses nothing: constants among dual numbers.
   template <class D>
-  requires(!std::is_same_v<typename D::Scalar, S> && !std::is_arithmetic_v<S> &&
-           std::is_convertible_v<typename D::Scalar, S> && detail::fits<D, N>)
-      vect(const Eigen::MatrixBase<D>& v)
-      : Base(v.size()) {  // NOLINT(google-explicit-constructor)
+    requires(!std::is_same_v<typename D::Scalar, S> && !std::is_arithmetic_v<S> &&
+             std::is_convertible_v<typename D::Scalar, S> && detail::fits<D, N>)
+  vect(const Eigen::MatrixBase<D>& v) : Base(v.size()) {  // NOLINT(google-explicit-constructor)
     for (Eigen::Index i = 0; i < v.size(); ++i) this->coeffRef(i) = S(v.derived()[i]);
   }
   /// Derivatives do not get lost on the way into numbers without them: a function of Eigen::Vector3d does not accept
   /// a vector of dual numbers.
   template <class D>
-  requires(!std::is_arithmetic_v<S> && std::is_base_of_v<Eigen::PlainObjectBase<D>, D> &&
-           std::is_arithmetic_v<typename D::Scalar>)
+    requires(!std::is_arithmetic_v<S> && std::is_base_of_v<Eigen::PlainObjectBase<D>, D> &&
+             std::is_arithmetic_v<typename D::Scalar>)
   operator D() const = delete;
   /// The N coordinates.
   template <class... T>
-  requires(N != Dynamic && sizeof...(T) == std::size_t(N) &&
-           (std::is_convertible_v<T, S> && ...)) explicit(N == 1) vect(const T&... coordinates)
-      : Base() {
+    requires(N != Dynamic && sizeof...(T) == std::size_t(N) && (std::is_convertible_v<T, S> && ...))
+  explicit(N == 1) vect(const T&... coordinates) : Base() {
     int i = 0;
     ((this->coeffRef(i++) = S(coordinates)), ...);
   }
   /// `n` zeros.
-  explicit vect(Eigen::Index n) requires(N == Dynamic) : Base(Base::Zero(n)) {}
+  explicit vect(Eigen::Index n)
+    requires(N == Dynamic)
+      : Base(Base::Zero(n)) {}
   /// The given coordinates, as in `vect<Dynamic>{1, 2, 3}`.
-  vect(std::initializer_list<S> coordinates) requires(N == Dynamic) : Base(Eigen::Index(coordinates.size())) {
+  vect(std::initializer_list<S> coordinates)
+    requires(N == Dynamic)
+      : Base(Eigen::Index(coordinates.size())) {
     Eigen::Index i = 0;
     for (const S& value : coordinates) this->coeffRef(i++) = value;
   }
@@ -86,7 +91,8 @@ class vect : public PlainVector<S, N> {
 
   /// Entry I, for structured bindings.
   template <std::size_t I>
-  requires(N > 0) const S& get() const {
+    requires(N > 0)
+  const S& get() const {
     static_assert(I < std::size_t(N));
     return this->coeffRef(Eigen::Index(I));
   }
@@ -177,9 +183,8 @@ V unfilled(Eigen::Index size) {
 }
 
 template <class A, class B>
-concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) && requires {
-  typename promote_t<typename A::Scalar, typename B::Scalar>;
-};
+concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) &&
+                   requires { typename promote_t<typename A::Scalar, typename B::Scalar>; };
 /// The sum of an A and a B, as many entries as the one of fixed size has.
 template <class A, class B>
 using Sum = vect<(A::SizeAtCompileTime == Dynamic ? int(B::SizeAtCompileTime) : int(A::SizeAtCompileTime)),
@@ -207,22 +212,22 @@ auto operator-(const vect<N, A>& a, const vect<M, B>& b) {
   return detail::entrywise(a, b, "a - b", detail::minus);
 }
 template <int N, class S, class D>
-requires detail::Summable<vect<N, S>, D>
+  requires detail::Summable<vect<N, S>, D>
 auto operator+(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
   return detail::entrywise(a, b.derived().eval(), "a + b", detail::plus);
 }
 template <int N, class S, class D>
-requires detail::Summable<vect<N, S>, D>
+  requires detail::Summable<vect<N, S>, D>
 auto operator-(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
   return detail::entrywise(a, b.derived().eval(), "a - b", detail::minus);
 }
 template <int N, class S, class D>
-requires detail::Summable<vect<N, S>, D>
+  requires detail::Summable<vect<N, S>, D>
 auto operator+(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
   return detail::entrywise(a.derived().eval(), b, "a + b", detail::plus);
 }
 template <int N, class S, class D>
-requires detail::Summable<vect<N, S>, D>
+  requires detail::Summable<vect<N, S>, D>
 auto operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
   return detail::entrywise(a.derived().eval(), b, "a - b", detail::minus);
 }
@@ -234,11 +239,9 @@ auto scaled(const vect<N, S>& a, const Op& op) {
   return result;
 }
 /// A number type other than S, one of the two not built in.
-// clang-format off: version 14 knows no concepts
 template <class T, class S>
-concept OtherScalar = (is_scalar_v<T> || std::is_arithmetic_v<T>) && !std::is_same_v<T, S> &&
+concept OtherScalar = (is_scalar_v<T> || std::is_arithmetic_v<T>)&&!std::is_same_v<T, S> &&
                       !(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
-// clang-format on
 }  // namespace detail
 
 template <int N, class S>
@@ -259,28 +262,34 @@ vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor
 }
 // By a built-in number of another type: the vector keeps its own.
 template <int N, class S, class T>
-requires(std::is_arithmetic_v<S>&& std::is_arithmetic_v<T> && !std::is_same_v<S, T>) vect<N, S>
-operator*(const vect<N, S>& a, const T& factor) { return a * S(factor); }
+  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
+vect<N, S> operator*(const vect<N, S>& a, const T& factor) {
+  return a * S(factor);
+}
 template <int N, class S, class T>
-requires(std::is_arithmetic_v<S>&& std::is_arithmetic_v<T> && !std::is_same_v<S, T>) vect<N, S>
-operator*(const T& factor, const vect<N, S>& a) { return a * S(factor); }
+  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
+vect<N, S> operator*(const T& factor, const vect<N, S>& a) {
+  return a * S(factor);
+}
 template <int N, class S, class T>
-requires(std::is_arithmetic_v<S>&& std::is_arithmetic_v<T> && !std::is_same_v<S, T>) vect<N, S>
-operator/(const vect<N, S>& a, const T& divisor) { return a / S(divisor); }
+  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
+vect<N, S> operator/(const vect<N, S>& a, const T& divisor) {
+  return a / S(divisor);
+}
 // By a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
 template <int N, class S, class T>
-requires detail::OtherScalar<T, S> vect<N, promote_t<S, T>>
-operator*(const vect<N, S>& a, const T& factor) {
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator*(const vect<N, S>& a, const T& factor) {
   return detail::scaled(a, [&](const S& x) { return x * factor; });
 }
 template <int N, class S, class T>
-requires detail::OtherScalar<T, S> vect<N, promote_t<S, T>>
-operator*(const T& factor, const vect<N, S>& a) {
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator*(const T& factor, const vect<N, S>& a) {
   return detail::scaled(a, [&](const S& x) { return x * factor; });
 }
 template <int N, class S, class T>
-requires detail::OtherScalar<T, S> vect<N, promote_t<S, T>>
-operator/(const vect<N, S>& a, const T& divisor) {
+  requires detail::OtherScalar<T, S>
+vect<N, promote_t<S, T>> operator/(const vect<N, S>& a, const T& divisor) {
   return detail::scaled(a, [&](const S& x) { return x / divisor; });
 }
 
@@ -293,8 +302,8 @@ inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
 
 // Structured bindings: `const auto& [fx, fy, cx, cy] = camera;`
 template <int N, class S>
-requires(N > 0) struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, N> {
-};
+  requires(N > 0)
+struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, N> {};
 template <std::size_t I, int N, class S>
 struct std::tuple_element<I, mtk::vect<N, S>> {
   using type = S;

@@ -75,13 +75,14 @@ struct Call {
   using Result = double;
 };
 template <class F, class... P>
-requires requires(const F& f) { f(std::declval<P>()...); }
+  requires requires(const F& f) { f(std::declval<P>()...); }
 struct Call<F, std::tuple<P...>> {
   static constexpr bool is_possible = true;
   using Result = std::remove_cvref_t<decltype(std::declval<const F&>()(std::declval<P>()...))>;
 };
 template <class F, class... P>
-requires(std::is_member_pointer_v<F>&& std::is_invocable_v<const F&, P...>) struct Call<F, std::tuple<P...>> {
+  requires(std::is_member_pointer_v<F> && std::is_invocable_v<const F&, P...>)
+struct Call<F, std::tuple<P...>> {
   static constexpr bool is_possible = true;
   using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
 };
@@ -105,7 +106,7 @@ struct Parameters<R (C::*)(P...) const> : ParameterList<P...> {};
 template <class R, class C, class... P>
 struct Parameters<R (C::*)(P...) const noexcept> : ParameterList<P...> {};
 template <class F>
-requires requires { &F::operator(); }
+  requires requires { &F::operator(); }
 struct Parameters<F> : Parameters<decltype(&F::operator())> {};
 
 /// One line for the first argument that does not fit, with both types in the line that says where.
@@ -132,7 +133,7 @@ constexpr void requireArgument() {
 template <class F, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
-    constexpr bool is_mutable = requires(F & f) { f(std::declval<Given>()...); };
+    constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
     static_assert(
         !is_mutable,
         "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
@@ -147,8 +148,7 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
       if constexpr (right_number) {
         [&]<std::size_t... I>(std::index_sequence<I...>) {
           (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
-        }
-        (std::index_sequence_for<Given...>{});
+        }(std::index_sequence_for<Given...>{});
       }
     } else {
       static_assert(
@@ -175,7 +175,7 @@ struct Returned {
   static void write(const R& value, double* r) { *r = static_cast<double>(value); }
 };
 template <class R>
-requires requires { typename R::PlainObject; }
+  requires requires { typename R::PlainObject; }
 struct Returned<R> {
   static_assert(
       requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
@@ -213,8 +213,9 @@ constexpr auto findDatum(const First& first, const Rest&... rest) {
 /// J[c * stride] := d[c] for c < N
 template <int N, class Partials>
 void storeStrided(const Partials& d, double* J, int stride) {
-  [&]<int... C>(std::integer_sequence<int, C...>) { ((J[C * stride] = d.get(C)), ...); }
-  (std::make_integer_sequence<int, N>{});
+  [&]<int... C>(std::integer_sequence<int, C...>) {
+    ((J[C * stride] = d.get(C)), ...);
+  }(std::make_integer_sequence<int, N>{});
 }
 
 /// Stands for the number of a first unknown that is known only at run time.
@@ -325,8 +326,7 @@ constexpr bool roundsVariables() {
         ((I == here ? any = any || roundsVariable<Arg, std::tuple_element_t<I, Wanted>>() : false), ...);
       };
       (check(std::type_identity<Args>()), ...);
-    }
-    (std::make_index_sequence<count>());
+    }(std::make_index_sequence<count>());
     return any;
   } else {
     return false;
@@ -362,10 +362,8 @@ using BlockTuple = typename Join<typename BlockFor<Rows, Stored>::type...>::type
 template <class F, class Passed, class Blocks>
 inline constexpr bool has_jacobian = false;
 template <class F, class... P, class... B>
-inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> = requires(const F& f,
-                                                                                     B&... block) {
-  f.jacobian(std::declval<P>()..., block...);
-};
+inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> =
+    requires(const F& f, B&... block) { f.jacobian(std::declval<P>()..., block...); };
 
 }  // namespace detail
 
@@ -465,8 +463,7 @@ class CallableMeasurement {
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return detail::listVariables(detail::valueAt<I>(args_)...);
-    }
-    (VariableIndices{});
+    }(VariableIndices{});
   }
   /// As stored: VarArg<T> for variables, Measured<Z>, data.
   const auto& arguments() const { return args_; }
@@ -484,7 +481,8 @@ class CallableMeasurement {
   /// Residual (`rows` entries) and derivatives by all unknowns (rows x columns, column-major). Returns the length of the
   /// residual that the function returned; nothing is written when it is not `rows`.
   int linearize(int rows, double* r, double* J) const
-      requires(derivatives == DerivativeSource::exact && !vectorized) {
+    requires(derivatives == DerivativeSource::exact && !vectorized)
+  {
     constexpr auto arguments = std::index_sequence_for<Args...>{};
     if constexpr (is_fixed && columns == window) {
       return linearizeSeeded(arguments, fixedOffsets(), rows, r, J, columns);
@@ -499,15 +497,18 @@ class CallableMeasurement {
       return got;
     }
   }
-  int linearize(int rows, double* r, double* J) const requires(derivatives == DerivativeSource::given) {
+  int linearize(int rows, double* r, double* J) const
+    requires(derivatives == DerivativeSource::given)
+  {
     if (const int got = evaluate(rows, r); got != rows) return got;
     writeJacobian(rows, J, PassedIndices{}, VariableIndices{});
     return rows;
   }
 
   /// Residuals of `count` measurements, which lie one after the other, and, unless J is null, derivatives.
-  static void evaluateMany(const CallableMeasurement* first, int count, double* r,
-                           double* J) requires(vectorized) {
+  static void evaluateMany(const CallableMeasurement* first, int count, double* r, double* J)
+    requires(vectorized)
+  {
     static_assert(
         std::is_empty_v<Function>,
         "slom: slom::vectorized needs a function without captures or members, since one call serves several "

@@ -88,9 +88,7 @@ inline constexpr bool is_vectorized<VectorizedFunction<F>> = true;
 
 /// A functor that is vectorised without being asked, wherever its arguments allow it.
 template <class F>
-concept VectorizedByItself = requires {
-  requires bool(F::is_vectorized);
-};
+concept VectorizedByItself = requires { requires bool(F::is_vectorized); };
 
 /// The user's function inside the wrappers.
 template <class F>

@@ -20,8 +20,9 @@ constexpr auto indicesWhere() {
     }
     return result;
   }();
-  return [&]<std::size_t... I>(std::index_sequence<I...>) { return std::index_sequence<index[I]...>{}; }
-  (std::make_index_sequence<count>{});
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::index_sequence<index[I]...>{};
+  }(std::make_index_sequence<count>{});
 }
 
 }  // namespace slom::detail

@@ -47,10 +47,9 @@ inline constexpr bool is_variable_list<VariableList<T...>> = true;
 /// A type whose objects are measurements: they know their variables and write their residual.
 template <class M>
 concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret) {
-  {m.variableArgs()};
-  {c.evaluate(ret)};
-}
-&&detail::is_variable_list<decltype(std::declval<M&>().variableArgs())>;
+  { m.variableArgs() };
+  { c.evaluate(ret) };
+} && detail::is_variable_list<decltype(std::declval<M&>().variableArgs())>;
 
 namespace detail {
 /// References to all arguments but the first, which lets a list be empty.

@@ -86,9 +86,8 @@ InvStandardDeviation(const X&) -> InvStandardDeviation<detail::PlainNoise<X>>;
 struct UnitCovariance {};
 
 template <class T>
-concept IsNoise = std::is_same_v<T, UnitCovariance> || requires(const T& n) {
-  []<NoiseForm F, class V>(const Noise<F, V>&) {}(n);
-};
+concept IsNoise = std::is_same_v<T, UnitCovariance> ||
+                  requires(const T& n) { []<NoiseForm F, class V>(const Noise<F, V>&) {}(n); };
 
 /// The numbers of a noise statement without its type: entries column by column.
 struct NoiseView {

@@ -42,8 +42,7 @@ void eachRow(const R& value, const Sink& sink) {
   if constexpr (requires { value.template get<0>(); }) {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (sink(static_cast<int>(I), plainNumber(value.template get<I>())), ...);
-    }
-    (std::make_index_sequence<std::tuple_size_v<R>>{});
+    }(std::make_index_sequence<std::tuple_size_v<R>>{});
   } else if constexpr (requires {
                          value.size();
                          value[0];
@@ -70,8 +69,7 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
         row += mtk::dof(b);
       };
       (one(std::get<I>(part_x), std::get<I>(part_z)), ...);
-    }
-    (std::make_index_sequence<std::tuple_size_v<decltype(part_z)>>{});
+    }(std::make_index_sequence<std::tuple_size_v<decltype(part_z)>>{});
   } else if constexpr (mtk::detail::StdArray<Z>) {
     for (std::size_t i = 0; i < z.size(); ++i) {
       eachDifference(x[i], z[i], row, sink);

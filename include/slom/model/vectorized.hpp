@@ -143,8 +143,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
         rows[row] = x.value();
         [&]<int... C>(std::integer_sequence<int, C...>) {
           ((partials[C * Rows + row] = entry<X, C>(x)), ...);
-        }
-        (std::make_integer_sequence<int, Columns>{});
+        }(std::make_integer_sequence<int, Columns>{});
       } else {
         rows[row] = Lanes(x);
         for (int c = 0; c < Columns; ++c) partials[c * Rows + row] = Lanes(0.0);
@@ -195,8 +194,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     if constexpr (has_datum) {
       [&]<std::size_t... I>(std::index_sequence<I...>) {
         (eachResidual<F>(result, valueAt<I>(arguments).value, sink), ...);
-      }
-      (DatumIndices{});
+      }(DatumIndices{});
     } else {
       eachRow(result, sink);
     }
