@@ -241,8 +241,7 @@ class SO3<SparseDual<S, C>> {
 
 namespace detail {
 template <class A, class B>
-concept OneIsDual = (is_dual<A> || is_dual<B>)&&requires { typename promote_t<A, B>; };
-};
+concept OneIsDual = requires { typename promote_t<A, B>; } && (is_dual<A> || is_dual<B>);
 template <class A, class B>
 concept PackAndBuiltIn =
     !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires { typename promote_t<A, B>; };
