@@ -240,8 +240,9 @@ auto scaled(const vect<N, S>& a, const Op& op) {
 }
 /// A number type other than S, one of the two not built in.
 template <class T, class S>
-concept OtherScalar = !std::is_same_v<T, S> && (is_scalar_v<T> || std::is_arithmetic_v<T>) &&
-                      !(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
+concept OtherScalar =
+    !std::is_same_v<T, S> &&
+    (is_scalar_v<T> || std::is_arithmetic_v<T>)&&!(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
 }  // namespace detail
 
 template <int N, class S>
