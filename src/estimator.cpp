@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "analyze/diagnose.hpp"
+#include "analyze/fit_tables.hpp"
 #include "analyze/given_derivatives.hpp"
 #include "analyze/jacobian.hpp"
 #include "analyze/leverage.hpp"
@@ -44,8 +45,6 @@ struct Estimator::State {
   GivenDerivatives given_derivatives;
   double varianceFactor();
   std::string messageFor(const Summary& summary, const SolveStatus& status, double max_seconds);
-  void fillGroups(Summary& summary, bool before);
-  void fillParameters(Summary& summary);
 };
 
 namespace {
@@ -55,36 +54,6 @@ double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   return r.squaredNorm();
 }
 
-/// Rows and columns of held components in the covariance of two variables.
-void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
-  const VariableRecord& a = problem.variables()[static_cast<std::size_t>(variable_a)];
-  const VariableRecord& b = problem.variables()[static_cast<std::size_t>(variable_b)];
-  if (!a.isConstrained() && !b.isConstrained()) return;
-  for (int j = 0; j < b.dof; ++j) {
-    for (int i = 0; i < a.dof; ++i, ++block) {
-      if (a.isHeld(i) || b.isHeld(j)) *block = 0;
-    }
-  }
-}
-
-/// `camera.k3 at its upper bound 0.5`
-std::vector<std::string> activeBounds(const Problem& problem) {
-  std::vector<std::string> result;
-  for (const int v : problem.constrained()) {
-    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
-    std::vector<double> x(static_cast<std::size_t>(record.dof));
-    record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (const ComponentBound& bound : record.bounds) {
-      if (!bound.is_active || !record.optimize) continue;
-      const double value = x[static_cast<std::size_t>(bound.component)];
-      const bool is_upper = std::abs(value - bound.upper) < std::abs(value - bound.lower);
-      result.push_back(problem.componentNames(v)[static_cast<std::size_t>(bound.component)] + " is at its " +
-                       (is_upper ? "upper" : "lower") + " bound " +
-                       number(is_upper ? bound.upper : bound.lower, 6));
-    }
-  }
-  return result;
-}
 }  // namespace
 
 void detail::raiseMovedFrom() {
@@ -119,7 +88,7 @@ double Estimator::optimizeStep() {
 Summary Estimator::optimize(const Options& options) {
   state_->algorithm->reset();
   Summary before;
-  state_->fillGroups(before, true);
+  state_->run([&] { fillGroups(problem(), state_->linearizer, before, true); });
   SolveStatus singular_at;
   Summary summary = state_->run([&] {
     return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated,
@@ -127,7 +96,7 @@ Summary Estimator::optimize(const Options& options) {
   });
   const ProblemStructure& structure = state_->system.structure();
   summary.groups = std::move(before.groups);
-  state_->fillGroups(summary, false);
+  state_->run([&] { fillGroups(problem(), state_->linearizer, summary, false); });
   summary.solver = state_->system.solver().description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
@@ -138,7 +107,12 @@ Summary Estimator::optimize(const Options& options) {
   summary.active_bounds = activeBounds(problem());
   if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters &&
       summary.stop_reason != StopReason::rank_deficient) {
-    state_->fillParameters(summary);
+    try {
+      const double factor = state_->varianceFactor();
+      state_->run(
+          [&] { fillParameters(state_->system, state_->linearizer, state_->gauge, factor, summary); });
+    } catch (const Error&) {  // there are no covariances
+    }
   }
   if (summary.stop_reason == StopReason::rank_deficient) {
     std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
@@ -181,82 +155,6 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
   if (summary.stop_reason == StopReason::time_limit)
     return "time limit of " + number(max_seconds, 6) + " s reached";
   return toString(summary.stop_reason);
-}
-
-/// Leaves the summary as it is where there are no covariances.
-void Estimator::State::fillParameters(Summary& summary) {
-  constexpr double strong = 0.95;
-  constexpr std::size_t most = 5;
-  const ProblemStructure& structure = system.structure();
-  Eigen::MatrixXd C;
-  OutlierReport checks;
-  const auto n = structure.system.unknowns();
-  try {
-    const double factor = varianceFactor();
-    const bool is_determined = run([&] {
-      system.linearize();
-      return system.solveFor(Eigen::MatrixXd::Identity(n, n), C).ok;
-    });
-    if (!is_determined) return;
-    C *= factor;
-    checks = run([&] { return checkResiduals(system, linearizer, OutlierOptions{.worst = 0}, 1); });
-  } catch (const Error&) {
-    return;
-  }
-  std::vector<int> unknowns;
-  for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
-    const VariableRecord& record =
-        problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
-    const std::vector<std::string> names = problem.componentNames(structure.variable_of_block[b]);
-    std::vector<double> x(static_cast<std::size_t>(record.dof));
-    record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (int c = 0; c < record.dof; ++c) {
-      if (record.isHeld(c)) continue;
-      const int unknown = structure.system.offset[b] + c;
-      unknowns.push_back(unknown);
-      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
-                                    std::sqrt(C(unknown, unknown))});
-    }
-  }
-  for (std::size_t j = 0; j < unknowns.size(); ++j) {
-    for (std::size_t i = 0; i < j; ++i) {
-      const auto& [a, b] = std::tie(summary.parameters[i], summary.parameters[j]);
-      const double correlation = C(unknowns[i], unknowns[j]) / (a.standard_deviation * b.standard_deviation);
-      if (std::abs(correlation) >= strong) summary.correlations.push_back({a.name, b.name, correlation});
-    }
-  }
-  std::stable_sort(
-      summary.correlations.begin(), summary.correlations.end(),
-      [](const auto& a, const auto& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
-  if (summary.correlations.size() > most) summary.correlations.resize(most);
-  // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
-  double sum = 0;
-  for (const GroupCheck& check : checks.groups) sum += check.redundancy;
-  if (std::abs(sum - summary.redundancy) > 1e-3 * std::max(1, summary.redundancy)) return;
-  for (GroupSummary& group : summary.groups) {
-    for (const GroupCheck& check : checks.groups) {
-      if (check.name == group.name) group.redundancy = check.redundancy;
-    }
-  }
-}
-
-void Estimator::State::fillGroups(Summary& summary, bool before) {
-  const std::vector<double> rss = run([&] { return linearizer.rssPerPool(problem); });
-  summary.groups.resize(problem.pools().size());
-  for (std::size_t g = 0; g < summary.groups.size(); ++g) {
-    MeasurementPool& pool = *problem.pools()[g];
-    GroupSummary& group = summary.groups[g];
-    if (!before) {
-      group.final_rss = rss[g];
-      group.losses = problem.naming(pool, [&] { return summarizeLosses(pool); });
-      continue;
-    }
-    group.name = pool.name();
-    group.measurements = pool.size();
-    for (int i = 0; i < pool.size(); ++i) group.residuals += pool.rows(i);
-    group.initial_rss = rss[g];
-    group.derivatives = toString(pool.derivatives());
-  }
 }
 
 void Estimator::changeAlgorithm(Algorithm* algorithm) {
@@ -340,7 +238,6 @@ void Estimator::writeCovariance(int variable_a, int variable_b, double* block) c
     return covarianceBlock(state_->system, state_->linearizer, state_->gauge, variable_a, variable_b);
   });
   std::copy(result.data(), result.data() + result.size(), block);
-  clearHeld(problem(), variable_a, variable_b, block);
 }
 
 void Estimator::writeDeviations(int variable, double* deviations) const {
@@ -351,30 +248,9 @@ void Estimator::writeDeviations(int variable, double* deviations) const {
 }
 
 Marginals Estimator::marginals() const {
-  Marginals result;
-  result.problem_ = &problem();
   const double factor = state_->varianceFactor();
-  const auto inverse =
-      state_->run([&] { return inverseBlocks(state_->system, state_->linearizer, state_->gauge); });
-  const ProblemStructure& structure = state_->system.structure();
-  const auto& table = problem().variables();
-  result.places_.resize(table.size());
-  std::size_t next = 0;
-  for (std::size_t v = 0; v < table.size(); ++v) result.places_[v].dof = table[v].dof;
-  for (const int v : structure.variable_of_block) {
-    Marginals::Place& place = result.places_[static_cast<std::size_t>(v)];
-    place.start = next;
-    next += static_cast<std::size_t>(place.dof) * static_cast<std::size_t>(place.dof);
-  }
-  result.numbers_.resize(next);
-  for (int b = 0; b < structure.system.blockCount(); ++b) {
-    const int v = structure.variable_of_block[static_cast<std::size_t>(b)];
-    double* const block = result.numbers_.data() + result.places_[static_cast<std::size_t>(v)].start;
-    inverse->block(b, b, block);
-    clearHeld(problem(), v, v, block);
-  }
-  for (double& number : result.numbers_) number *= factor;
-  return result;
+  return state_->run(
+      [&] { return makeMarginals(state_->system, state_->linearizer, state_->gauge, factor); });
 }
 
 /// Whitened, residuals x unknowns, column-major.

@@ -1,22 +1,30 @@
 // Landmark SLAM in the plane: a robot drives twice round a square, measures its own motion and, from each pose, the
 // landmarks near it. Listings 5 and 6 of the paper, made a program. Units: metre, radian.
-#include <cmath>
-#include <cstdio>
-#include <vector>
-
 #include <slom/slom.hpp>
+
+#include <cstdio>
+#include <cmath>
+#include <vector>
 
 typedef MTK::vect<2> vec2;
 typedef MTK::vect<3> vec3;
-typedef MTK::trafo<MTK::SO2<>> Pose;
+typedef MTK::trafo<MTK::SO2< > > Pose;
 
 // The next pose as seen from this one.
-SLOM_BUILD_MEASUREMENT(Odometry, 3, ((Pose, from))((Pose, to)), ((Pose, motion)))
-SLOM_IMPLEMENT_MEASUREMENT(Odometry, ret) { ret = MTK::difference(from->inverse() * *to, motion); }
+SLOM_BUILD_MEASUREMENT(Odometry, 3, ((Pose, from)) ((Pose, to)),
+    ((Pose, motion))
+)
+SLOM_IMPLEMENT_MEASUREMENT(Odometry, ret) {
+  ret = MTK::difference(from->inverse() * *to, motion);
+}
 
 // A landmark in the robot's frame.
-SLOM_BUILD_MEASUREMENT(LM_observation, 2, ((Pose, pose))((vec2, landmark)), ((vec2, coords)))
-SLOM_IMPLEMENT_MEASUREMENT(LM_observation, ret) { ret = (pose->inverse() * (*landmark)) - coords; }
+SLOM_BUILD_MEASUREMENT(LM_observation, 2, ((Pose, pose)) ((vec2, landmark)),
+    ((vec2, coords ))
+)
+SLOM_IMPLEMENT_MEASUREMENT(LM_observation, ret) {
+  ret = ( pose->inverse() * (*landmark) ) - coords;
+}
 
 // Reproducible noise with any standard library: sums of uniform numbers from a linear congruential generator.
 class Noise {
@@ -53,7 +61,7 @@ int main() {
   const vec3 sigma(sigma_step, sigma_step, sigma_turn);
 
   for (int k = 1; k <= 80; ++k) {
-    const Pose motion(MTK::SO2<>(k % 10 == 0 ? M_PI / 2 : 0), vec2(step, 0));
+    const Pose motion(MTK::SO2< >(k % 10 == 0 ? M_PI / 2 : 0), vec2(step, 0));
     truth = truth * motion;
     true_poses.push_back(truth);
     const Pose measured = MTK::moved(motion, vec3{noise(sigma_step), noise(sigma_step), noise(sigma_turn)});
@@ -68,28 +76,26 @@ int main() {
       if (!landmark[id].isValid()) {  // first sight
         landmark[id] = est.insertRV(vec2(guess * observation), "landmark" + std::to_string(id));
       }
-      est.insertMeasurement(LM_observation(poses[k], landmark[id], observation),
-                            SLOM::InvCovariance(information));
+      est.insertMeasurement(
+          LM_observation( poses[k], landmark[id], observation),
+          SLOM::InvCovariance(information)
+      );
     }
   }
 
   const double drift = (guess.pos - truth.pos).norm();
   const SLOM::Summary summary = est.optimize();
-  std::printf("%s after %d iterations: %s\n", summary.converged ? "converged" : "NOT converged",
-              summary.iterations, summary.message.c_str());
+  std::printf("%s after %d iterations: %s\n", summary.converged ? "converged" : "NOT converged", summary.iterations,
+              summary.message.c_str());
   std::printf("%d measurements, %d unknowns, chi-square/dof %.2f\n", summary.measurements, summary.unknowns,
               summary.chi2PerDof());
   double worst_pose = 0, worst_landmark = 0;
-  for (std::size_t k = 0; k < poses.size(); ++k)
-    worst_pose = std::max(worst_pose, (poses[k]->pos - true_poses[k].pos).norm());
+  for (std::size_t k = 0; k < poses.size(); ++k) worst_pose = std::max(worst_pose, (poses[k]->pos - true_poses[k].pos).norm());
   for (std::size_t i = 0; i < landmark.size(); ++i) {
     worst_landmark = std::max(worst_landmark, (*landmark[i] - true_landmarks[i]).norm());
   }
-  std::printf(
-      "dead reckoning ends %.2f m from the truth; after the fit no pose is off by more than %.2f m, no landmark by "
-      "more than %.2f m\n",
-      drift, worst_pose, worst_landmark);
+  std::printf("dead reckoning ends %.2f m from the truth; after the fit no pose is off by more than %.2f m, no landmark by "
+              "more than %.2f m\n", drift, worst_pose, worst_landmark);
   const Eigen::VectorXd std_dev = est.standardDeviation(poses.back());
-  std::printf("last pose: x %.2f +- %.2f m, y %.2f +- %.2f m\n", poses.back()->pos[0], std_dev[0],
-              poses.back()->pos[1], std_dev[1]);
+  std::printf("last pose: x %.2f +- %.2f m, y %.2f +- %.2f m\n", poses.back()->pos[0], std_dev[0], poses.back()->pos[1], std_dev[1]);
 }

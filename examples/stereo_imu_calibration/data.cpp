@@ -1,13 +1,12 @@
 #include "data.hpp"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 namespace {
 
@@ -31,14 +30,12 @@ std::vector<std::vector<double>> readCsv(const std::string& path) {
 
 std::vector<Image> readImages(const std::string& folder) {
   std::map<std::pair<int, int>, vec2> right;  // by image and corner
-  for (const auto& row : readCsv(folder + "/right_corners.csv"))
-    right[{int(row[0]), int(row[1])}] = vec2(row[5], row[6]);
+  for (const auto& row : readCsv(folder + "/right_corners.csv")) right[{int(row[0]), int(row[1])}] = vec2(row[5], row[6]);
   std::map<int, Image> images;
   for (const auto& row : readCsv(folder + "/left_corners.csv")) {
     const auto found = right.find({int(row[0]), int(row[1])});
     if (found == right.end()) continue;
-    images[int(row[0])].corners.push_back(
-        {vec3(row[2], row[3], row[4]), vec2(row[5], row[6]), found->second});
+    images[int(row[0])].corners.push_back({vec3(row[2], row[3], row[4]), vec2(row[5], row[6]), found->second});
   }
   for (const auto& row : readCsv(folder + "/imu.csv")) {
     const auto found = images.find(int(row[0]));

@@ -16,7 +16,7 @@ struct StereoCorner {
 struct Image {
   std::vector<StereoCorner> corners;
   bool has_acc = false;
-  vec3 acc;  ///< accelerometer reading [m/s^2]
+  vec3 acc;          ///< accelerometer reading [m/s^2]
 };
 
 /// Reads left_corners.csv, right_corners.csv and imu.csv of a folder. Throws std::runtime_error for a missing file.

@@ -6,6 +6,41 @@
 
 namespace slom {
 
+void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
+  const VariableRecord& a = problem.variables()[static_cast<std::size_t>(variable_a)];
+  const VariableRecord& b = problem.variables()[static_cast<std::size_t>(variable_b)];
+  if (!a.isConstrained() && !b.isConstrained()) return;
+  for (int j = 0; j < b.dof; ++j) {
+    for (int i = 0; i < a.dof; ++i, ++block) {
+      if (a.isHeld(i) || b.isHeld(j)) *block = 0;
+    }
+  }
+}
+
+namespace {
+
+/// `count` columns of (J^T J)^-1 from `first` on.
+Eigen::MatrixXd covarianceColumns(System& system, Linearizer& linearizer, FreeGauge gauge, int first,
+                                  int count) {
+  if (gauge == FreeGauge::inner_constraints) return FreeNetwork(system, linearizer).columns(first, count);
+  Eigen::MatrixXd columns, unit = Eigen::MatrixXd::Zero(system.structure().system.unknowns(), count);
+  unit.middleRows(first, count).setIdentity();
+  const SolveStatus status = system.solveFor(unit, columns);
+  if (!status.ok) throw undeterminedError(system, linearizer, status);
+  for (int i = 0; i < count; ++i) {  // conjugate gradients do not notice a loss of rank
+    if (!(columns(first + i, i) >= 0))
+      throw undeterminedError(system, linearizer, SolveStatus{false, first + i, 0, 0});
+  }
+  return columns;
+}
+
+}  // namespace
+
+Eigen::MatrixXd covarianceOfAll(System& system, Linearizer& linearizer, FreeGauge gauge) {
+  system.linearize();
+  return covarianceColumns(system, linearizer, gauge, 0, system.structure().system.unknowns());
+}
+
 Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGauge gauge, int variable_a,
                                 int variable_b) {
   system.linearize();
@@ -16,21 +51,10 @@ Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGaug
   const int a = structure.offset_of_variable[static_cast<std::size_t>(variable_a)];
   const int b = structure.offset_of_variable[static_cast<std::size_t>(variable_b)];
   if (a < 0 || b < 0) return Eigen::MatrixXd::Zero(dof_a, dof_b);
-  Eigen::MatrixXd columns;
-  if (gauge == FreeGauge::inner_constraints) {
-    columns = FreeNetwork(system, linearizer).columns(b, dof_b);
-  } else {
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(structure.system.unknowns(), dof_b);
-    unit.middleRows(b, dof_b).setIdentity();
-    const SolveStatus status = system.solveFor(unit, columns);
-    if (!status.ok) throw undeterminedError(system, linearizer, status);
-    for (int i = 0; i < dof_b; ++i) {  // conjugate gradients do not notice a loss of rank
-      if (!(columns(b + i, i) >= 0))
-        throw undeterminedError(system, linearizer, SolveStatus{false, b + i, 0, 0});
-    }
-  }
-  const Eigen::MatrixXd block = columns.middleRows(a, dof_a);
-  return variable_a == variable_b ? Eigen::MatrixXd((block + block.transpose()) / 2) : block;
+  Eigen::MatrixXd block = covarianceColumns(system, linearizer, gauge, b, dof_b).middleRows(a, dof_a);
+  if (variable_a == variable_b) block = ((block + block.transpose()) / 2).eval();
+  clearHeld(system.problem(), variable_a, variable_b, block.data());
+  return block;
 }
 
 void detail::propagate(const double* J, const double* C, int m, int n, double* out) {

@@ -350,7 +350,8 @@ class Run {
     line.widening = system_.lossWidening();
     line.seconds = secondsSinceStart();
     summary_.trace.push_back(line);
-    if (options_.observer) options_.observer(line);
+    if (options_.observer && options_.observer(line) == FitControl::stop && !must_stop_)
+      must_stop_ = StopReason::interrupted;
   }
 
   double secondsSinceStart() const {

@@ -265,6 +265,12 @@ void Problem::removeVariable(int variable) {
   ++structure_revision_;
 }
 
+std::vector<std::shared_ptr<const VariableStoreBase>> Problem::stores() const {
+  std::vector<std::shared_ptr<const VariableStoreBase>> all;
+  for (const TypedStore& own : stores_) all.push_back(own.store);
+  return all;
+}
+
 std::string Problem::variableName(int variable) const {
   const VariableRecord& record = table_[at(variable)];
   if (!record.name.empty()) return record.name;

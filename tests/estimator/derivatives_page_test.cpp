@@ -1,4 +1,6 @@
 // The code of docs/derivatives.md, as it stands there.
+// Pages show code of this file as it stands.
+// clang-format off
 #include <regex>
 
 #include <gtest/gtest.h>
@@ -50,8 +52,8 @@ TEST(PageOfDerivatives, SaysWhatHappens) {
         return mtk::vector(scale * p[0] - pixel[0], scale * p[1] - pixel[1]);
       },
       camera, point, Vec2(310, 155), slom::StandardDeviation(0.25), slom::named("reprojection"));
-  est.insertMeasurement(slom::vectorized([](const auto& a, const auto& b) { return a.inverse() * b; }), from,
-                        to, slom::measured(odometry), slom::StandardDeviation(0.1));
+  est.insertMeasurement(slom::vectorized([](const auto& a, const auto& b) { return a.inverse() * b; }), from, to,
+                        slom::measured(odometry), slom::StandardDeviation(0.1));
   est.insertMeasurement(Sight(), R, Vec3(1, 2, 3));
   const slom::DerivativeCheck check = est.checkDerivatives();
   EXPECT_TRUE(check.ok()) << check;
@@ -65,10 +67,9 @@ TEST(PageOfDerivatives, ShowsWhatTheCheckPrints) {
   slom::Estimator est;
   const auto R = est.insertRV(mtk::SO3<>::exp(Vec3(0.3, -0.8, 0.4)), "R");
   est.insertMeasurement(WrongSight(), R, Vec3(1, 2, 3), slom::named("sight"));
-  EXPECT_EQ(
-      est.checkDerivatives().text(),
-      "sight: given derivatives of 1 measurement do NOT agree with differences; worst: d residual[1] / d R.x of sight #1 "
-      "is 3.46384, by differences -3.46384\n  guess: the sign is wrong\n");
+  EXPECT_EQ(est.checkDerivatives().text(),
+            "sight: given derivatives of 1 measurement do NOT agree with differences; worst: d residual[1] / d R.x of sight #1 "
+            "is 3.46384, by differences -3.46384\n  guess: the sign is wrong\n");
 }
 
 }  // namespace

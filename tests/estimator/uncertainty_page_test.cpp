@@ -1,10 +1,12 @@
 // What docs/uncertainty.md shows: a small survey, measured by distances.
+// Pages show code of this file as it stands.
+// clang-format off
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
 #include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include <slom/slom.hpp>
 
@@ -34,8 +36,7 @@ struct Survey {
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (i == 3 && j == 1) continue;
-        est.insertMeasurement(distance, points[i], points[j],
-                              slom::measured(distance(*points[i], *points[j]) + normal(engine)),
+        est.insertMeasurement(distance, points[i], points[j], slom::measured(distance(*points[i], *points[j]) + normal(engine)),
                               slom::StandardDeviation(0.01), slom::named("tape"));
       }
     }
@@ -46,8 +47,8 @@ TEST(UncertaintyPage, Works) {
   Survey survey;
   auto& [est, church, mill, tower, barn, oak] = survey;
   {
-    const slom::Diagnosis diagnosis = est.diagnose();
-    std::cout << diagnosis;
+  const slom::Diagnosis diagnosis = est.diagnose();
+  std::cout << diagnosis;
     EXPECT_EQ(blocks(page(), "text").at(0), diagnosis.text());
   }
   est.fix(church);
@@ -57,16 +58,16 @@ TEST(UncertaintyPage, Works) {
   EXPECT_TRUE(summary.converged);
   EXPECT_EQ(blocks(page(), "text").at(1), summary.report().substr(summary.report().find("  parameter")));
 
-  const Eigen::MatrixXd C = est.covariance(tower);  // 2 x 2, in the tangent space of the variable
+  const Eigen::MatrixXd C = est.covariance(tower);           // 2 x 2, in the tangent space of the variable
   const Eigen::MatrixXd between = est.covariance(tower, barn);
   const Eigen::VectorXd deviations = est.standardDeviation(tower);
   const Eigen::MatrixXd R = est.correlation(tower, barn);
-  const slom::Marginals all = est.marginals();  // of every variable at once, by selected inversion
+  const slom::Marginals all = est.marginals();               // of every variable at once, by selected inversion
   const Eigen::VectorXd same = all.standardDeviation(tower);
   EXPECT_LT((same - deviations).norm(), 1e-12);
   EXPECT_NEAR(R(0, 1), between(0, 1) / std::sqrt(C(0, 0) * est.covariance(barn)(1, 1)), 1e-12);
 
-  const auto length = est.propagate(distance, mill, barn);  // the distance that nobody measured
+  const auto length = est.propagate(distance, mill, barn);   // the distance that nobody measured
   std::cout << length.value << " +- " << length.standardDeviation() << "\n";
   EXPECT_NEAR(length.value, 130, 0.1);
 
@@ -87,7 +88,7 @@ TEST(UncertaintyPage, Works) {
   est.fix(mill, "y");
 
   est.bound(mill, "x", 99, 101);
-  const auto known = est.prior(barn, vec2(-20, 50), 0.5);  // standard deviation 0.5
+  const auto known = est.prior(barn, vec2(-20, 50), 0.5);    // standard deviation 0.5
   est.removeMeasurement(known);
   est.free(mill);
 

@@ -303,6 +303,42 @@ TEST(RankDeficiency, OfAComponentWhoseDerivativeIsRounding) {
   EXPECT_NEAR(*y, 5.025, 1e-9);
 }
 
+/// That no residual changes with a shift of all is certain, whatever part of a column solvers ask for.
+TEST(RankDeficiency, OfAFreeGaugeNeedsNoLimit) {
+  slom::Estimator est;
+  std::vector<slom::VarID<mtk::vect<2>>> points;
+  for (int i = 0; i < 3; ++i)
+    points.push_back(est.insertRV(mtk::vect<2>(i, 0.1 * i), "point " + std::to_string(i)));
+  for (int i = 0; i + 1 < 3; ++i) {
+    est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, points[std::size_t(i)],
+                          points[std::size_t(i) + 1], slom::measured(mtk::vect<2>(1, 0)));
+  }
+  const slom::Summary summary = est.optimize();
+  EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
+  const std::string unknown = summary.message.substr(0, summary.message.find(": "));
+  EXPECT_EQ(unknown.substr(0, unknown.size() - 3),
+            "[slom.rank-deficient] the measurements do not determine point ");
+  EXPECT_EQ(
+      summary.message.substr(unknown.size()),
+      ": it can move, alone or together with others, without changing any residual; add measurements or a prior, "
+      "fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many solutions");
+}
+
+/// A negative base has a derivative by its exponent nowhere; one that is fixed needs none.
+TEST(FixedComponents, NeedNoDerivative) {
+  slom::Estimator est;
+  const auto p = est.insertRV(mtk::vect<2>(1.5, 3), "p");
+  for (int i = 1; i < 4; ++i) {
+    est.insertMeasurement([](const auto& v, const double& t) { return pow(-v[0] * t, v[1]) + 8 * t * t * t; },
+                          p, double(i));
+  }
+  EXPECT_EQ(messageOf([&] { est.optimize(); }).substr(0, 18), "[slom.not-finite] ");
+  est.fix(p, "y");
+  const slom::Summary summary = est.optimize();
+  EXPECT_TRUE(summary.converged) << summary;
+  EXPECT_NEAR((*p)[0], 2, 1e-9);
+}
+
 TEST(RankDeficiency, OfAnUnmeasuredVariableIsAWarningAndAnError) {
   const std::string sentence =
       "no measurement depends on variable bias, so nothing determines it; add measurements or fix "

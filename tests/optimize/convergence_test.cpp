@@ -77,6 +77,40 @@ TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
   EXPECT_GT(claims, 700);
 }
 
+/// Found by bench_honesty: unknowns that have run away from where residuals depend on them, and residuals that are small
+/// differences of numbers near 1e9.
+TEST(Convergence, IsNotClaimedFarOutByLevenbergMarquardt) {
+  for (const std::uint64_t seed : {7547, 9358, 11222, 13570, 13730, 14030}) {
+    const classics::Problem problem = classics::randomClassic(seed);
+    for (const auto& algorithm : algorithms()) {
+      const Fit result = fit(problem, *algorithm);
+      std::string why;
+      EXPECT_FALSE(result.summary.converged && classics::isFalse(problem, result.x, &why))
+          << problem.name << " " << seed << " by " << algorithm->name() << ": " << result.summary.message
+          << "; " << why;
+    }
+  }
+}
+
+/// x in 1 / (1 + x^2) from 1e12: no residual changes by moving it, and from x = 1 on one does. In x - x nothing ever does.
+TEST(Convergence, TellsAnUnknownThatHasRunAwayFromOneThatCancels) {
+  for (const bool runs_away : {true, false}) {
+    slom::Estimator est;
+    est.changeAlgorithm(slom::LevenbergMarquardt());
+    const auto x = est.insertRV(1e12, "x");
+    const auto y = est.insertRV(1.0, "y");
+    for (int i = 0; i < 4; ++i) {
+      est.insertMeasurement(
+          [runs_away](const auto& a, const auto& b, const double& t) {
+            return (runs_away ? t / (1.0 + a * a) : t * ((a * 0.1) * 3.0 - a * 0.3) * 1e-20) + b;
+          },
+          x, y, double(i), slom::measured(5.0 + 0.1 * i));
+    }
+    const slom::Summary summary = est.optimize();
+    EXPECT_EQ(summary.converged, !runs_away) << summary;
+  }
+}
+
 /// Powell's badly scaled function from where exp(-x1) is below all digits.
 TEST(Convergence, IsNotWhereOneUnknownIsOutOfSight) {
   const auto start = [](slom::Estimator& est) {
@@ -204,6 +238,25 @@ TEST(Limits, ShouldStopEndsAFit) {
   EXPECT_EQ(summary.message, "interrupted");
   EXPECT_FALSE(summary.converged);
   EXPECT_EQ(summary.final_rss, slow.est.getRSS());
+}
+
+TEST(Limits, AnObserverMayEndAFit) {
+  Slow slow;
+  int last = -1;
+  slow.options.observer = [&](const slom::IterationRecord& record) {
+    last = record.iteration;
+    return record.iteration == 2 ? slom::FitControl::stop : slom::FitControl::go_on;
+  };
+  const slom::Summary summary = slow.est.optimize(slow.options);
+  EXPECT_EQ(last, 2);
+  EXPECT_EQ(summary.iterations, 2);
+  EXPECT_EQ(summary.stop_reason, slom::StopReason::interrupted);
+  EXPECT_EQ(summary.final_rss, slow.est.getRSS());
+  EXPECT_LE(summary.final_rss, summary.initial_rss);
+  slow.options.observer = [](const slom::IterationRecord&) { return slom::FitControl::stop; };
+  EXPECT_EQ(slow.est.optimize(slow.options).iterations, 0) << "from the start";
+  slow.options.observer = std::function<void(const slom::IterationRecord&)>();
+  EXPECT_FALSE(slow.options.observer) << "an empty function is none";
 }
 
 TEST(Limits, AreChecked) {

@@ -1,7 +1,9 @@
 // The ways to choose a solver, as docs/solvers.md shows them: all of them find the same fit.
-#include <memory>
-
+// Pages show code of this file as it stands.
+// clang-format off
 #include <gtest/gtest.h>
+
+#include <memory>
 
 #include <slom/slom.hpp>
 
@@ -28,22 +30,21 @@ TEST(Solvers, AreChosenAsDocumented) {
   Line fit;
   slom::Estimator& est = fit.est;
   // clang-format off: the lines stand in the documentation as they are here
-  using Options = slom::BlockSolverOptions;
-  est.changeSolver(
-      std::make_unique<slom::BlockSolver>(Options{.method = Options::Method::conjugate_gradients,
-                                                  .preconditioner = Options::Preconditioner::power_series}));
+using Options = slom::BlockSolverOptions;
+est.changeSolver(std::make_unique<slom::BlockSolver>(Options{.method = Options::Method::conjugate_gradients,
+                                                             .preconditioner = Options::Preconditioner::power_series}));
   fit.check();
-  // The square root of the information matrix, for ill-conditioned problems.
-  est.changeSolver(std::make_unique<slom::BlockQR>());
+// The square root of the information matrix, for ill-conditioned problems.
+est.changeSolver(std::make_unique<slom::BlockQR>());
   fit.check();
-  // Column-pivoted and slow: the reference, for small problems.
-  est.changeSolver(std::make_unique<slom::DenseQR>());
+// Column-pivoted and slow: the reference, for small problems.
+est.changeSolver(std::make_unique<slom::DenseQR>());
   fit.check();
-  // Offered where SLoM was configured with -DSLOM_WITH_CHOLMOD=ON.
-  if (slom::Cholmod::isAvailable()) est.changeSolver(std::make_unique<slom::Cholmod>());
+// Offered where SLoM was configured with -DSLOM_WITH_CHOLMOD=ON.
+if (slom::Cholmod::isAvailable()) est.changeSolver(std::make_unique<slom::Cholmod>());
   fit.check();
-  // The default.
-  est.changeSolver(std::make_unique<slom::BlockSolver>());
+// The default.
+est.changeSolver(std::make_unique<slom::BlockSolver>());
   fit.check();
   // clang-format on
 }

@@ -15,7 +15,16 @@ namespace slom {
 Eigen::MatrixXd covarianceBlock(System& system, Linearizer& linearizer, FreeGauge gauge, int variable_a,
                                 int variable_b);
 
+/// Covariance of all unknowns. Throws likewise.
+Eigen::MatrixXd covarianceOfAll(System& system, Linearizer& linearizer, FreeGauge gauge);
+
+/// Makes the rows and columns of fixed components, and of those at a bound, 0 in the covariance of two variables.
+void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block);
+
 /// All blocks of variables by themselves and of those that meet in a measurement. Throws likewise.
 std::unique_ptr<InverseBlocks> inverseBlocks(System& system, Linearizer& linearizer, FreeGauge gauge);
+
+/// Blocks of all variables by themselves, times the variance factor. Throws likewise.
+Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor);
 
 }  // namespace slom

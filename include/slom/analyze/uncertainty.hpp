@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,6 +13,9 @@
 #include "slom/problem/problem.hpp"
 
 namespace slom {
+
+class Linearizer;
+class System;
 
 /// What the stated uncertainties of the measurements mean for the covariances of the variables.
 enum class Sigma {
@@ -41,13 +46,15 @@ inline Eigen::VectorXd deviations(const Eigen::MatrixXd& C) {
 void propagate(const double* J, const double* C, int m, int n, double* out);
 }  // namespace detail
 
-/// Covariances of all variables, each by itself, at the values at which they were computed.
+/// Covariances of all variables, each by itself, at the values at which they were computed. It answers for the variables that
+/// there were then, whatever has been inserted or removed since.
 class Marginals {
  public:
-  /// dof x dof, in the tangent space; 0 for a fixed variable.
+  /// dof x dof, in the tangent space; 0 for a fixed variable. Throws [slom.stale-marginals] for a variable that was
+  /// not there when they were computed.
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
-    const Place& place = places_[static_cast<std::size_t>(problem_->indexOf(id))];
+    const Place& place = placeOf(id, &typeName<T>);
     Eigen::MatrixXd result(place.dof, place.dof);
     for (int i = 0; i < place.dof * place.dof; ++i) {
       result.data()[i] = place.start == kFixed ? 0 : numbers_[place.start + static_cast<std::size_t>(i)];
@@ -61,14 +68,19 @@ class Marginals {
   }
 
  private:
-  friend class Estimator;
+  friend Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge,
+                                 double variance_factor);
   static constexpr std::size_t kFixed = ~std::size_t{0};
   struct Place {
+    std::size_t store = 0;  // in stores_
+    SlotRef ref;
     std::size_t start = kFixed;
     int dof = 0;
   };
-  const Problem* problem_ = nullptr;
-  std::vector<Place> places_;  // by table index
+  const Place& placeOf(const VariableHandle& id, std::string (*type)()) const;
+
+  std::vector<std::shared_ptr<const VariableStoreBase>> stores_;
+  std::vector<Place> places_;  // by store and slot
   std::vector<double> numbers_;
 };
 

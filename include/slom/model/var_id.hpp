@@ -8,6 +8,7 @@
 namespace slom {
 
 class Archive;
+class Marginals;
 class Problem;
 class StoredProblem;
 
@@ -26,6 +27,7 @@ class VariableHandle {
   bool isValid() const { return store_ && store_->isCurrent(ref_); }
 
  protected:
+  friend class Marginals;
   friend class Problem;
   friend class VariableArgument;
 

@@ -88,6 +88,8 @@ class VariableStoreBase {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
            variable_[ref.slot] >= 0;
   }
+  /// What handles to the variable in this slot hold.
+  SlotRef refTo(std::uint32_t slot) const { return {slot, generation_[slot]}; }
   /// Frees the slot; handles to it become stale.
   void release(std::uint32_t slot);
 

@@ -1,9 +1,12 @@
 /// Options of a fit, what happens in each iteration, and what came out.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace slom {
@@ -18,7 +21,7 @@ enum class StopReason {
   rank_deficient,  ///< not converged: the measurements do not determine all unknowns
   not_finite,      ///< not converged: the step led to values where a residual is not finite
   time_limit,      ///< not converged: Options::max_seconds have passed
-  interrupted      ///< not converged: Options::should_stop said so
+  interrupted      ///< not converged: Options::should_stop or Options::observer said so
 };
 
 /// A few words: "relative decrease below tolerance".
@@ -40,7 +43,39 @@ struct IterationRecord {
   double seconds = 0;   ///< since the start of optimize()
 };
 
-using Observer = std::function<void(const IterationRecord&)>;
+/// What an observer may return.
+enum class FitControl { go_on, stop };
+
+/// Called after each iteration: any function of an IterationRecord that returns nothing or a FitControl.
+class Observer {
+ public:
+  Observer() = default;
+  Observer(std::nullptr_t) {}  // NOLINT(google-explicit-constructor): none
+  template <class F>
+    requires(!std::is_same_v<F, Observer> && requires(F& f, const IterationRecord& record) { f(record); })
+  Observer(F f) {  // NOLINT(google-explicit-constructor): options.observer = [](const auto& record) { ... };
+    using Result = decltype(f(std::declval<const IterationRecord&>()));
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, FitControl>,
+                  "slom: an observer returns nothing, or FitControl::go_on or FitControl::stop");
+    if constexpr (std::is_same_v<F, std::function<void(const IterationRecord&)>>) {
+      if (!f) return;
+    }
+    if constexpr (std::is_void_v<Result>) {
+      call_ = [f = std::move(f)](const IterationRecord& record) mutable {
+        f(record);
+        return FitControl::go_on;
+      };
+    } else {
+      call_ = std::move(f);
+    }
+  }
+
+  explicit operator bool() const { return bool(call_); }
+  FitControl operator()(const IterationRecord& record) const { return call_(record); }
+
+ private:
+  std::function<FitControl(const IterationRecord&)> call_;
+};
 
 /// A fit has converged when one of the first three tests holds, and the fourth with it. All look at what the linear model
 /// promises without damping: a short step is no convergence.
@@ -80,7 +115,7 @@ struct Options {
   int stage_iterations = 2;
   /// A fit with no more unknowns than this ends with standard deviations and correlations of all of them in the summary.
   int most_parameters = 40;
-  /// Called after each iteration, and once before the first.
+  /// Called after each iteration, and once before the first. FitControl::stop ends the fit with the best values reached.
   Observer observer;
 };
 

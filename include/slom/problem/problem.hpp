@@ -61,6 +61,8 @@ class Problem {
   void removeVariable(int variable);
 
   const std::vector<VariableRecord>& variables() const { return table_; }
+  /// One for each type of which there are or have been variables.
+  std::vector<std::shared_ptr<const VariableStoreBase>> stores() const;
   int variableCount() const { return static_cast<int>(table_.size() - free_.size()); }
   /// The user's name, or `SE3 #5`: type and running number of insertion.
   std::string variableName(int variable) const;

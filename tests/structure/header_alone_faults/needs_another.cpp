@@ -1,4 +1,5 @@
 // Compiles, but says nothing about the header, which is not the first.
-#include "needs_another.hpp"
-
+// clang-format off
 #include <vector>
+
+#include "needs_another.hpp"

@@ -1,0 +1,96 @@
+#include "analyze/fit_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "analyze/leverage.hpp"
+#include "base/words.hpp"
+#include "slom/analyze/covariance.hpp"
+#include "slom/analyze/losses.hpp"
+
+namespace slom {
+
+void fillGroups(Problem& problem, Linearizer& linearizer, Summary& summary, bool before) {
+  const std::vector<double> rss = linearizer.rssPerPool(problem);
+  summary.groups.resize(problem.pools().size());
+  for (std::size_t g = 0; g < summary.groups.size(); ++g) {
+    MeasurementPool& pool = *problem.pools()[g];
+    GroupSummary& group = summary.groups[g];
+    if (!before) {
+      group.final_rss = rss[g];
+      group.losses = problem.naming(pool, [&] { return summarizeLosses(pool); });
+      continue;
+    }
+    group.name = pool.name();
+    group.measurements = pool.size();
+    for (int i = 0; i < pool.size(); ++i) group.residuals += pool.rows(i);
+    group.initial_rss = rss[g];
+    group.derivatives = toString(pool.derivatives());
+  }
+}
+
+void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor,
+                    Summary& summary) {
+  constexpr double strong = 0.95;
+  constexpr std::size_t most = 5;
+  const Problem& problem = system.problem();
+  const ProblemStructure& structure = system.structure();
+  const Eigen::MatrixXd C = variance_factor * covarianceOfAll(system, linearizer, gauge);
+  const OutlierReport checks = checkResiduals(system, linearizer, OutlierOptions{.worst = 0}, 1, gauge);
+  std::vector<int> unknowns;
+  for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
+    const VariableRecord& record =
+        problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
+    const std::vector<std::string> names = problem.componentNames(structure.variable_of_block[b]);
+    std::vector<double> x(static_cast<std::size_t>(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    for (int c = 0; c < record.dof; ++c) {
+      if (record.isHeld(c)) continue;
+      const int unknown = structure.system.offset[b] + c;
+      unknowns.push_back(unknown);
+      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
+                                    std::sqrt(C(unknown, unknown))});
+    }
+  }
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      const auto& [a, b] = std::tie(summary.parameters[i], summary.parameters[j]);
+      const double correlation = C(unknowns[i], unknowns[j]) / (a.standard_deviation * b.standard_deviation);
+      if (std::abs(correlation) >= strong) summary.correlations.push_back({a.name, b.name, correlation});
+    }
+  }
+  std::stable_sort(
+      summary.correlations.begin(), summary.correlations.end(),
+      [](const auto& a, const auto& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
+  if (summary.correlations.size() > most) summary.correlations.resize(most);
+  // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
+  double sum = 0;
+  for (const GroupCheck& check : checks.groups) sum += check.redundancy;
+  if (std::abs(sum - summary.redundancy) > 1e-3 * std::max(1, summary.redundancy)) return;
+  for (GroupSummary& group : summary.groups) {
+    for (const GroupCheck& check : checks.groups) {
+      if (check.name == group.name) group.redundancy = check.redundancy;
+    }
+  }
+}
+
+std::vector<std::string> activeBounds(const Problem& problem) {
+  std::vector<std::string> result;
+  for (const int v : problem.constrained()) {
+    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
+    std::vector<double> x(static_cast<std::size_t>(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    for (const ComponentBound& bound : record.bounds) {
+      if (!bound.is_active || !record.optimize) continue;
+      const double value = x[static_cast<std::size_t>(bound.component)];
+      const bool is_upper = std::abs(value - bound.upper) < std::abs(value - bound.lower);
+      result.push_back(problem.componentNames(v)[static_cast<std::size_t>(bound.component)] + " is at its " +
+                       (is_upper ? "upper" : "lower") + " bound " +
+                       number(is_upper ? bound.upper : bound.lower, 6));
+    }
+  }
+  return result;
+}
+
+}  // namespace slom

@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <tuple>
+
+#include "analyze/diagnose.hpp"
+#include "slom/analyze/covariance.hpp"
+#include "slom/analyze/uncertainty.hpp"
+
+namespace slom {
+
+Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor) {
+  using Place = Marginals::Place;
+  const auto inverse = inverseBlocks(system, linearizer, gauge);
+  const ProblemStructure& structure = system.structure();
+  const Problem& problem = system.problem();
+  Marginals result;
+  result.stores_ = problem.stores();
+  for (std::size_t v = 0; v < problem.variables().size(); ++v) {
+    const VariableRecord& record = problem.variables()[v];
+    if (record.store == nullptr) continue;
+    Place place;
+    while (result.stores_[place.store].get() != record.store) ++place.store;
+    place.ref = record.store->refTo(record.slot);
+    place.dof = record.dof;
+    const int block = structure.block_of_variable[v];
+    if (block >= 0) {
+      place.start = result.numbers_.size();
+      result.numbers_.resize(place.start + static_cast<std::size_t>(place.dof * place.dof));
+      double* const numbers = result.numbers_.data() + place.start;
+      inverse->block(block, block, numbers);
+      clearHeld(problem, static_cast<int>(v), static_cast<int>(v), numbers);
+      for (int i = 0; i < place.dof; ++i) {  // conjugate gradients do not notice a loss of rank
+        if (numbers[i * (place.dof + 1)] >= 0) continue;
+        const int unknown = structure.offset_of_variable[v] + i;
+        throw undeterminedError(system, linearizer, SolveStatus{false, unknown, 0, 0});
+      }
+    }
+    result.places_.push_back(place);
+  }
+  for (double& number : result.numbers_) number *= variance_factor;
+  std::sort(result.places_.begin(), result.places_.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.store, a.ref.slot) < std::tie(b.store, b.ref.slot);
+  });
+  return result;
+}
+
+const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string (*type)()) const {
+  if (id.store_ == nullptr)
+    throw Error("slom.stale-handle",
+                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
+  std::size_t store = 0;
+  while (store < stores_.size() && stores_[store] != id.store_) ++store;
+  const auto found =
+      std::lower_bound(places_.begin(), places_.end(), std::pair(store, id.ref_.slot),
+                       [](const Place& place, const auto& key) {
+                         return std::tie(place.store, place.ref.slot) < std::tie(key.first, key.second);
+                       });
+  const bool is_there = found != places_.end() && found->store == store && found->ref.slot == id.ref_.slot &&
+                        found->ref.generation == id.ref_.generation;
+  if (is_there) return *found;
+  throw Error("slom.stale-marginals",
+              "the VarID<" + type() +
+                  "> refers to a variable that was not in the problem when the marginals were "
+                  "computed; call marginals() again, of the estimator that holds it");
+}
+
+}  // namespace slom

@@ -1,0 +1,78 @@
+// Marginals answer for the variables that they were computed for, and parameter tables say what standardDeviation does.
+#include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
+
+#include "support/message_of.hpp"
+
+namespace {
+
+using slom::testing::messageOf;
+using Point = mtk::vect<2>;
+
+slom::VarID<Point> insertMeasured(slom::Estimator& est, double sigma, const std::string& name) {
+  const auto id = est.insertRV(Point(1, 2), name);
+  est.insertMeasurement([](const auto& p) { return p; }, id, slom::measured(Point(1, 2)),
+                        slom::StandardDeviation(sigma));
+  return id;
+}
+
+TEST(Marginals, KnowTheirVariablesWhateverIsRemovedAndInserted) {
+  slom::Estimator est;
+  const auto a = insertMeasured(est, 0.1, "a");
+  const auto b = est.insertRV(Point(3, 4), "b");
+  const auto datum = est.insertMeasurement([](const auto& p) { return p; }, b, slom::measured(Point(3, 4)),
+                                           slom::StandardDeviation(0.2));
+  const slom::Marginals marginals = est.marginals();
+  est.removeMeasurement(datum);
+  est.removeRV(b);
+  const auto c = insertMeasured(est, 0.3, "c");  // in the slot of b
+  EXPECT_NEAR(marginals.standardDeviation(a)[0], 0.1, 1e-12);
+  EXPECT_NEAR(marginals.standardDeviation(b)[1], 0.2, 1e-12) << "as it was when it was there";
+  EXPECT_EQ(
+      messageOf([&] { marginals.covariance(c); }),
+      "[slom.stale-marginals] the VarID<vect<2>> refers to a variable that was not in the problem when the "
+      "marginals were computed; call marginals() again, of the estimator that holds it");
+  EXPECT_NEAR(est.marginals().standardDeviation(c)[0], 0.3, 1e-12);
+  slom::Estimator other;
+  const auto foreign = insertMeasured(other, 1, "foreign");
+  EXPECT_NE(messageOf([&] { marginals.covariance(foreign); }).find("[slom.stale-marginals]"),
+            std::string::npos);
+  EXPECT_EQ(
+      messageOf([&] { marginals.covariance(slom::VarID<Point>()); }),
+      "[slom.stale-handle] the VarID<vect<2>> refers to no variable; assign it the result of insertRV first");
+}
+
+TEST(Marginals, OutliveTheirEstimator) {
+  slom::Marginals marginals;
+  slom::VarID<Point> id;
+  {
+    slom::Estimator est;
+    id = insertMeasured(est, 0.5, "x");
+    marginals = est.marginals();
+  }
+  EXPECT_NEAR(marginals.standardDeviation(id)[0], 0.5, 1e-12);
+}
+
+TEST(ParameterTable, OfAFreeNetworkShowsWhatStandardDeviationGives) {
+  slom::Estimator est;
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  const auto a = est.insertRV(1.0, "a");
+  const auto b = est.insertRV(2.0, "b");
+  const auto c = est.insertRV(4.0, "c");
+  const auto difference = [](const auto& x, const auto& y) { return y - x; };
+  est.insertMeasurement(difference, a, b, slom::measured(1.1), slom::StandardDeviation(0.1));
+  est.insertMeasurement(difference, b, c, slom::measured(2.0), slom::StandardDeviation(0.2));
+  est.insertMeasurement(difference, a, c, slom::measured(3.0), slom::StandardDeviation(0.3));
+  const slom::Summary summary = est.optimize();
+  ASSERT_TRUE(summary.converged) << summary;
+  ASSERT_EQ(summary.parameters.size(), 3u);
+  EXPECT_NEAR(summary.parameters[0].standard_deviation, est.standardDeviation(a)[0], 1e-12);
+  EXPECT_NEAR(summary.parameters[1].standard_deviation, est.standardDeviation(b)[0], 1e-12);
+  EXPECT_NEAR(summary.parameters[2].standard_deviation, est.standardDeviation(c)[0], 1e-12);
+  EXPECT_EQ(summary.parameters[1].name, "b");
+  EXPECT_GT(summary.parameters[1].standard_deviation, 0.01);
+}
+
+}  // namespace
