@@ -58,21 +58,24 @@ TEST(ParameterTable, OfAFreeNetworkShowsWhatStandardDeviationGives) {
   slom::Estimator est;
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
   est.changeAlgorithm(slom::LevenbergMarquardt());
-  const auto a = est.insertRV(1.0, "a");
-  const auto b = est.insertRV(2.0, "b");
-  const auto c = est.insertRV(4.0, "c");
+  const auto a = est.insertRV(Point(0, 0), "a");
+  const auto b = est.insertRV(Point(3, 0.1), "b");
+  const auto c = est.insertRV(Point(1, 4), "c");
   const auto difference = [](const auto& x, const auto& y) { return y - x; };
-  est.insertMeasurement(difference, a, b, slom::measured(1.1), slom::StandardDeviation(0.1));
-  est.insertMeasurement(difference, b, c, slom::measured(2.0), slom::StandardDeviation(0.2));
-  est.insertMeasurement(difference, a, c, slom::measured(3.0), slom::StandardDeviation(0.3));
+  est.insertMeasurement(difference, a, b, slom::measured(Point(3, 0)), slom::StandardDeviation(0.1));
+  est.insertMeasurement(difference, b, c, slom::measured(Point(-2, 4)), slom::StandardDeviation(0.2));
+  est.insertMeasurement(difference, a, c, slom::measured(Point(1.1, 4)), slom::StandardDeviation(0.3));
   const slom::Summary summary = est.optimize();
   ASSERT_TRUE(summary.converged) << summary;
-  ASSERT_EQ(summary.parameters.size(), 3u);
-  EXPECT_NEAR(summary.parameters[0].standard_deviation, est.standardDeviation(a)[0], 1e-12);
-  EXPECT_NEAR(summary.parameters[1].standard_deviation, est.standardDeviation(b)[0], 1e-12);
-  EXPECT_NEAR(summary.parameters[2].standard_deviation, est.standardDeviation(c)[0], 1e-12);
-  EXPECT_EQ(summary.parameters[1].name, "b");
-  EXPECT_GT(summary.parameters[1].standard_deviation, 0.01);
+  ASSERT_EQ(summary.parameters.size(), 6u);
+  std::size_t next = 0;
+  for (const auto& id : {a, b, c}) {
+    for (const double deviation : est.standardDeviation(id)) {
+      EXPECT_NEAR(summary.parameters[next].standard_deviation, deviation, 1e-12);
+      EXPECT_GT(summary.parameters[next++].standard_deviation, 0.01);
+    }
+  }
+  EXPECT_EQ(summary.parameters[3].name, "b.y");
 }
 
 }  // namespace
