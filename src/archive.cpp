@@ -490,8 +490,7 @@ class ArchiveReader {
     try {
       f();
     } catch (const Error& error) {
-      const std::string what = error.what();
-      raise(what.substr(what.find("] ") + 2));
+      raise(std::string(error.sentence()));
     }
   }
 

@@ -5,17 +5,26 @@
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace mtk {
 
-/// what() reads `[id] sentence`; id() is stable between versions, so that programs can branch on it.
+/// what() reads `[id] sentence`; id() is stable between versions, so that programs can branch on it. A sentence ends with what
+/// to do about it, after its last semicolon.
 class Error : public std::runtime_error {
  public:
   Error(std::string id, const std::string& sentence)
       : std::runtime_error("[" + id + "] " + sentence), id_(std::move(id)) {}
 
   const std::string& id() const noexcept { return id_; }
+  /// `max_seconds is -1; pass a positive number`
+  std::string_view sentence() const noexcept { return std::string_view(what()).substr(id_.size() + 3); }
+  /// `pass a positive number`; empty where nothing can be done.
+  std::string_view remedy() const noexcept {
+    const std::size_t end = sentence().rfind("; ");
+    return end == std::string_view::npos ? std::string_view() : sentence().substr(end + 2);
+  }
 
  private:
   std::string id_;
