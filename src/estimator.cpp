@@ -8,10 +8,10 @@
 #include "analyze/fit_tables.hpp"
 #include "analyze/given_derivatives.hpp"
 #include "analyze/jacobian.hpp"
-#include "analyze/leverage.hpp"
 #include "analyze/misfit.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
+#include "analyze/residual_tests.hpp"
 #include "analyze/singular.hpp"
 #include "base/threads.hpp"
 #include "base/words.hpp"
@@ -137,11 +137,11 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
     return singularError(problem, system.structure(), status).what();
   }
   if (summary.stop_reason == StopReason::max_iterations) {
-    const double widening = summary.trace.back().widening;
+    const double graduation = summary.trace.back().graduation;
     return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
-           (widening > 1 ? " while the losses were still widened, mu = " + number(widening, 6) +
-                               "; raise max_iterations"
-                         : "");
+           (graduation > 1 ? " while the losses were still widened, mu = " + number(graduation, 6) +
+                                 "; raise max_iterations"
+                           : "");
   }
   if (summary.stop_reason == StopReason::no_progress) {
     const System::Promise promise = run([&] { return system.promise(false); });
@@ -315,7 +315,7 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
   }
   const double factor = state_->varianceFactor();
   state_->run([&] { return state_->system.linearize(); });
-  const bool is_there = state_->system.gradientCosine() < kAtMinimum || state_->run([&] {
+  const bool is_there = state_->system.orthogonality() < kAtMinimum || state_->run([&] {
     const System::Promise promise =
         state_->system.promise();  // residuals that are rounding errors have any direction
     return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * factor;

@@ -7,8 +7,8 @@
 /// Every argument is `const auto&`: the same code runs on double, on dual numbers and on packs of either.
 #pragma once
 
-#include <mtk/bottleneck.hpp>
 #include <mtk/mtk.hpp>
+#include <mtk/preaccumulation.hpp>
 
 namespace slom::bench {
 
@@ -27,7 +27,7 @@ MTK_BUILD_MANIFOLD(StereoIntrinsics, ((OpenCv5, left))((OpenCv5, right)))
 /// P = R X + t, p = -P.xy / P.z, residual f (1 + k1 |p|^2 + k2 |p|^4) p - pixel.
 struct BalReprojection {
   auto operator()(const auto& camera, const auto& point, const auto& pixel) const {
-    return mtk::bottleneck(camera.pose * point, [&](const auto& P) {
+    return mtk::preaccumulate(camera.pose * point, [&](const auto& P) {
       const auto& [X, Y, Z] = P;
       const auto x = -X / Z;
       const auto y = -Y / Z;
@@ -50,9 +50,10 @@ struct StereoReprojection {
                   const auto& on_board, const auto& pixels) const {
     const auto in_left = board2left * on_board;
     const auto in_right = left2right * in_left;
-    const auto [u, v] = mtk::bottleneck(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
+    const auto [u, v] =
+        mtk::preaccumulate(in_left, [&](const auto& p) { return project(intrinsics.left, p); });
     const auto [u2, v2] =
-        mtk::bottleneck(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
+        mtk::preaccumulate(in_right, [&](const auto& p) { return project(intrinsics.right, p); });
     return mtk::vector(u - pixels[0], v - pixels[1], u2 - pixels[2], v2 - pixels[3]);
   }
 

@@ -97,8 +97,8 @@ std::vector<std::string> componentNames(const M& x, const std::string& path = ""
 /// Size of the coordinate that each component moves: |x_i| of vectors, 1 for angles. Numerical derivatives
 /// take their step widths from it. `out` has dof(x) entries.
 template <Manifold M>
-void magnitudes(vectview<scalar_t<M>, DOF_v<M>> out, const M& x) {
-  ManifoldTraits<M>::magnitudes(out, x);
+void typicalSizes(vectview<scalar_t<M>, DOF_v<M>> out, const M& x) {
+  ManifoldTraits<M>::typicalSizes(out, x);
 }
 
 namespace detail {
@@ -241,10 +241,10 @@ struct CompoundTraits {
         [&](const auto&... part) { (mtk::visitComponentNames(part, joinPath(path, names[i++]), sink), ...); },
         Parts::of(x));
   }
-  static void magnitudes(vectview<scalar, DOF> out, const M& x) {
+  static void typicalSizes(vectview<scalar, DOF> out, const M& x) {
     forEachPart(Parts::of(x), Parts::of(x), [&](const auto& part, const auto&, int offset) {
       using P = std::remove_cvref_t<decltype(part)>;
-      mtk::magnitudes(vectview<scalar, DOF_v<P>>(out.data() + offset, mtk::dof(part)), part);
+      mtk::typicalSizes(vectview<scalar, DOF_v<P>>(out.data() + offset, mtk::dof(part)), part);
     });
   }
 };
@@ -315,11 +315,11 @@ struct ManifoldTraits<M> {
       detail::visitIndexNames(dof(x), detail::DerivesFromEigen<M>, path, sink);
     }
   }
-  static void magnitudes(vectview<scalar, DOF> out, const M& x) {
+  static void typicalSizes(vectview<scalar, DOF> out, const M& x) {
     if constexpr (NamedCompound<M>) {
-      detail::NamedTraits<M>::magnitudes(out, x);
-    } else if constexpr (requires { x.magnitudes(out); }) {
-      x.magnitudes(out);
+      detail::NamedTraits<M>::typicalSizes(out, x);
+    } else if constexpr (requires { x.typicalSizes(out); }) {
+      x.typicalSizes(out);
     } else {
       out.setOnes();
     }
@@ -339,7 +339,7 @@ struct ManifoldTraits<S> {
   static void visitComponentNames(const S&, const std::string& path, Sink&& sink) {
     sink(path);
   }
-  static void magnitudes(vectview<S, 1> out, const S& x) { out[0] = x < S(0) ? -x : x; }
+  static void typicalSizes(vectview<S, 1> out, const S& x) { out[0] = x < S(0) ? -x : x; }
 };
 
 template <class V>
@@ -361,7 +361,7 @@ struct ManifoldTraits<V> {
   static void visitComponentNames(const V& x, const std::string& path, Sink&& sink) {
     detail::visitIndexNames(dof(x), true, path, sink);
   }
-  static void magnitudes(vectview<scalar, DOF> out, const V& x) { out = x.cwiseAbs(); }
+  static void typicalSizes(vectview<scalar, DOF> out, const V& x) { out = x.cwiseAbs(); }
 };
 
 template <Manifold M, std::size_t N>
@@ -398,11 +398,11 @@ struct ManifoldTraits<std::array<M, N>> {
       mtk::visitComponentNames(x[i], detail::joinPath(path, std::to_string(i)), sink);
     }
   }
-  static void magnitudes(vectview<scalar, DOF> out, const Array& x) {
+  static void typicalSizes(vectview<scalar, DOF> out, const Array& x) {
     scalar* at = out.data();
     for (const M& part : x) {
       const int n = mtk::dof(part);
-      mtk::magnitudes(vectview<scalar, DOF_v<M>>(at, n), part);
+      mtk::typicalSizes(vectview<scalar, DOF_v<M>>(at, n), part);
       at += n;
     }
   }

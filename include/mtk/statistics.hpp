@@ -76,7 +76,7 @@ M weightedMean(const Samples& samples, std::span<const scalar_t<M>> weights = {}
     step /= sum;
     if (!detail::isFinite(step)) detail::raiseNotFinite<M>(samples, mean);
     boxplus<M>(mean, step);
-    magnitudes<M>(scale, mean);
+    typicalSizes<M>(scale, mean);
     const S small = S(8) * std::numeric_limits<S>::epsilon();
     if ((step.array().abs() <= small * (scale.array() + S(1))).all()) return mean;
   }

@@ -31,8 +31,8 @@
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
 #include "slom/model/callable.hpp"
-#include "slom/model/hidden.hpp"
 #include "slom/model/insertion.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/model/prior.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
@@ -241,7 +241,7 @@ class Estimator {
   /// the last bit.
   void setThreads(int threads);
 
-  // What the fit knows.
+  // Uncertainty and diagnostics.
 
   /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
   double getRSS() const;
@@ -460,7 +460,7 @@ class Estimator {
   void writeDeviations(int variable, double* deviations) const;
 
   struct State;
-  detail::Hidden<State, &detail::raiseMovedFrom> state_;
+  detail::Pimpl<State, &detail::raiseMovedFrom> state_;
 };
 
 }  // namespace slom

@@ -6,8 +6,8 @@
 #include <ostream>
 
 #include "analyze/gauge.hpp"
-#include "analyze/leverage.hpp"
 #include "analyze/null_space.hpp"
+#include "analyze/residual_tests.hpp"
 #include "analyze/singular.hpp"
 #include "base/classic_numbers.hpp"
 #include "base/decompositions.hpp"
@@ -62,7 +62,7 @@ class Examination {
     findIdleMeasurements();
     if (result_.unknowns == 0) return std::move(result_);
     const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
-    const LeastInfluence least = leastInfluence(jacobian, structure_.system, problem_, linearizer_, kWeak);
+    const NearNullSpace least = nearNullSpace(jacobian, structure_.system, problem_, linearizer_, kWeak);
     const Index none = least.countBelow(system_.digitsOfDerivatives());
     result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
     const std::vector<Part> parts = connectedParts(structure_.system);
@@ -108,7 +108,7 @@ class Examination {
     }
   }
 
-  void findIdle(const LeastInfluence& least) {
+  void findIdle(const NearNullSpace& least) {
     std::map<int, std::vector<std::string>> components_of;  // by block
     for (const int unknown : least.idle) {
       components_of[blockOf(structure_, unknown)].push_back(nameOf(unknown));
@@ -244,7 +244,7 @@ class Examination {
     }
   }
 
-  void describeWeak(const LeastInfluence& least, Index none) {
+  void describeWeak(const NearNullSpace& least, Index none) {
     std::vector<int> all(at(structure_.system.unknowns()));
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
     const Index weak = least.countBelow(kWeak);
@@ -287,7 +287,7 @@ class Examination {
     add(Kind::disconnected, false, text, who);
   }
 
-  void findBadScales(const LeastInfluence& least) {
+  void findBadScales(const NearNullSpace& least) {
     Index small = -1, large = -1;
     for (Index i = 0; i < least.scale.size(); ++i) {
       if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) ||
@@ -358,7 +358,7 @@ class Examination {
 
   /// Residuals say something of sigmas at a minimum alone, and nothing when the data were computed without noise.
   void judgeSigmas() {
-    if (!(system_.gradientCosine() < kAtMinimum)) return;
+    if (!(system_.orthogonality() < kAtMinimum)) return;
     for (const GroupCheck& group :
          checkResiduals(system_, linearizer_, OutlierOptions{.worst = 0}, 1).groups) {
       if (group.has_losses || !(group.redundancy > 0)) continue;

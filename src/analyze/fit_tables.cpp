@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "analyze/leverage.hpp"
+#include "analyze/residual_tests.hpp"
 #include "base/words.hpp"
 #include "slom/analyze/covariance.hpp"
 #include "slom/analyze/losses.hpp"

@@ -17,7 +17,7 @@ FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
   }
   const StoredJacobian jacobian(system.problem(), linearizer, structure_);
   const double none = system.digitsOfDerivatives();
-  const LeastInfluence least = leastInfluence(jacobian, structure_, system.problem(), linearizer, none);
+  const NearNullSpace least = nearNullSpace(jacobian, structure_, system.problem(), linearizer, none);
   const MatrixXd null_space = least.direction.leftCols(least.countBelow(none));
   damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
   N_ = MatrixXd(structure_.unknowns(), 0);

@@ -56,12 +56,12 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
 /// What motions of the world do to the scaled unknowns of the class.
 MatrixXd motionsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
                    const VectorXd& scale) {
-  MatrixXd all(own.rows, kWorldMotions);
+  MatrixXd all(own.rows, kGaugeGenerators);
   Index row = 0;
   for (std::size_t i = 0; i < own.variables.size(); ++i) {
     const VariableRecord& record = problem.variables()[at(own.variables[i])];
-    MatrixXd motions(record.dof, kWorldMotions);
-    record.store->worldMotions(record.store->valueAt(record.slot), role, motions.data());
+    MatrixXd motions(record.dof, kGaugeGenerators);
+    record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
     for (int c = 0; c < record.dof; ++c) {
       all.row(row++) = scale[part.unknowns[at(own.first_row[i] + c)]] * motions.row(c);
     }
@@ -96,8 +96,8 @@ MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure
   int row = 0;
   for (const int block : part.blocks) {
     const VariableRecord& record = problem.variables()[at(structure.variable_of_block[at(block)])];
-    MatrixXd motions(record.dof, kWorldMotions);
-    record.store->worldMotions(record.store->valueAt(record.slot), WorldRole::in_world, motions.data());
+    MatrixXd motions(record.dof, kGaugeGenerators);
+    record.store->gaugeGenerators(record.store->valueAt(record.slot), WorldRole::in_world, motions.data());
     for (int c = 0; c < record.dof; ++c) {
       if (motions.row(c).isZero(0)) rows.push_back(row + c);
     }

@@ -21,7 +21,7 @@ std::vector<Part> connectedParts(const BlockStructure& structure);
 
 /// World motions in a null space.
 struct Gauge {
-  Eigen::MatrixXd motions;  ///< kWorldMotions x count: motions of the world, each row times `length`
+  Eigen::MatrixXd motions;  ///< kGaugeGenerators x count: motions of the world, each row times `length`
   Eigen::VectorXd length;   ///< by how much scaled unknowns move with each unit motion of the world
   Eigen::MatrixXd
       directions;  ///< unknowns of the part x count: what they do to the scaled unknowns, orthonormal

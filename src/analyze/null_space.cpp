@@ -84,7 +84,7 @@ double orthonormalize(MatrixXd& V) {
 }
 
 /// Turns the columns of `result.direction` into the singular vectors of J among them.
-void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
+void sortByInfluence(const StoredJacobian& jacobian, NearNullSpace& result) {
   MatrixXd image = jacobian.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
   if (image.rows() > image.cols()) {
     triangularize(image);
@@ -100,9 +100,9 @@ void sortByInfluence(const StoredJacobian& jacobian, LeastInfluence& result) {
 
 }  // namespace
 
-LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure,
-                              Problem& problem, Linearizer& linearizer, double limit) {
-  LeastInfluence result;
+NearNullSpace nearNullSpace(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
+                            Linearizer& linearizer, double limit) {
+  NearNullSpace result;
   const VectorXd diagonal = withoutRounding(jacobian.rows().diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {

@@ -8,7 +8,7 @@
 namespace slom {
 
 /// Unknowns are scaled by the lengths of their columns of J, so that units do not matter.
-struct LeastInfluence {
+struct NearNullSpace {
   Eigen::VectorXd scale;  ///< |J_i|, by unknown; 1 where it is 0
   std::vector<int> idle;  ///< unknowns whose column is 0; they have no part in what follows
   Eigen::MatrixXd
@@ -23,7 +23,7 @@ struct LeastInfluence {
 /// At the least the directions whose influence is below `limit`, by inverse iteration with a factor of J^T J + tiny
 /// damping; their influence itself is computed from J, so that it does not suffer from the squared condition number.
 ///   source   Golub and Van Loan, "Matrix computations", 2013, section 8.2 (subspace iteration)
-LeastInfluence leastInfluence(const StoredJacobian& jacobian, const BlockStructure& structure,
-                              Problem& problem, Linearizer& linearizer, double limit);
+NearNullSpace nearNullSpace(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
+                            Linearizer& linearizer, double limit);
 
 }  // namespace slom

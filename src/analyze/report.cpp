@@ -126,7 +126,7 @@ Observer progressTable(std::ostream& os) {
     os << format("%4d %16.9g %11.2e %10.2e %10.2e %10.2e  %s", line.iteration, line.rss,
                  line.relative_decrease, line.gradient, line.step, line.damping, line.algorithm.c_str())
        << (line.trials > 1 ? format(", %d trials", line.trials) : "")
-       << (line.widening > 1 ? format(", mu = %.3g\n", line.widening) : "\n");
+       << (line.graduation > 1 ? format(", mu = %.3g\n", line.graduation) : "\n");
   };
 }
 

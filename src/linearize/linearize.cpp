@@ -87,10 +87,10 @@ void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& ch
     return;
   }
   if (!with_jacobian) {
-    chunk.rss = robustCost(pool, chunk.first, chunk.last, widening_, chunk.r.data());
+    chunk.rss = robustCost(pool, chunk.first, chunk.last, graduation_, chunk.r.data());
     return;
   }
-  chunk.rss = reweight(problem, pool, chunk.first, chunk.last, widening_, chunk.r.data(), chunk.J.data());
+  chunk.rss = reweight(problem, pool, chunk.first, chunk.last, graduation_, chunk.r.data(), chunk.J.data());
   chunk.squared_norm = squaredNorm(chunk.r);
 }
 

@@ -16,9 +16,9 @@ using Eigen::VectorXd;
 constexpr double kSmallestCurvature = 0.25;
 
 /// The value of the measurement's loss; NaN for s not finite, so that no bounded loss hides it.
-LossValue valueOf(const Loss* loss, double s, double widening) {
+LossValue valueOf(const Loss* loss, double s, double graduation) {
   if (!std::isfinite(s)) return {std::numeric_limits<double>::quiet_NaN(), 1, 0};
-  return loss == nullptr ? LossValue{s, 1, 0} : loss->evaluate(s, widening);
+  return loss == nullptr ? LossValue{s, 1, 0} : loss->evaluate(s, graduation);
 }
 
 /// r~ = of_r r, J~ = of_J (I - k r r^T) J.
@@ -39,24 +39,24 @@ Factors factorsFor(const LossValue& value, double s) {
 
 }  // namespace
 
-double robustCost(const MeasurementPool& pool, int first, int last, double widening, const double* r) {
+double robustCost(const MeasurementPool& pool, int first, int last, double graduation, const double* r) {
   double sum = 0;
   for (int i = first; i < last; ++i) {
     const int rows = pool.rows(i);
-    sum += valueOf(pool.lossOf(i), Map<const VectorXd>(r, rows).squaredNorm(), widening).rho;
+    sum += valueOf(pool.lossOf(i), Map<const VectorXd>(r, rows).squaredNorm(), graduation).rho;
     r += rows;
   }
   return sum;
 }
 
-double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening,
+double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double graduation,
                 double* r, double* J) {
   double sum = 0;
   for (int i = first; i < last; ++i) {
     const int rows = pool.rows(i);
     Map<VectorXd> residual(r, rows);
     const double s = residual.squaredNorm();
-    const LossValue value = valueOf(pool.lossOf(i), s, widening);
+    const LossValue value = valueOf(pool.lossOf(i), s, graduation);
     const Factors factors = factorsFor(value, s);
     sum += value.rho;
     if (factors.of_J == 1 &&

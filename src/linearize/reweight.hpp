@@ -19,10 +19,10 @@ namespace slom {
 
 /// sum rho(s) over the measurements [first, last) of `pool`; r: their whitened residuals one after the other. NaN when
 /// one is not finite, also where the loss is bounded.
-double robustCost(const MeasurementPool& pool, int first, int last, double widening, const double* r);
+double robustCost(const MeasurementPool& pool, int first, int last, double graduation, const double* r);
 
 /// The same, and scales r and J (as in JacobianBatch) in place.
-double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double widening,
+double reweight(const Problem& problem, const MeasurementPool& pool, int first, int last, double graduation,
                 double* r, double* J);
 
 /// max s / c^2 over those of them that have a loss of scale c; -1 when none has.

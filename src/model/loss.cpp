@@ -65,9 +65,9 @@ LossValue barron(double t, double alpha) {
 
 }  // namespace
 
-LossValue Loss::evaluate(double s, double widening) const {
+LossValue Loss::evaluate(double s, double graduation) const {
   if (kind_ == Kind::none) return {s, 1, 0};
-  const double c2 = scale_ * scale_ * widening;
+  const double c2 = scale_ * scale_ * graduation;
   const double t = std::min(s / c2, std::numeric_limits<double>::max());
   const LossValue unit = [&]() -> LossValue {
     switch (kind_) {

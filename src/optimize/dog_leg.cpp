@@ -72,7 +72,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
   const double promised = system.predictedDecrease(newton, {});
   newton = newton.cwiseProduct(scale);
   const VectorXd gradient = system.solver().gradient().cwiseQuotient(scale);
-  const double curvature = system.solver().squaredImage(gradient.cwiseQuotient(scale));
+  const double curvature = system.solver().squaredNormOfJd(gradient.cwiseQuotient(scale));
   const VectorXd cauchy =
       curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
   if (!(radius_ > 0)) radius_ = newton.norm();

@@ -17,7 +17,7 @@ constexpr double kLikelyDamping = 0.125;
 constexpr double kHardlyDamped = 1;
 }  // namespace
 
-Eigen::Map<const Eigen::VectorXd> UnknownScales::update(System& system, double memory) {
+Eigen::Map<const Eigen::VectorXd> ColumnScaling::update(System& system, double memory) {
   const Eigen::VectorXd& diagonal = system.solver().diagonal();
   const auto size = static_cast<std::size_t>(diagonal.size());
   if (largest_.size() != size || structure_revision_ != system.problem().structureRevision()) {

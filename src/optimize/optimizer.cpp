@@ -68,12 +68,12 @@ constexpr double kStageTolerance = 1e-3;
 constexpr double kCautiousDamping = 1e3;
 
 /// Gives the losses their own scale back when it goes.
-struct Widening {
+struct Graduation {
   System& system;
   double mu = 1;
-  void set(double value) { system.setLossWidening(mu = value); }
-  ~Widening() {
-    if (mu != 1) system.setLossWidening(1);
+  void set(double value) { system.setLossGraduation(mu = value); }
+  ~Graduation() {
+    if (mu != 1) system.setLossGraduation(1);
   }
 };
 
@@ -128,7 +128,7 @@ class Run {
     most_iterations_ = limits_.max_iterations =
         iterationLimit(options_, system_.structure().system.unknowns());
     convergence_.begin(summary_.initial_rss);
-    record({}, system_.gradientCosine());
+    record({}, system_.orthogonality());
     summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
                            : options_.graduated_non_convexity ? graduate()
                            : safeguarded_ != nullptr          ? iterateOrRestart()
@@ -161,7 +161,7 @@ class Run {
   /// gives for the present residuals, so that a start far away does not cost stages once the first fits have
   /// come near.
   StopReason graduate() {
-    Widening widening{system_};
+    Graduation graduation{system_};
     double most = 2 * system_.largestLossArgument();
     if (most < 0) {
       summary_.warnings.push_back(
@@ -172,7 +172,7 @@ class Run {
     for (double mu = std::max(most, 1.0);;
          mu = std::max(std::min(mu / options_.graduation_factor, most), 1.0)) {
       ++summary_.stages;
-      widening.set(mu);
+      graduation.set(mu);
       limits_ = options_;
       limits_.max_iterations = most_iterations_;
       if (mu == 1) {
@@ -183,7 +183,7 @@ class Run {
       limits_.decrease_tolerance = std::max(options_.decrease_tolerance, kStageTolerance);
       const StopReason reason = iterate();
       if (endsTheFit(reason)) {
-        widening.set(1);
+        graduation.set(1);
         summary_.final_rss = system_.rss();
         return reason;
       }
@@ -273,7 +273,7 @@ class Run {
       while (summary_.iterations < limits_.max_iterations) {
         if (const auto stop = interruption()) return *stop;
         system_.linearize();
-        const double gradient = system_.gradientCosine();
+        const double gradient = system_.orthogonality();
         // A system without full rank is told about even when the RSS could not be smaller; the step finds
         // out.
         const StepOutcome outcome = algorithm_->step(system_, limits);
@@ -320,7 +320,7 @@ class Run {
         if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
           return *reason;
         if (creeps(outcome)) {
-          const auto reason = convergence_.whenStuck(system_.gradientCosine(), limits_.decrease_tolerance);
+          const auto reason = convergence_.whenStuck(system_.orthogonality(), limits_.decrease_tolerance);
           if (reason || !convergence_.hasAdvanced()) return reason.value_or(StopReason::no_progress);
           summary_.final_rss = system_.linearize();
         }
@@ -347,7 +347,7 @@ class Run {
     } else {
       line.trials = 0;
     }
-    line.widening = system_.lossWidening();
+    line.graduation = system_.lossGraduation();
     line.seconds = secondsSinceStart();
     summary_.trace.push_back(line);
     if (options_.observer && options_.observer(line) == FitControl::stop && !must_stop_)

@@ -180,18 +180,18 @@ void System::undo() {
   linearized_at_ = saved_is_linearized_ ? problem_.valueRevision() : ~std::uint64_t{0};
 }
 
-void System::setLossWidening(double widening) {
-  linearizer_.setLossWidening(widening);
+void System::setLossGraduation(double mu) {
+  linearizer_.setLossGraduation(mu);
   linearized_at_ = ~std::uint64_t{0};
 }
 
 bool System::mayBeRounding(double change) const {
   constexpr double most = 1e-8;
   constexpr double steep = 0.1;  // there residuals change with a step much more than by rounding
-  return std::abs(change) <= kNoise * rss_ || (std::abs(change) <= most * rss_ && gradientCosine() <= steep);
+  return std::abs(change) <= kNoise * rss_ || (std::abs(change) <= most * rss_ && orthogonality() <= steep);
 }
 
-double System::gradientCosine() const {
+double System::orthogonality() const {
   const double r = std::sqrt(squared_norm_);
   const auto g = solver_->gradient().array();
   const auto h = solver_->diagonal().array();
@@ -202,7 +202,7 @@ double System::gradientCosine() const {
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
 }
 
-double System::promiseOfOneUnknown() const { return std::pow(gradientCosine(), 2) * squared_norm_; }
+double System::promiseOfOneUnknown() const { return std::pow(orthogonality(), 2) * squared_norm_; }
 
 double System::stepInDeviations(const Eigen::VectorXd& d) const {
   const auto h = solver_->diagonal().array();
@@ -211,12 +211,12 @@ double System::stepInDeviations(const Eigen::VectorXd& d) const {
   return isWellScaled(squared) ? std::sqrt(squared) : (d.array().abs() * h.sqrt()).maxCoeff();
 }
 
-Eigen::VectorXd System::magnitudes() {
+Eigen::VectorXd System::typicalSizes() {
   Eigen::VectorXd magnitude(structure_.system.unknowns());
   const auto& table = problem_.variables();
   for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
     const VariableRecord& record = table[static_cast<std::size_t>(structure_.variable_of_block[b])];
-    record.store->magnitudes(record.slot, magnitude.data() + structure_.system.offset[b]);
+    record.store->typicalSizes(record.slot, magnitude.data() + structure_.system.offset[b]);
   }
   return magnitude;
 }
@@ -226,7 +226,7 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
   if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
-  const Eigen::VectorXd magnitude = magnitudes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
+  const Eigen::VectorXd magnitude = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
   const double rounding =
       std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
   for (Eigen::Index i = 0; i < d.size(); ++i) {
@@ -243,18 +243,18 @@ bool System::hasFreeGauge(const LinearSolver& solver) const {
   const Eigen::VectorXd& H = solver.diagonal();
   std::vector<double> motions;
   for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
-    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(H.size(), kWorldMotions);
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(H.size(), kGaugeGenerators);
     for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
       const VariableRecord& record =
           problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[b])];
-      motions.resize(static_cast<std::size_t>(record.dof * kWorldMotions));
-      record.store->worldMotions(record.store->valueAt(record.slot), role, motions.data());
+      motions.resize(static_cast<std::size_t>(record.dof * kGaugeGenerators));
+      record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
       moved.middleRows(structure_.system.offset[b], record.dof) =
-          Eigen::Map<const Eigen::MatrixXd>(motions.data(), record.dof, kWorldMotions);
+          Eigen::Map<const Eigen::MatrixXd>(motions.data(), record.dof, kGaugeGenerators);
     }
-    for (int k = 0; k < kWorldMotions; ++k) {
+    for (int k = 0; k < kGaugeGenerators; ++k) {
       const double size = H.dot(moved.col(k).cwiseAbs2());
-      if (size > 0 && solver.squaredImage(moved.col(k)) <= nothing * nothing * size) return true;
+      if (size > 0 && solver.squaredNormOfJd(moved.col(k)) <= nothing * nothing * size) return true;
     }
   }
   return false;
@@ -442,7 +442,7 @@ bool System::advance(const Promise& promise) {
 
 double System::roundingOfPromises() {
   constexpr double steps = 4;  // of the last digit
-  const double effect = solver_->diagonal().cwiseSqrt().dot(magnitudes());
+  const double effect = solver_->diagonal().cwiseSqrt().dot(typicalSizes());
   return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);
 }
 
@@ -463,7 +463,7 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
   for (std::size_t b = 0; b < variable.size(); ++b) {  // seldom beyond the first
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable[b])];
     magnitude.resize(static_cast<std::size_t>(record.dof));
-    record.store->magnitudes(record.slot, magnitude.data());
+    record.store->typicalSizes(record.slot, magnitude.data());
     for (int c = 0; c < record.dof; ++c) {
       const int i = structure_.system.offset[b] + c;
       const double column = std::sqrt(solver_->diagonal()[i]);
@@ -476,7 +476,7 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
 }
 
 double System::predictedDecrease(const Eigen::VectorXd& d) const {
-  return -(2 * solver_->gradient().dot(d) + solver_->squaredImage(d));
+  return -(2 * solver_->gradient().dot(d) + solver_->squaredNormOfJd(d));
 }
 
 double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {

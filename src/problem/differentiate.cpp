@@ -203,14 +203,14 @@ int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differ
       const std::size_t needed = 2 * at(dof) + 4 * at(rows);
       std::vector<double> many(needed > std::size(few) ? needed : 0);
       double* const delta = many.empty() ? few : many.data();
-      double* const magnitudes = delta + dof;
+      double* const typicalSizes = delta + dof;
       std::fill_n(delta, dof, 0.0);
       Redirected variable(argument(i, k), *record.store);
-      record.store->magnitudesOf(variable.original(), magnitudes);
-      CentralDifferences differences(variable, rows, delta, magnitudes + dof, r, kind, evaluate);
+      record.store->typicalSizesOf(variable.original(), typicalSizes);
+      CentralDifferences differences(variable, rows, delta, typicalSizes + dof, r, kind, evaluate);
       for (int c = 0; c < dof; ++c) {
         double* const column = J + static_cast<std::ptrdiff_t>(c) * rows;
-        if (const int got = differences.column(c, magnitudes[c], column); got != rows) return got;
+        if (const int got = differences.column(c, typicalSizes[c], column); got != rows) return got;
       }
     }
     J += static_cast<std::ptrdiff_t>(rows) * dof;

@@ -326,13 +326,13 @@ void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, 
     }
   } catch (...) {
     uses_ =
-        detail::Hidden<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
+        detail::Pimpl<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
   }
 }
 
 const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
   if (!uses_) {
-    uses_ = detail::Hidden<Uses>(new Uses);
+    uses_ = detail::Pimpl<Uses>(new Uses);
     for (const auto& pool : pools_) {
       for (int i = 0; i < pool->size(); ++i)
         noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());

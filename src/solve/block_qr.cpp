@@ -31,59 +31,59 @@ struct BlockQR::Implementation {
   }
 };
 
-BlockQR::BlockQR(double pivot_tolerance) : self_(new Implementation) {
-  self_->pivot_tolerance = pivot_tolerance;
+BlockQR::BlockQR(double pivot_tolerance) : impl_(new Implementation) {
+  impl_->pivot_tolerance = pivot_tolerance;
 }
 BlockQR::~BlockQR() = default;
 
-double BlockQR::leastOfColumn() const { return self_->pivot_tolerance; }
+double BlockQR::leastOfColumn() const { return impl_->pivot_tolerance; }
 
 void BlockQR::analyze(const BlockStructure& structure) {
-  self_->structure = structure;
-  self_->has_undamped_factor = false;
-  self_->rows.analyze(self_->structure);
-  self_->factor.analyze(self_->structure, chooseFronts(makeGraph(structure)));
+  impl_->structure = structure;
+  impl_->has_undamped_factor = false;
+  impl_->rows.analyze(impl_->structure);
+  impl_->factor.analyze(impl_->structure, chooseFronts(makeGraph(structure)));
 }
 
 void BlockQR::beginLinearization() {
-  self_->rows.clear();
-  self_->has_undamped_factor = false;
+  impl_->rows.clear();
+  impl_->has_undamped_factor = false;
 }
-void BlockQR::add(const JacobianBatch& batch) { self_->rows.add(batch); }
+void BlockQR::add(const JacobianBatch& batch) { impl_->rows.add(batch); }
 void BlockQR::endLinearization() {
-  self_->gradient = self_->rows.gradient();
-  self_->diagonal = self_->rows.diagonal();
+  impl_->gradient = impl_->rows.gradient();
+  impl_->diagonal = impl_->rows.diagonal();
 }
 
 SolveStatus BlockQR::solve(const VectorXd& damping, VectorXd& step) {
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    const SolveStatus status = self_->factorize(damping);
+    const SolveStatus status = impl_->factorize(damping);
     if (!status.ok) return status;
   }
   const detail::Stopwatch watch(seconds_.solve);
-  step = self_->scale.cwiseProduct(self_->factor.solve());
+  step = impl_->scale.cwiseProduct(impl_->factor.solve());
   return {};
 }
 
 SolveStatus BlockQR::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  const SolveStatus status = self_->factorize({});
+  const SolveStatus status = impl_->factorize({});
   if (!status.ok) return status;
   X.resize(B.rows(), B.cols());
   for (Eigen::Index j = 0; j < B.cols(); ++j) {
-    X.col(j) = self_->scale.cwiseProduct(self_->factor.solveNormal(self_->scale.cwiseProduct(B.col(j))));
+    X.col(j) = impl_->scale.cwiseProduct(impl_->factor.solveNormal(impl_->scale.cwiseProduct(B.col(j))));
   }
   return status;
 }
 
-const VectorXd& BlockQR::gradient() const { return self_->gradient; }
-const VectorXd& BlockQR::diagonal() const { return self_->diagonal; }
-double BlockQR::squaredImage(const VectorXd& d) const { return self_->rows.squaredImage(d); }
+const VectorXd& BlockQR::gradient() const { return impl_->gradient; }
+const VectorXd& BlockQR::diagonal() const { return impl_->diagonal; }
+double BlockQR::squaredNormOfJd(const VectorXd& d) const { return impl_->rows.squaredNormOfJd(d); }
 
 std::string BlockQR::description() const {
-  return "sparse QR, " + std::to_string(self_->rows.rows()) + " x " +
-         std::to_string(self_->structure.unknowns()) + " in " +
-         std::to_string(self_->structure.blockCount()) + " blocks, " + self_->factor.fronts().ordering +
+  return "sparse QR, " + std::to_string(impl_->rows.rows()) + " x " +
+         std::to_string(impl_->structure.unknowns()) + " in " +
+         std::to_string(impl_->structure.blockCount()) + " blocks, " + impl_->factor.fronts().ordering +
          " order";
 }
 

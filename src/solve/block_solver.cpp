@@ -41,36 +41,36 @@ struct BlockSolver::Implementation {
   }
 };
 
-BlockSolver::BlockSolver(const BlockSolverOptions& options) : self_(new Implementation) {
+BlockSolver::BlockSolver(const BlockSolverOptions& options) : impl_(new Implementation) {
   check(options);
-  self_->options = options;
+  impl_->options = options;
 }
 BlockSolver::~BlockSolver() = default;
 
 void BlockSolver::analyze(const BlockStructure& structure) {
-  self_->method.reset();
-  self_->structure = structure;
-  self_->method = chooseMethod(self_->structure, self_->options, self_->equations);
+  impl_->method.reset();
+  impl_->structure = structure;
+  impl_->method = chooseMethod(impl_->structure, impl_->options, impl_->equations);
 }
 
 void BlockSolver::beginLinearization() {
-  self_->ready().forget();
-  self_->equations.setZero();
+  impl_->ready().forget();
+  impl_->equations.setZero();
 }
-void BlockSolver::add(const JacobianBatch& batch) { self_->equations.add(batch); }
-std::span<const MeasurementPlace> BlockSolver::parts() const { return self_->equations.parts(); }
-void BlockSolver::endLinearization() { self_->equations.addUp(); }
+void BlockSolver::add(const JacobianBatch& batch) { impl_->equations.add(batch); }
+std::span<const MeasurementPlace> BlockSolver::parts() const { return impl_->equations.parts(); }
+void BlockSolver::endLinearization() { impl_->equations.addUp(); }
 
 SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
   VectorXd x = -gradient();
   SolveStatus status;
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    status = self_->ready().prepare(damping, &x);
+    status = impl_->ready().prepare(damping, &x);
   }
   if (!status.ok) return status;
   const detail::Stopwatch watch(seconds_.solve);
-  status = self_->method->solveStep(x);
+  status = impl_->method->solveStep(x);
   if (status.ok) step = std::move(x);
   return status;
 }
@@ -78,12 +78,12 @@ SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
 SolveStatus BlockSolver::solveFor(const MatrixXd& B, MatrixXd& X) { return solveDamped({}, B, X); }
 
 SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const MatrixXd& B, MatrixXd& X) {
-  SolveStatus status = self_->ready().prepare(damping);
+  SolveStatus status = impl_->ready().prepare(damping);
   MatrixXd all(B.rows(), B.cols());
   VectorXd x;
   for (Eigen::Index j = 0; status.ok && j < B.cols(); ++j) {
     x = B.col(j);
-    status = self_->method->solve(x);
+    status = impl_->method->solve(x);
     all.col(j) = x;
   }
   if (status.ok) X = std::move(all);
@@ -102,22 +102,22 @@ SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure,
 }
 
 SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
-  const SolveStatus status = self_->ready().prepare(damping);
-  if (status.ok) blocks = self_->method->invertBlocks();
+  const SolveStatus status = impl_->ready().prepare(damping);
+  if (status.ok) blocks = impl_->method->invertBlocks();
   return status;
 }
 
 bool BlockSolver::isExact() const {
-  if (self_->method) return self_->method->isExact();
-  return self_->options.method != BlockSolverOptions::Method::conjugate_gradients;
+  if (impl_->method) return impl_->method->isExact();
+  return impl_->options.method != BlockSolverOptions::Method::conjugate_gradients;
 }
-const VectorXd& BlockSolver::gradient() const { return self_->equations.gradient(); }
-const VectorXd& BlockSolver::diagonal() const { return self_->equations.diagonal(); }
-double BlockSolver::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
-double BlockSolver::flops() const { return self_->method ? self_->method->flops() : 0; }
+const VectorXd& BlockSolver::gradient() const { return impl_->equations.gradient(); }
+const VectorXd& BlockSolver::diagonal() const { return impl_->equations.diagonal(); }
+double BlockSolver::squaredNormOfJd(const VectorXd& d) const { return impl_->equations.squaredNormOfJd(d); }
+double BlockSolver::flops() const { return impl_->method ? impl_->method->flops() : 0; }
 
 std::string BlockSolver::description() const {
-  return self_->method ? self_->method->description() : "block solver that has solved nothing yet";
+  return impl_->method ? impl_->method->description() : "block solver that has solved nothing yet";
 }
 
 }  // namespace slom

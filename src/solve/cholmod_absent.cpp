@@ -9,7 +9,7 @@ struct Cholmod::Implementation {
 
 bool Cholmod::isAvailable() { return false; }
 
-Cholmod::Cholmod() : self_(nullptr) {
+Cholmod::Cholmod() : impl_(nullptr) {
   throw mtk::Error("slom.no-cholmod",
                    "this build of SLoM is without CHOLMOD; configure it with -DSLOM_WITH_CHOLMOD=ON, or use "
                    "the default solver");
@@ -22,9 +22,9 @@ void Cholmod::beginLinearization() {}
 void Cholmod::add(const JacobianBatch&) {}
 void Cholmod::endLinearization() {}
 SolveStatus Cholmod::solve(const Eigen::VectorXd&, Eigen::VectorXd&) { return {}; }
-const Eigen::VectorXd& Cholmod::gradient() const { return self_->nothing; }
-const Eigen::VectorXd& Cholmod::diagonal() const { return self_->nothing; }
-double Cholmod::squaredImage(const Eigen::VectorXd&) const { return 0; }
+const Eigen::VectorXd& Cholmod::gradient() const { return impl_->nothing; }
+const Eigen::VectorXd& Cholmod::diagonal() const { return impl_->nothing; }
+double Cholmod::squaredNormOfJd(const Eigen::VectorXd&) const { return 0; }
 SolveStatus Cholmod::solveFor(const Eigen::MatrixXd&, Eigen::MatrixXd&) { return {}; }
 double Cholmod::leastOfColumn() const { return 0; }
 std::string Cholmod::description() const { return ""; }

@@ -149,53 +149,53 @@ VectorXd Cholmod::Implementation::solve(const VectorXd& b) {
 
 bool Cholmod::isAvailable() { return true; }
 
-Cholmod::Cholmod() : self_(new Implementation) {}
+Cholmod::Cholmod() : impl_(new Implementation) {}
 Cholmod::~Cholmod() = default;
 double Cholmod::leastOfColumn() const { return std::sqrt(kPivotTolerance); }
 
 void Cholmod::analyze(const BlockStructure& structure) {
-  self_->structure = structure;
-  self_->has_undamped_factor = false;
+  impl_->structure = structure;
+  impl_->has_undamped_factor = false;
   std::vector<int> position(at(structure.blockCount()));
   std::iota(position.begin(), position.end(), 0);
-  self_->equations.layOut(self_->structure, makeGraph(structure), position);
-  self_->layOut();
+  impl_->equations.layOut(impl_->structure, makeGraph(structure), position);
+  impl_->layOut();
 }
 
 void Cholmod::beginLinearization() {
-  self_->equations.setZero();
-  self_->has_undamped_factor = false;
+  impl_->equations.setZero();
+  impl_->has_undamped_factor = false;
 }
-void Cholmod::add(const JacobianBatch& batch) { self_->equations.add(batch); }
-void Cholmod::endLinearization() { self_->equations.addUp(); }
+void Cholmod::add(const JacobianBatch& batch) { impl_->equations.add(batch); }
+void Cholmod::endLinearization() { impl_->equations.addUp(); }
 
 SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    const SolveStatus status = self_->factorize(damping);
+    const SolveStatus status = impl_->factorize(damping);
     if (!status.ok) return status;
   }
   const detail::Stopwatch watch(seconds_.solve);
-  step = self_->solve(-gradient());
+  step = impl_->solve(-gradient());
   return {};
 }
 
 SolveStatus Cholmod::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  const SolveStatus status = self_->factorize({});
+  const SolveStatus status = impl_->factorize({});
   if (!status.ok) return status;
   X.resize(B.rows(), B.cols());
-  for (Eigen::Index j = 0; j < B.cols(); ++j) X.col(j) = self_->solve(B.col(j));
+  for (Eigen::Index j = 0; j < B.cols(); ++j) X.col(j) = impl_->solve(B.col(j));
   return status;
 }
 
-const VectorXd& Cholmod::gradient() const { return self_->equations.gradient(); }
-const VectorXd& Cholmod::diagonal() const { return self_->equations.diagonal(); }
-double Cholmod::squaredImage(const VectorXd& d) const { return self_->equations.squaredImage(d); }
+const VectorXd& Cholmod::gradient() const { return impl_->equations.gradient(); }
+const VectorXd& Cholmod::diagonal() const { return impl_->equations.diagonal(); }
+double Cholmod::squaredNormOfJd(const VectorXd& d) const { return impl_->equations.squaredNormOfJd(d); }
 
 std::string Cholmod::description() const {
   return "CHOLMOD, " +
-         std::string(self_->factor != nullptr && self_->factor->is_super != 0 ? "supernodal" : "simplicial") +
-         ", " + std::to_string(self_->structure.unknowns()) + " unknowns";
+         std::string(impl_->factor != nullptr && impl_->factor->is_super != 0 ? "supernodal" : "simplicial") +
+         ", " + std::to_string(impl_->structure.unknowns()) + " unknowns";
 }
 
 }  // namespace slom

@@ -46,26 +46,26 @@ struct DenseQR::Implementation {
   std::vector<double> residual;  // likewise
 };
 
-DenseQR::DenseQR() : self_(new Implementation) {}
+DenseQR::DenseQR() : impl_(new Implementation) {}
 DenseQR::~DenseQR() = default;
 
 double DenseQR::leastOfColumn() const { return kRankTolerance; }
 
-const VectorXd& DenseQR::gradient() const { return self_->gradient; }
-const VectorXd& DenseQR::diagonal() const { return self_->diagonal; }
-const MatrixXd& DenseQR::jacobian() const { return self_->J; }
-const VectorXd& DenseQR::residual() const { return self_->r; }
+const VectorXd& DenseQR::gradient() const { return impl_->gradient; }
+const VectorXd& DenseQR::diagonal() const { return impl_->diagonal; }
+const MatrixXd& DenseQR::jacobian() const { return impl_->J; }
+const VectorXd& DenseQR::residual() const { return impl_->r; }
 
-void DenseQR::analyze(const BlockStructure& structure) { self_->structure = structure; }
+void DenseQR::analyze(const BlockStructure& structure) { impl_->structure = structure; }
 
 void DenseQR::beginLinearization() {
-  self_->rows.clear();
-  self_->residual.clear();
+  impl_->rows.clear();
+  impl_->residual.clear();
 }
 
 void DenseQR::add(const JacobianBatch& batch) {
-  const int n = self_->structure.unknowns();
-  const MeasurementGroup& group = self_->structure.groups[static_cast<std::size_t>(batch.group)];
+  const int n = impl_->structure.unknowns();
+  const MeasurementGroup& group = impl_->structure.groups[static_cast<std::size_t>(batch.group)];
   const double* J = batch.J;
   const double* r = batch.r;
   const int* dof = batch.dof;
@@ -75,31 +75,31 @@ void DenseQR::add(const JacobianBatch& batch) {
     for (int k = 0; k < group.arity; ++k, ++dof) {
       const int block = group.blocks[static_cast<std::size_t>((batch.first + m) * group.arity + k)];
       if (block >= 0) {
-        full.middleRows(self_->structure.offset[static_cast<std::size_t>(block)], *dof) +=
+        full.middleRows(impl_->structure.offset[static_cast<std::size_t>(block)], *dof) +=
             Eigen::Map<const MatrixXd>(J, rows, *dof).transpose();
       }
       J += static_cast<std::ptrdiff_t>(rows) * *dof;
     }
-    self_->rows.insert(self_->rows.end(), full.data(), full.data() + full.size());
-    self_->residual.insert(self_->residual.end(), r, r + rows);
+    impl_->rows.insert(impl_->rows.end(), full.data(), full.data() + full.size());
+    impl_->residual.insert(impl_->residual.end(), r, r + rows);
     r += rows;
   }
 }
 
 void DenseQR::endLinearization() {
-  const Eigen::Index m = static_cast<Eigen::Index>(self_->residual.size()), n = self_->structure.unknowns();
-  self_->r = Eigen::Map<const VectorXd>(self_->residual.data(), m);
-  self_->J = Eigen::Map<const MatrixXd>(self_->rows.data(), n, m).transpose();
-  self_->gradient = self_->J.transpose() * self_->r;
-  self_->diagonal = self_->J.colwise().squaredNorm();
+  const Eigen::Index m = static_cast<Eigen::Index>(impl_->residual.size()), n = impl_->structure.unknowns();
+  impl_->r = Eigen::Map<const VectorXd>(impl_->residual.data(), m);
+  impl_->J = Eigen::Map<const MatrixXd>(impl_->rows.data(), n, m).transpose();
+  impl_->gradient = impl_->J.transpose() * impl_->r;
+  impl_->diagonal = impl_->J.colwise().squaredNorm();
 }
 
 SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   const detail::Stopwatch watch(seconds_.factorize);
-  const Eigen::Index m = self_->J.rows(), n = self_->J.cols();
+  const Eigen::Index m = impl_->J.rows(), n = impl_->J.cols();
   const bool damped = damping.size() > 0;
-  MatrixXd A = self_->J;
-  VectorXd b = -self_->r;
+  MatrixXd A = impl_->J;
+  VectorXd b = -impl_->r;
   if (damped) {
     A.conservativeResize(m + n, n);
     A.bottomRows(n) = MatrixXd(damping.cwiseSqrt().asDiagonal());
@@ -118,18 +118,18 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
   return {};
 }
 
-double DenseQR::squaredImage(const VectorXd& d) const { return (self_->J * d).squaredNorm(); }
+double DenseQR::squaredNormOfJd(const VectorXd& d) const { return (impl_->J * d).squaredNorm(); }
 
 SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
   Scaled scaled;
-  const SolveStatus status = factorize(self_->J, scaled);
+  const SolveStatus status = factorize(impl_->J, scaled);
   if (!status.ok) return status;
   if (B.size() == 0) {  // where Eigen's permutations go beyond a null pointer
     X = B;
     return {};
   }
   // H = S^-1 P R^T R P^T S^-1 with J S P = Q R.
-  const Eigen::Index n = self_->J.cols();
+  const Eigen::Index n = impl_->J.cols();
   const auto R = scaled.qr.matrixQR().topLeftCorner(n, n).triangularView<Eigen::Upper>();
   MatrixXd Y = scaled.qr.colsPermutation().transpose() * (scaled.scale.asDiagonal() * B);
   Y = R.transpose().solve(Y);
@@ -139,7 +139,7 @@ SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
 }
 
 std::string DenseQR::description() const {
-  return "dense QR, " + std::to_string(self_->J.rows()) + " x " + std::to_string(self_->J.cols());
+  return "dense QR, " + std::to_string(impl_->J.rows()) + " x " + std::to_string(impl_->J.cols());
 }
 
 }  // namespace slom

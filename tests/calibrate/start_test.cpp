@@ -6,13 +6,13 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "calibrate/initialization/homography.hpp"
+#include "calibrate/initialization/imu.hpp"
+#include "calibrate/initialization/intrinsics.hpp"
+#include "calibrate/initialization/parallel_views.hpp"
+#include "calibrate/initialization/rig.hpp"
+#include "calibrate/initialization/view_pose.hpp"
 #include "calibrate/simulated_rig.hpp"
-#include "calibrate/start/homography.hpp"
-#include "calibrate/start/imu.hpp"
-#include "calibrate/start/intrinsics.hpp"
-#include "calibrate/start/parallel_views.hpp"
-#include "calibrate/start/rig.hpp"
-#include "calibrate/start/view_pose.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {

@@ -148,13 +148,13 @@ TEST(Barron, IsSmoothInItsShape) {
 }
 
 TEST(Loss, IsWidenedByItsScale) {
-  for (const double widening : {1.0, 4.0, 1e4}) {
-    const slom::LossValue a = slom::GemanMcClure(3).evaluate(7, widening);
-    const slom::LossValue b = slom::GemanMcClure(3 * std::sqrt(widening)).evaluate(7);
+  for (const double graduation : {1.0, 4.0, 1e4}) {
+    const slom::LossValue a = slom::GemanMcClure(3).evaluate(7, graduation);
+    const slom::LossValue b = slom::GemanMcClure(3 * std::sqrt(graduation)).evaluate(7);
     EXPECT_NEAR(a.rho, b.rho, 1e-15 * b.rho);
     EXPECT_NEAR(a.first, b.first, 1e-15);
     // The surrogate of Yang et al. 2020, mu c^2 r^2 / (mu c^2 + r^2)
-    EXPECT_NEAR(a.rho, widening * 9 * 7 / (widening * 9 + 7), 1e-14);
+    EXPECT_NEAR(a.rho, graduation * 9 * 7 / (graduation * 9 + 7), 1e-14);
   }
 }
 

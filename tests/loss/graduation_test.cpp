@@ -100,18 +100,18 @@ TEST(Graduation, TellsItsStages) {
   EXPECT_EQ(summary.initial_rss, before);
   EXPECT_EQ(summary.final_rss, fit.est.getRSS());
   EXPECT_EQ(summary.final_rss, summary.trace.back().rss);
-  EXPECT_EQ(summary.trace.front().widening, 1);
-  EXPECT_EQ(summary.trace.back().widening, 1);
+  EXPECT_EQ(summary.trace.front().graduation, 1);
+  EXPECT_EQ(summary.trace.back().graduation, 1);
   EXPECT_EQ(static_cast<int>(summary.trace.size()), summary.iterations + 1);
   int stages = 1;
   for (std::size_t i = 2; i < summary.trace.size(); ++i) {
     const slom::IterationRecord &last = summary.trace[i - 1], &line = summary.trace[i];
-    EXPECT_LE(line.widening, last.widening);
-    if (line.widening == last.widening) {
+    EXPECT_LE(line.graduation, last.graduation);
+    if (line.graduation == last.graduation) {
       EXPECT_LE(line.rss, last.rss * (1 + 1e-9)) << i;
     } else {
       ++stages;
-      EXPECT_TRUE(line.widening == 1 || line.widening < last.widening / 1.399) << i;
+      EXPECT_TRUE(line.graduation == 1 || line.graduation < last.graduation / 1.399) << i;
     }
   }
   EXPECT_EQ(summary.stages, stages);
@@ -122,7 +122,7 @@ TEST(Graduation, TellsItsStages) {
   EXPECT_NE(table.str().find(", mu = "), std::string::npos);
   // The first mu is 2 max |W r|^2 / c^2 of the start.
   const double largest = LineFit(Vector2d(14, -4), linePoints(40)).est.residuals().cwiseAbs2().maxCoeff();
-  EXPECT_NEAR(summary.trace[1].widening, 2 * largest / 9, 1e-9 * largest);
+  EXPECT_NEAR(summary.trace[1].graduation, 2 * largest / 9, 1e-9 * largest);
 }
 
 TEST(Graduation, IsOneStageWhereEveryResidualIsSmall) {
@@ -158,10 +158,10 @@ TEST(Graduation, ThatReachesTheIterationLimitSaysSoAndReportsTheRobustCost) {
   EXPECT_EQ(
       summary.message, "iteration limit of 7 reached while the losses were still widened, mu = " + [&] {
         char text[32];
-        std::snprintf(text, sizeof text, "%.6g", summary.trace.back().widening);
+        std::snprintf(text, sizeof text, "%.6g", summary.trace.back().graduation);
         return std::string(text);
       }() + "; raise max_iterations");
-  EXPECT_GT(summary.trace.back().widening, 1);
+  EXPECT_GT(summary.trace.back().graduation, 1);
   EXPECT_EQ(summary.final_rss, fit.est.getRSS());
   EXPECT_LT(summary.final_rss, 100 * 9.0) << "Geman-McClure's bound with the scale as given";
   options.max_iterations = 0;

@@ -1,4 +1,4 @@
-// Losses in the fit: what the solver gets, where it ends, what the books and the report say.
+// Losses in the fit: what the solver gets, where it ends, what the tables and the report say.
 #include <algorithm>
 #include <limits>
 #include <sstream>

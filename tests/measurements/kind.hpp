@@ -55,11 +55,11 @@ void moveUnknown(std::tuple<X...>& x, int unknown, Real d) {
   std::apply([&](X&... part) { (move(part), ...); }, x);
 }
 
-/// Appends the magnitudes of the components of x, at least 1.
+/// Appends the typicalSizes of the components of x, at least 1.
 template <class X>
-void appendMagnitudes(std::vector<double>& sizes, const X& x) {
+void appendTypicalSizes(std::vector<double>& sizes, const X& x) {
   mtk::tangent_t<X> own;
-  mtk::magnitudes<X>(own, x);
+  mtk::typicalSizes<X>(own, x);
   for (const double size : own) sizes.push_back(std::max(1.0, size));
 }
 
@@ -122,8 +122,8 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
       return std::apply([&](const auto&... y) { return formula(long_z, y...); }, moved);
     };
     std::vector<double> sizes_of_datum, sizes_of_unknowns;
-    appendMagnitudes(sizes_of_datum, z);
-    (appendMagnitudes(sizes_of_unknowns, x), ...);
+    appendTypicalSizes(sizes_of_datum, z);
+    (appendTypicalSizes(sizes_of_unknowns, x), ...);
     expectFormula(measurement, formula_at, sizes_of_datum, sizes_of_unknowns, angles, step);
   };
   for (const auto& sample : samples) {

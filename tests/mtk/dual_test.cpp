@@ -10,9 +10,9 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "mtk/bottleneck.hpp"
 #include "mtk/build_manifold.hpp"
 #include "mtk/mtk.hpp"
+#include "mtk/preaccumulation.hpp"
 #include "mtk/rebind.hpp"
 
 namespace {
@@ -437,7 +437,7 @@ TEST(DerivativesOfManifolds, InThePlaneAndOnTheSphere) {
 TEST(DerivativesOfManifolds, OfCompoundsAndUsersTypes) {
   const Camera camera(SE3(mtk::SO3<>::exp(Vec3(0.2, 0.3, -1)), Vec3(0.1, 0.2, 4)), Vec3(500, 0.1, -0.02));
   const auto project = [](const auto& c, const auto& X) {
-    return mtk::bottleneck(c.pose * X, [&](const auto& p) {
+    return mtk::preaccumulate(c.pose * X, [&](const auto& p) {
       const auto& [f, k1, k2] = c.lens;
       const auto x = p[0] / p[2], y = p[1] / p[2], r2 = x * x + y * y;
       const auto scale = f * (1.0 + r2 * (k1 + r2 * k2));
@@ -446,9 +446,9 @@ TEST(DerivativesOfManifolds, OfCompoundsAndUsersTypes) {
   };
   expectExact("camera", project, camera, Vec3(1, 2, 3));
   expectExact(
-      "a number through a bottleneck",
+      "a number through a preaccumulation",
       [](const auto& T, const auto& X) {
-        return mtk::bottleneck(T * X, [&](const auto& p) { return p[0] * p[1] / p[2] + X[0]; });
+        return mtk::preaccumulate(T * X, [&](const auto& p) { return p[0] * p[1] / p[2] + X[0]; });
       },
       camera.pose, Vec3(1, 2, 3));
   const Stick<double> stick{mtk::SO3<>::exp(Vec3(1, 2, 0.5)), 2.0, {Vec2(1, 2), Vec2(3, 4)}};

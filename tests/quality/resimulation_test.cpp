@@ -82,7 +82,7 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
   return probes;
 }
 
-void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Knowledge& knowledge,
+void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Posterior& knowledge,
                    const SE3& motion) {
   const std::size_t c = probe.camera;
   vec3 in_camera;
@@ -121,7 +121,7 @@ TEST(Resimulation, WhatCalibrationsSayOfThemselvesIsTrue) {
       }
     }
     const FittedRig rig(result);
-    const Knowledge knowledge(testing::informationOfAll(data, rig));
+    const Posterior knowledge(testing::informationOfAll(data, rig));
     const SE3 motion = motionToTruth(truth, data, result);
     for (Probe& probe : probes) addProjection(probe, truth, rig, knowledge, motion);
 

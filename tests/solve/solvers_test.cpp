@@ -79,7 +79,7 @@ void expectSameAsOracle(const RandomProblem& problem, const Oracle& oracle, slom
   EXPECT_LT((sparse.gradient() - dense.gradient()).norm(), 1e-12 * (1 + dense.gradient().norm()));
   EXPECT_LT((sparse.diagonal() - dense.diagonal()).norm(), 1e-12 * (1 + dense.diagonal().norm()));
   const VectorXd d = VectorXd::LinSpaced(n, -1, 2);
-  EXPECT_NEAR(sparse.squaredImage(d), dense.squaredImage(d), 1e-11 * dense.squaredImage(d));
+  EXPECT_NEAR(sparse.squaredNormOfJd(d), dense.squaredNormOfJd(d), 1e-11 * dense.squaredNormOfJd(d));
 
   for (std::size_t i = 0; i < oracle.dampings.size(); ++i) {
     VectorXd x;

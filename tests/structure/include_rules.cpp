@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <regex>
+#include <set>
 
 namespace slom::testing {
 
@@ -112,6 +114,74 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
   return "";
 }
 
+// ---- the command -----------------------------------------------------------------------------------------
+
+const fs::path kCommand = "apps/slom";
+
+/// What a file of the command belongs to: the shared parts ("": beside main.cpp, and "fitting"), or a subcommand.
+std::string partOf(const fs::path& path) {
+  const fs::path inside = path.lexically_relative(kCommand);
+  return std::next(inside.begin()) == inside.end() ? "" : inside.begin()->string();
+}
+
+/// The rule of the command that the include breaks; empty when it breaks none.
+std::string brokenRuleOfCommand(const fs::path& root, const fs::path& file, const Include& include) {
+  if (!include.quoted) return "";
+  if (startsWith(include.name, "slom/") || startsWith(include.name, "mtk/")) return "";
+  if (!fs::exists(root / kCommand / include.name)) {
+    return fs::exists(root / "src" / include.name)
+               ? "the command is a user of the library, whose src/ is its own"
+               : "no such file of the command; name it by its path from apps/slom";
+  }
+  const std::string own = partOf(file), other = partOf(kCommand / include.name);
+  if (own == other || other.empty() || file == kCommand / "main.cpp") return "";
+  if (other == "fitting" && !own.empty()) return "";
+  if (own.empty() || own == "fitting") return "what subcommands share includes none of them";
+  return own + " may not include another subcommand";
+}
+
+using Edges = std::map<std::string, std::set<std::string>>;
+
+/// A circle of folders that include each other, its first folder again at the end; empty: none.
+std::vector<std::string> circleFrom(const std::string& folder, const Edges& edges,
+                                    std::vector<std::string>& path, std::set<std::string>& done) {
+  const auto seen = std::find(path.begin(), path.end(), folder);
+  if (seen != path.end()) {
+    std::vector<std::string> circle(seen, path.end());
+    circle.push_back(folder);
+    return circle;
+  }
+  if (!done.insert(folder).second) return {};
+  path.push_back(folder);
+  if (const auto found = edges.find(folder); found != edges.end()) {
+    for (const std::string& next : found->second) {
+      if (auto circle = circleFrom(next, edges, path, done); !circle.empty()) return circle;
+    }
+  }
+  path.pop_back();
+  return {};
+}
+
+void checkCommand(const fs::path& root, const fs::path& file, IncludeReport& report, Edges& edges) {
+  ++report.files;
+  std::ifstream stream(root / file);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto include = parseInclude(line);
+    if (!include) continue;
+    const std::string rule = brokenRuleOfCommand(root, file, *include);
+    if (!rule.empty()) {
+      report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " +
+                                  include->name + ": " + rule);
+    }
+    // Files beside a subcommand's folders are above or below any of these.
+    const fs::path target = (kCommand / include->name).parent_path(), own = file.parent_path();
+    const auto depth = [](const fs::path& path) { return std::distance(path.begin(), path.end()); };
+    if (include->quoted && depth(own) > 3 && depth(target) > 3 && own != target)
+      edges[own.generic_string()].insert(target.generic_string());
+  }
+}
+
 void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report) {
   ++report.files;
   const auto level = levelOf(file);
@@ -142,6 +212,23 @@ IncludeReport checkIncludes(const fs::path& root) {
       if (extension == ".hpp" || extension == ".cpp")
         checkFile(root, entry.path().lexically_relative(root), report);
     }
+  }
+  Edges edges;
+  if (fs::exists(root / kCommand)) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / kCommand)) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".hpp" || extension == ".cpp")
+        checkCommand(root, entry.path().lexically_relative(root), report, edges);
+    }
+  }
+  std::set<std::string> done;
+  for (const auto& [folder, targets] : edges) {
+    std::vector<std::string> path;
+    const std::vector<std::string> circle = circleFrom(folder, edges, path, done);
+    if (circle.empty()) continue;
+    std::string text = "folders include each other in a circle: " + circle.front();
+    for (std::size_t i = 1; i < circle.size(); ++i) text += " -> " + circle[i];
+    report.violations.push_back(text);
   }
   std::sort(report.violations.begin(), report.violations.end());
   return report;

@@ -13,13 +13,17 @@ struct IncludeReport {
   std::vector<std::string> violations;  ///< `file:line: includes <name>: <rule>`, sorted
 };
 
-/// Checks include/ and src/ of the tree `root`:
+/// Checks the tree `root`. include/ and src/:
 ///   * mtk includes mtk, Eigen and the standard library;
 ///   * include/slom/<step> and src/<step> include mtk and the steps from model down to their own;
 ///   * files directly in include/slom and src, the facade, include all of these;
 ///   * include/slom/measurements, kinds of measurements, includes mtk and model, and is included by the facade alone;
 ///   * nobody includes apps/, or what only the command may use: fmt, JSON, CLI11, OpenCV;
-///   * public headers include neither <iostream> nor other libraries than Eigen and oneTBB.
+///   * public headers include neither <iostream> nor other libraries than Eigen and oneTBB;
+/// and apps/slom, the command:
+///   * it includes public headers of the library, never src/, and its own files by their path from apps/slom;
+///   * a subcommand includes its own files, those beside main.cpp, and fitting/, never another subcommand's;
+///   * the folders of a subcommand do not include each other in a circle.
 IncludeReport checkIncludes(const std::filesystem::path& root);
 
 }  // namespace slom::testing

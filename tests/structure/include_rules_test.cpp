@@ -91,5 +91,32 @@ TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
       "src/solve/s.cpp:2: includes apps/slom/error.hpp: nobody includes apps/\n");
 }
 
+TEST(IncludeRules, OfTheCommand) {
+  const TemporaryFolder root;
+  writeFile(root / "src/base/words.hpp", "");
+  writeFile(root / "include/slom/slom.hpp", "");
+  writeFile(root / "apps/slom/text.hpp", "#include <fmt/core.h>\n#include \"graph/graph.hpp\"\n");
+  writeFile(root / "apps/slom/main.cpp", "#include \"graph/graph.hpp\"\n#include \"bundle/bundle.hpp\"\n");
+  writeFile(root / "apps/slom/fitting/options.hpp", "#include \"text.hpp\"\n#include <slom/slom.hpp>\n");
+  writeFile(
+      root / "apps/slom/graph/graph.hpp",
+      "#include \"fitting/options.hpp\"\n#include \"bundle/bundle.hpp\"\n#include \"base/words.hpp\"\n");
+  writeFile(root / "apps/slom/graph/input/read.hpp",
+            "#include \"graph/graph.hpp\"\n#include \"read_more.hpp\"\n");
+  writeFile(root / "apps/slom/bundle/bundle.hpp", "#include \"bundle/fit/fit.hpp\"\n");
+  writeFile(root / "apps/slom/bundle/fit/fit.hpp", "#include \"bundle/output/write.hpp\"\n");
+  writeFile(root / "apps/slom/bundle/output/write.hpp", "#include \"bundle/fit/fit.hpp\"\n");
+  EXPECT_EQ(
+      lines(checkIncludes(root.path()).violations),
+      "apps/slom/graph/graph.hpp:2: includes bundle/bundle.hpp: graph may not include another subcommand\n"
+      "apps/slom/graph/graph.hpp:3: includes base/words.hpp: the command is a user of the library, whose src/ is its "
+      "own\n"
+      "apps/slom/graph/input/read.hpp:2: includes read_more.hpp: no such file of the command; name it by its path from "
+      "apps/slom\n"
+      "apps/slom/text.hpp:2: includes graph/graph.hpp: what subcommands share includes none of them\n"
+      "folders include each other in a circle: apps/slom/bundle/fit -> apps/slom/bundle/output -> "
+      "apps/slom/bundle/fit\n");
+}
+
 }  // namespace
 }  // namespace slom::testing

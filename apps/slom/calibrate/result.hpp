@@ -82,7 +82,7 @@ struct ImageResult {
   double chi2PerMeasurement() const { return chi2 / measurements; }
 };
 
-/// A view that the start values of the rig, elected by all common images, do not fit.
+/// A view that the start values of the rig, the consensus of all common images, do not fit.
 struct Stray {
   std::string camera;
   int image = 0;

@@ -103,7 +103,7 @@ class AxiomCheck {
 
   S allowed(const M& x, const Tangent& d) const {
     Tangent size(n_);
-    magnitudes<M>(size, x);
+    typicalSizes<M>(size, x);
     return S(options_.tolerance) * std::numeric_limits<S>::epsilon() * (S(1) + d.norm() + size.norm());
   }
 

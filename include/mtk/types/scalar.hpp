@@ -26,7 +26,7 @@ class Scalar {
 
   void boxplus(vectview<const S, 1> d, S scale = S(1)) { value_ += scale * d[0]; }
   void boxminus(vectview<S, 1> out, const Scalar& y) const { out[0] = value_ - y.value_; }
-  void magnitudes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
+  void typicalSizes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
 
  private:
   friend struct detail::State;

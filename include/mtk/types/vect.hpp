@@ -128,7 +128,7 @@ class vect : public PlainVector<S, N> {
     detail::requireSameSize(*this, y, "x [-] y");
     out = *this - y;
   }
-  void magnitudes(vectview<S, N> out) const { out = this->cwiseAbs(); }
+  void typicalSizes(vectview<S, N> out) const { out = this->cwiseAbs(); }
 };
 
 namespace detail {

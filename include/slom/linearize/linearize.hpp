@@ -17,9 +17,9 @@ namespace slom {
 /// Runs the user's functions, on the threads of the arena that it is called in; keeps buffers between calls.
 class Linearizer {
  public:
-  /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
-  void setLossWidening(double widening) { widening_ = widening; }
-  double lossWidening() const { return widening_; }
+  /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the losses as given.
+  void setLossGraduation(double mu) { graduation_ = mu; }
+  double lossGraduation() const { return graduation_; }
 
   /// Beyond it products of what is linearised may overflow.
   static constexpr double kLargestRss = 1e200;
@@ -83,7 +83,7 @@ class Linearizer {
   void sendHeld(const Problem& problem, JacobianSink& sink) const;
   [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
 
-  double widening_ = 1;
+  double graduation_ = 1;
   double squared_norm_sent_ = 0;
   std::map<std::pair<int, int>, HeldColumn> held_;  // by variable and component
   std::vector<Chunk> chunks_;

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "mtk/bottleneck.hpp"
+#include "mtk/preaccumulation.hpp"
 #include "mtk/types/vect.hpp"
 
 namespace slom {
@@ -59,7 +59,7 @@ struct PinholeIntrinsics : detail::CentredLens<4, S> {
   using detail::CentredLens<4, S>::CentredLens;
 
   auto project(const auto& p) const {
-    return mtk::bottleneck(p, [this](const auto& q) {
+    return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
       return this->toPixels(detail::coordinate<0>(q) / z, detail::coordinate<1>(q) / z);
     });
@@ -82,7 +82,7 @@ struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
   decltype(auto) k3() const { return this->template get<8>(); }
 
   auto project(const auto& p) const {
-    return mtk::bottleneck(p, [this](const auto& q) {
+    return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
       const auto x = detail::coordinate<0>(q) / z;
       const auto y = detail::coordinate<1>(q) / z;
@@ -116,7 +116,7 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   decltype(auto) k4() const { return this->template get<7>(); }
 
   auto project(const auto& p) const {
-    return mtk::bottleneck(p, [this](const auto& q) {
+    return mtk::preaccumulate(p, [this](const auto& q) {
       const auto r2 = q[0] * q[0] + q[1] * q[1];
       const auto theta_by_r = angleByRadius(r2, q[2]);
       const auto t2 = theta_by_r * theta_by_r * r2;
@@ -157,7 +157,7 @@ struct SnavelyIntrinsics : mtk::vect<3, S> {
   decltype(auto) k2() const { return this->template get<2>(); }
 
   auto project(const auto& p) const {
-    return mtk::bottleneck(p, [this](const auto& q) {
+    return mtk::preaccumulate(p, [this](const auto& q) {
       const auto x = -detail::coordinate<0>(q) / detail::coordinate<2>(q);
       const auto y = -detail::coordinate<1>(q) / detail::coordinate<2>(q);
       const auto r2 = x * x + y * y;

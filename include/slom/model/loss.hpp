@@ -44,8 +44,8 @@ class Loss {
   /// Barron's alpha; 0 for the others.
   double shape() const { return shape_; }
 
-  /// At s >= 0, finite, with the scale widened to c sqrt(widening).
-  LossValue evaluate(double s, double widening = 1) const;
+  /// At s >= 0, finite, with the scale c sqrt(graduation).
+  LossValue evaluate(double s, double graduation = 1) const;
   /// `Huber(1.345)`, `Barron(-2, 1.5)`, `none`.
   std::string text() const;
 

@@ -12,9 +12,9 @@
 #include "mtk/rebind.hpp"
 #include "mtk/stream.hpp"
 #include "slom/model/component.hpp"
+#include "slom/model/gauge_generators.hpp"
 #include "slom/model/type_name.hpp"
 #include "slom/model/value_array.hpp"
-#include "slom/model/world_motion.hpp"
 
 namespace slom {
 
@@ -54,13 +54,13 @@ class VariableStoreBase {
   /// value := value [+] d, d of dofOf(value) entries.
   virtual void boxplus(void* value, const double* d) const = 0;
   /// Writes |x_i| of every component (1 for angles) to out.
-  virtual void magnitudesOf(const void* value, double* out) const = 0;
+  virtual void typicalSizesOf(const void* value, double* out) const = 0;
   /// Writes A (dof x dof, column-major): the perturbation A d on the right does what d does on the left of rotations.
   virtual void leftPerturbation(const void* value, double* A) const = 0;
   /// Writes the coordinate of each component, NaN where it has none, as rotations.
   virtual void coordinates(const void* value, double* out) const = 0;
-  /// Writes how the value moves with the world (dof x kWorldMotions, column-major).
-  virtual void worldMotions(const void* value, WorldRole role, double* out) const = 0;
+  /// Writes how the value moves with the world (dof x kGaugeGenerators, column-major).
+  virtual void gaugeGenerators(const void* value, WorldRole role, double* out) const = 0;
   std::size_t valueSize() const { return value_size_; }
   std::size_t alignment() const { return alignment_; }
 
@@ -75,7 +75,7 @@ class VariableStoreBase {
     return values_.as<T>(slot);
   }
   int dof(std::uint32_t slot) { return dofOf(values_[slot]); }
-  void magnitudes(std::uint32_t slot, double* out) { magnitudesOf(values_[slot], out); }
+  void typicalSizes(std::uint32_t slot, double* out) { typicalSizesOf(values_[slot], out); }
   /// Remembers all values; `restore` brings them back.
   void save();
   void restore();
@@ -123,10 +123,10 @@ class VariableStore final : public VariableStoreBase {
   void assign(void* to, const void* from) const override;
   int dofOf(const void* value) const override;
   void boxplus(void* value, const double* d) const override;
-  void magnitudesOf(const void* value, double* out) const override;
+  void typicalSizesOf(const void* value, double* out) const override;
   void leftPerturbation(const void* value, double* A) const override;
   void coordinates(const void* value, double* out) const override;
-  void worldMotions(const void* value, WorldRole role, double* out) const override;
+  void gaugeGenerators(const void* value, WorldRole role, double* out) const override;
 };
 
 template <class T>
@@ -192,13 +192,13 @@ void VariableStore<T>::coordinates(const void* value, double* out) const {
   slom::coordinates(*static_cast<const T*>(value), out);
 }
 template <class T>
-void VariableStore<T>::worldMotions(const void* value, WorldRole role, double* out) const {
-  slom::worldMotions(*static_cast<const T*>(value), role, out);
+void VariableStore<T>::gaugeGenerators(const void* value, WorldRole role, double* out) const {
+  slom::gaugeGenerators(*static_cast<const T*>(value), role, out);
 }
 template <class T>
-void VariableStore<T>::magnitudesOf(const void* value, double* out) const {
+void VariableStore<T>::typicalSizesOf(const void* value, double* out) const {
   const T& x = *static_cast<const T*>(value);
-  mtk::magnitudes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(x)), x);
+  mtk::typicalSizes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(x)), x);
 }
 
 /// A new store for values of type T. Not inline, and declared for the types that many programs use: files that use these

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "mtk/bottleneck.hpp"
+#include "mtk/preaccumulation.hpp"
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
 #include "slom/model/indices.hpp"
@@ -49,7 +49,7 @@ const Z& held(const Measured<Z>& datum) {
 template <class Stored>
 using Held = std::remove_cvref_t<decltype(held(std::declval<const Stored&>()))>;
 
-/// As many unknowns as columns of packs can tell apart, besides those that mtk::bottleneck takes.
+/// As many unknowns as columns of packs can tell apart, besides those that mtk::preaccumulation takes.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
 /// How many measurements are evaluated at once: as many as registers are wide, unless so many derivatives (`entries` of a

@@ -65,7 +65,7 @@ class GaussNewton final : public Algorithm {
 /// that no unit counts for more than another and the scale does not swing with the linearisation. With a `memory` below 1
 /// each earlier linearisation counts by that factor less.
 ///   source   More, "The Levenberg-Marquardt algorithm: implementation and theory", 1978, section 6
-class UnknownScales {
+class ColumnScaling {
  public:
   /// Takes the linearisation of `system` into account. Valid until the next call.
   Eigen::Map<const Eigen::VectorXd> update(System& system, double memory = 1);
@@ -76,7 +76,7 @@ class UnknownScales {
   std::vector<double> largest_, scale_;
 };
 
-/// d = -(J^T J + mu D)^-1 J^T r with D the UnknownScales, mu raised until the RSS falls. Close to the solution, where the change
+/// d = -(J^T J + mu D)^-1 J^T r with D the ColumnScaling, mu raised until the RSS falls. Close to the solution, where the change
 /// of the RSS is rounding error, a step counts as good when g^T (J^T J + mu D)^-1 g is smaller behind it: that is accurate to the
 /// last digits of the unknowns, the RSS to half of them. The dog leg does likewise.
 ///   damping     Marquardt 1963, with the scale of More 1978
@@ -101,10 +101,10 @@ class LevenbergMarquardt final : public Algorithm {
   double initial_damping_, memory_;
   double mu_;
   double nu_ = 2;
-  UnknownScales scales_;
+  ColumnScaling scales_;
 };
 
-/// The Gauss-Newton step where it fits into the trust region |D^1/2 d| <= radius, D the UnknownScales; otherwise the point where the path from the best steepest-descent step to it leaves the region.
+/// The Gauss-Newton step where it fits into the trust region |D^1/2 d| <= radius, D the ColumnScaling; otherwise the point where the path from the best steepest-descent step to it leaves the region.
 ///   source   Powell 1970, as in Madsen, Nielsen and Tingleff 2004, algorithm 3.21, in scaled unknowns; the radius
 ///            becomes max(radius, 3 |d|) for rho > 3/4 and half of it for rho < 1/4. The first radius is the length of
 ///            the first Gauss-Newton step.
@@ -121,7 +121,7 @@ class DogLeg final : public Algorithm {
  private:
   double initial_radius_;
   double radius_;
-  UnknownScales scales_;
+  ColumnScaling scales_;
 };
 
 }  // namespace slom

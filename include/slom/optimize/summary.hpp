@@ -36,11 +36,11 @@ struct IterationRecord {
                           ///< while graduating that of the stage's widened losses
   double relative_decrease = 0;  ///< (old - new) / old; negative when the RSS grew
   double gradient = 0;           ///< max_i |g_i| / (|J_i| |r|), where the step started
-  double step = 0;      ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
-  double damping = 0;   ///< Levenberg-Marquardt's mu, dog leg's radius
-  int trials = 1;       ///< steps tried in this iteration
-  double widening = 1;  ///< mu of the stage of graduated non-convexity; 1: the losses as they are
-  double seconds = 0;   ///< since the start of optimize()
+  double step = 0;     ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
+  double damping = 0;  ///< Levenberg-Marquardt's mu, dog leg's radius
+  int trials = 1;      ///< steps tried in this iteration
+  double graduation = 1;  ///< mu of the stage of graduated non-convexity; 1: the losses as they are
+  double seconds = 0;     ///< since the start of optimize()
 };
 
 /// What an observer may return.

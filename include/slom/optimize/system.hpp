@@ -46,14 +46,14 @@ class System {
   /// The RSS at the current values, without derivatives; NaN when a residual is not finite.
   double rss() { return linearizer_.rss(problem_); }
 
-  /// Takes every loss with the scale c sqrt(widening) from now on; 1: as it was given.
-  void setLossWidening(double widening);
-  double lossWidening() const { return linearizer_.lossWidening(); }
+  /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the losses as given.
+  void setLossGraduation(double mu);
+  double lossGraduation() const { return linearizer_.lossGraduation(); }
   /// max |W r|^2 / c^2 over the measurements with a loss of scale c at the current values; -1 when there are none.
   double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
 
   /// max_i |g_i| / (|J_i| |r|) of the linearisation, where losses have reweighted r and J; 0 for a perfect fit.
-  double gradientCosine() const;
+  double orthogonality() const;
   /// max_i g_i^2 / H_ii: what the best step of a single unknown promises, no more than that of all.
   double promiseOfOneUnknown() const;
   /// max_i |d_i| |J_i|
@@ -130,7 +130,7 @@ class System {
   void requireRange();
   SolveStatus lookAgain(SolveStatus status, bool& has_changed);
   /// |x_i| of every unknown (1 for angles).
-  Eigen::VectorXd magnitudes();
+  Eigen::VectorXd typicalSizes();
 
   Problem& problem_;
   Linearizer& linearizer_;

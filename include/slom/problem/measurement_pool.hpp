@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "slom/model/function.hpp"
-#include "slom/model/hidden.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/model/variable_store.hpp"
 
 namespace slom {
@@ -209,7 +209,7 @@ class MeasurementPool {
   std::vector<double> noise_;
   std::vector<const Loss*> loss_;  // into losses_
   struct Losses;
-  detail::Hidden<Losses> losses_;  // the different ones
+  detail::Pimpl<Losses> losses_;  // the different ones
   int loss_count_ = 0;
   std::vector<long> serial_;
   std::vector<std::uint32_t> slot_;        // of each measurement

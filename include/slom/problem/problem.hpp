@@ -1,4 +1,4 @@
-/// The books: variables and measurements by type, who depends on whom, what is optimised.
+/// The variable and measurement table: values and measurements by type, who depends on whom, what is optimised.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "slom/model/hidden.hpp"
 #include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/problem/measurement_pool.hpp"
 
 namespace slom {
@@ -167,7 +167,7 @@ class Problem {
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
   IndexSet constrained_, bounded_;     // by table index: with fixed or bounded components; with bounds
-  mutable detail::Hidden<Uses> uses_;  // of variables by measurements, once somebody has asked
+  mutable detail::Pimpl<Uses> uses_;   // of variables by measurements, once somebody has asked
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;

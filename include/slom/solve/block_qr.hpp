@@ -1,7 +1,7 @@
 /// The square-root path: a sparse QR decomposition of the Jacobian, for ill-conditioned problems.
 #pragma once
 
-#include "slom/model/hidden.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -21,14 +21,14 @@ class BlockQR final : public LinearSolver {
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override;
   const Eigen::VectorXd& diagonal() const override;
-  double squaredImage(const Eigen::VectorXd& d) const override;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   double leastOfColumn() const override;
   std::string description() const override;
 
  private:
   struct Implementation;
-  detail::Hidden<Implementation> self_;
+  detail::Pimpl<Implementation> impl_;
 };
 
 }  // namespace slom

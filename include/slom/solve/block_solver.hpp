@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "slom/model/hidden.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -53,7 +53,7 @@ class BlockSolver final : public LinearSolver {
   bool isExact() const override;
   const Eigen::VectorXd& gradient() const override;
   const Eigen::VectorXd& diagonal() const override;
-  double squaredImage(const Eigen::VectorXd& d) const override;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   /// By selected inversion of the factor, which takes about as long as two more factorisations.
   ///   source   Takahashi, Fagan and Chen 1973; Campbell and Davis 1995
@@ -73,7 +73,7 @@ class BlockSolver final : public LinearSolver {
 
  private:
   struct Implementation;
-  detail::Hidden<Implementation> self_;
+  detail::Pimpl<Implementation> impl_;
 };
 
 }  // namespace slom

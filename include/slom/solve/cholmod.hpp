@@ -2,7 +2,7 @@
 /// the GPL: configure with -DSLOM_WITH_CHOLMOD=ON.
 #pragma once
 
-#include "slom/model/hidden.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -21,7 +21,7 @@ class Cholmod final : public LinearSolver {
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override;
   const Eigen::VectorXd& diagonal() const override;
-  double squaredImage(const Eigen::VectorXd& d) const override;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   double leastOfColumn() const override;
   std::string description() const override;
@@ -30,7 +30,7 @@ class Cholmod final : public LinearSolver {
 
  private:
   struct Implementation;
-  detail::Hidden<Implementation> self_;
+  detail::Pimpl<Implementation> impl_;
 };
 
 }  // namespace slom

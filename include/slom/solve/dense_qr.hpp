@@ -2,7 +2,7 @@
 /// number is not squared. For small or ill-conditioned problems, and as the oracle of the other solvers.
 #pragma once
 
-#include "slom/model/hidden.hpp"
+#include "slom/model/pimpl.hpp"
 #include "slom/solve/linear_solver.hpp"
 
 namespace slom {
@@ -18,7 +18,7 @@ class DenseQR final : public LinearSolver {
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   const Eigen::VectorXd& gradient() const override;
   const Eigen::VectorXd& diagonal() const override;
-  double squaredImage(const Eigen::VectorXd& d) const override;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const override;
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
   double leastOfColumn() const override;
   std::string description() const override;
@@ -29,7 +29,7 @@ class DenseQR final : public LinearSolver {
 
  private:
   struct Implementation;
-  detail::Hidden<Implementation> self_;
+  detail::Pimpl<Implementation> impl_;
 };
 
 }  // namespace slom

@@ -50,7 +50,7 @@ class LinearSolver : public JacobianSink {
   /// Diagonal of H.
   virtual const Eigen::VectorXd& diagonal() const = 0;
   /// |J d|^2
-  virtual double squaredImage(const Eigen::VectorXd& d) const = 0;
+  virtual double squaredNormOfJd(const Eigen::VectorXd& d) const = 0;
 
   /// Factorises the undamped system and solves H X = B; B has a row for each unknown.
   virtual SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) = 0;

@@ -82,7 +82,7 @@ VectorXd JacobianRows::diagonal() const {
   return sum;
 }
 
-double JacobianRows::squaredImage(const VectorXd& d) const {
+double JacobianRows::squaredNormOfJd(const VectorXd& d) const {
   double sum = 0;
   VectorXd image;
   forEach([&](std::size_t group, int m) {

@@ -40,7 +40,7 @@ class JacobianRows {
   /// Diagonal of J^T J.
   Eigen::VectorXd diagonal() const;
   /// |J d|^2
-  double squaredImage(const Eigen::VectorXd& d) const;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const;
 
  private:
   struct Group {

@@ -297,7 +297,7 @@ void NormalEquations::add(const JacobianBatch& batch) {
   }
 }
 
-double NormalEquations::squaredImage(const Eigen::VectorXd& d) const {
+double NormalEquations::squaredNormOfJd(const Eigen::VectorXd& d) const {
   return H_.squaredForm(offset_, d.data());
 }
 

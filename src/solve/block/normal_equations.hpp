@@ -32,7 +32,7 @@ class NormalEquations {
   /// Of H.
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
   /// d^T H d
-  double squaredImage(const Eigen::VectorXd& d) const;
+  double squaredNormOfJd(const Eigen::VectorXd& d) const;
   /// Of a block of the structure, in the order of elimination.
   int position(int block) const { return place_[static_cast<std::size_t>(block)].column; }
   /// First unknown of each position.

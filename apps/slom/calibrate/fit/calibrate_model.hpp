@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/calibration.hpp"
 #include "calibrate/fit/comparison.hpp"
 #include "calibrate/fit/cross_validation.hpp"
-#include "calibrate/fit/joint.hpp"
-#include "calibrate/start/parallel_views.hpp"
+#include "calibrate/fit/rig.hpp"
+#include "calibrate/fit/single_camera.hpp"
+#include "calibrate/initialization/parallel_views.hpp"
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 

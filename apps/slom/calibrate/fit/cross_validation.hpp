@@ -5,9 +5,9 @@
 #include <map>
 #include <vector>
 
-#include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/comparison.hpp"
-#include "calibrate/fit/joint.hpp"
+#include "calibrate/fit/rig.hpp"
+#include "calibrate/fit/single_camera.hpp"
 #include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {

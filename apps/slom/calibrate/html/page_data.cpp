@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/detect/photo_patch.hpp"
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/quality/board.hpp"
 #include "calibrate/quality/verdict.hpp"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 #include "printable.hpp"
 
 namespace slom::app::calib {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 #include "calibrate/output/notes.hpp"
 #include "fitting/progress.hpp"
 #include "printable.hpp"

@@ -5,7 +5,7 @@
 
 #include "calibrate/quality/board.hpp"
 #include "calibrate/quality/correlations.hpp"
-#include "calibrate/quality/further_views.hpp"
+#include "calibrate/quality/next_best_view.hpp"
 #include "calibrate/quality/projection.hpp"
 #include "calibrate/quality/residuals.hpp"
 #include "calibrate/quality/split_half.hpp"
@@ -39,12 +39,12 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void addProjection(const FittedRig& rig, const Knowledge& knowledge, double board_distance_m,
+void addProjection(const FittedRig& rig, const Posterior& knowledge, double board_distance_m,
                    std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     FitLimits::requireTime();
     CameraQuality& camera = cameras[c];
-    const CameraKnowledge known(rig, knowledge, c);
+    const CameraPosterior known(rig, knowledge, c);
     const double infinity = std::numeric_limits<double>::infinity();
     camera.projection =
         known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
@@ -65,14 +65,14 @@ void addProjection(const FittedRig& rig, const Knowledge& knowledge, double boar
 void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
                      const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
                      Quality& quality) {
-  const std::map<int, Sight> sights = sightsOf(data, rig);
+  const std::map<int, Observation> sights = sightsOf(data, rig);
   Information information(rig.columns);
   for (const auto& [image, sight] : sights) {
     FitLimits::requireTime();
     information.add(informationOf(rig, sight));
   }
   information.addPrior(rig);
-  const Knowledge knowledge(information);
+  const Posterior knowledge(information);
   quality.board_distance_m = boardDistance(sights, rig);
   quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
   clock.record("covariance");

@@ -39,7 +39,7 @@ SharedColumns columnsOf(const Result& result) {
 
 /// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
 /// by left2camera, times `pose`.
-void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, Eigen::MatrixXd& H) {
+void addCorners(const FittedRig& rig, std::size_t c, const Observation& sight, Eigen::MatrixXd& H) {
   const Eigen::Matrix3d world2left = sight.left2world.orient.toRotationMatrix().transpose();
   Matrix6 pose = Matrix6::Zero();
   pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
@@ -59,7 +59,7 @@ void addCorners(const FittedRig& rig, std::size_t c, const Sight& sight, Eigen::
 }
 
 /// Likewise for a reading: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
-void addReading(const FittedRig& rig, const Sight& sight, Eigen::MatrixXd& H) {
+void addReading(const FittedRig& rig, const Observation& sight, Eigen::MatrixXd& H) {
   const Eigen::Matrix3d left2world = sight.left2world.orient.toRotationMatrix();
   const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
   const Eigen::Vector3d in_left = imu2left * (*sight.acc - rig.imu->acc_bias);
@@ -118,9 +118,9 @@ void Information::addPrior(const FittedRig& rig) {
   }
 }
 
-Eigen::MatrixXd Information::covariance() const { return Knowledge(*this).covarianceOfShared(); }
+Eigen::MatrixXd Information::covariance() const { return Posterior(*this).covarianceOfShared(); }
 
-Information informationOf(const FittedRig& rig, const Sight& sight) {
+Information informationOf(const FittedRig& rig, const Observation& sight) {
   const int n = rig.columns.size;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 6, n + 6);
   for (std::size_t c = 0; c < sight.points.size(); ++c) {
@@ -145,7 +145,7 @@ Information informationOf(const FittedRig& rig, const Sight& sight) {
   return share;
 }
 
-Knowledge::Knowledge(const Information& information)
+Posterior::Posterior(const Information& information)
     : free_(information.free_),
       all_(information.all_),
       scale_(information.shared_.diagonal().cwiseSqrt().cwiseInverse()),
@@ -156,7 +156,7 @@ Knowledge::Knowledge(const Information& information)
   noise_root_ = L.transpose() * inverse;
 }
 
-Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared,
+Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
                                     const Eigen::MatrixXd& by_motion) const {
   const auto n = Eigen::Index(free_.size());
   Eigen::MatrixXd w(n + 6, by_motion.rows());
@@ -169,11 +169,11 @@ Eigen::MatrixXd Knowledge::whitened(const Eigen::MatrixXd& by_shared,
   return w;
 }
 
-Eigen::VectorXd Knowledge::solve(const Eigen::VectorXd& by_free) const {
+Eigen::VectorXd Posterior::solve(const Eigen::VectorXd& by_free) const {
   return scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(by_free)));
 }
 
-Eigen::MatrixXd Knowledge::covarianceOfShared() const {
+Eigen::MatrixXd Posterior::covarianceOfShared() const {
   const auto n = Eigen::Index(free_.size());
   const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(all_, all_);
@@ -181,10 +181,10 @@ Eigen::MatrixXd Knowledge::covarianceOfShared() const {
   return C;
 }
 
-std::map<int, Sight> sightsOf(const Dataset& data, const FittedRig& rig) {
-  std::map<int, Sight> sights;
+std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig) {
+  std::map<int, Observation> sights;
   for (const auto& [image, pose] : rig.left2world) {
-    Sight sight{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
+    Observation sight{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {
       const View* view = data.cameras[c].find(image);
       if (!view) continue;

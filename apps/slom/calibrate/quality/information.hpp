@@ -54,7 +54,7 @@ struct FittedRig {
 };
 
 /// What is seen in one image: by camera the points of the board that it sees, in the world, and a reading.
-struct Sight {
+struct Observation {
   SE3 left2world;
   std::vector<std::vector<vec3>> points;
   std::optional<vec3> acc;
@@ -73,8 +73,8 @@ class Information {
   Eigen::MatrixXd covariance() const;
 
  private:
-  friend Information informationOf(const FittedRig& rig, const Sight& sight);
-  friend struct Knowledge;
+  friend Information informationOf(const FittedRig& rig, const Observation& sight);
+  friend struct Posterior;
   friend class VarianceBound;
 
   std::vector<int> free_;
@@ -83,12 +83,12 @@ class Information {
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;      // F, likewise
   Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
 };
-Information informationOf(const FittedRig& rig, const Sight& sight);
+Information informationOf(const FittedRig& rig, const Observation& sight);
 
 /// What a set of images knows, ready to be propagated. A number that changes by a ds + e dm, with the shared parameters and with
 /// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
-struct Knowledge {
-  explicit Knowledge(const Information& information);
+struct Posterior {
+  explicit Posterior(const Information& information);
   /// Columns w, of rows a (of all shared parameters) and e.
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const;
   /// 0 for those that are not estimated.
@@ -109,6 +109,6 @@ struct Knowledge {
 };
 
 /// By image number.
-std::map<int, Sight> sightsOf(const Dataset& data, const FittedRig& rig);
+std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig);
 
 }  // namespace slom::app::calib

@@ -34,7 +34,7 @@ void summarise(const ImageGrid& grid, ProjectionUncertainty& map) {
 
 }  // namespace
 
-Eigen::Matrix2d ProjectedPoint::covariance(const Knowledge& knowledge) const {
+Eigen::Matrix2d ProjectedPoint::covariance(const Posterior& knowledge) const {
   const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
   return w.transpose() * w;
 }
@@ -50,12 +50,12 @@ ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
   }
 }
 
-std::vector<double> ProjectedPoints::std(const Knowledge& knowledge) const {
+std::vector<double> ProjectedPoints::std(const Posterior& knowledge) const {
   if (by_shared_.rows() == 0) return {};
   return largestStds(knowledge.whitened(by_shared_, by_motion_));
 }
 
-DirectedPoint ProjectedPoints::alongLargest(std::size_t i, const Knowledge& knowledge) const {
+DirectedPoint ProjectedPoints::alongLargest(std::size_t i, const Posterior& knowledge) const {
   const auto by_shared = by_shared_.middleRows<2>(2 * Eigen::Index(i)),
              by_motion = by_motion_.middleRows<2>(2 * Eigen::Index(i));
   const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
@@ -99,7 +99,7 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
   return point;
 }
 
-CameraKnowledge::CameraKnowledge(const FittedRig& rig, const Knowledge& knowledge, std::size_t c)
+CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& knowledge, std::size_t c)
     : lens_(*rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
   // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this one, is how its centre moves.
   const SharedColumns& columns = rig.columns;
@@ -125,12 +125,12 @@ CameraKnowledge::CameraKnowledge(const FittedRig& rig, const Knowledge& knowledg
   }
 }
 
-double CameraKnowledge::Spread::largestStdAt(double distance_m) const {
+double CameraPosterior::Spread::largestStdAt(double distance_m) const {
   const Eigen::Matrix2d sum = far + (mixed + near / distance_m) / distance_m;
   return largestStd(sum(0, 0), sum(0, 1), sum(1, 1));
 }
 
-CameraKnowledge::Spread CameraKnowledge::spreadOf(const vec3& ray) const {
+CameraPosterior::Spread CameraPosterior::spreadOf(const vec3& ray) const {
   const Lens::Projection q = lens_.differentiate(ray);
   const Eigen::Vector3d direction = left2camera_.transpose() * ray;
   const Eigen::Matrix<double, 2, 3> by_turn = q.by_point * left2camera_ * crossMatrix(direction);
@@ -159,7 +159,7 @@ CameraKnowledge::Spread CameraKnowledge::spreadOf(const vec3& ray) const {
           symmetric(product(near.u, near.u), product(near.u, near.v), product(near.v, near.v))};
 }
 
-std::vector<double> CameraKnowledge::stdOfRays(const std::vector<std::optional<vec3>>& rays) const {
+std::vector<double> CameraPosterior::stdOfRays(const std::vector<std::optional<vec3>>& rays) const {
   std::vector<double> result;
   for (const auto& ray : rays) {
     if (ray) result.push_back(spreadOf(*ray).largestStdAt(std::numeric_limits<double>::infinity()));
@@ -167,7 +167,7 @@ std::vector<double> CameraKnowledge::stdOfRays(const std::vector<std::optional<v
   return result;
 }
 
-std::vector<ProjectionUncertainty> CameraKnowledge::maps(const ImageGrid& grid,
+std::vector<ProjectionUncertainty> CameraPosterior::maps(const ImageGrid& grid,
                                                          const std::vector<std::optional<vec3>>& rays,
                                                          const std::vector<double>& distances_m) const {
   std::vector<ProjectionUncertainty> maps;

@@ -23,7 +23,7 @@ struct ProjectedPoint {
   Eigen::Matrix<double, 2, 6> by_motion;               ///< of the frame: translation, rotation
 
   /// 2 x 2 [px^2].
-  Eigen::Matrix2d covariance(const Knowledge& knowledge) const;
+  Eigen::Matrix2d covariance(const Posterior& knowledge) const;
 };
 
 /// How a point's pixel moves along one direction of the image.
@@ -39,9 +39,9 @@ class ProjectedPoints {
   explicit ProjectedPoints(const std::vector<ProjectedPoint>& points);
   std::size_t size() const { return std::size_t(by_shared_.rows() / 2); }
   /// Standard deviation of each, in the direction in which it is largest [px].
-  std::vector<double> std(const Knowledge& knowledge) const;
+  std::vector<double> std(const Posterior& knowledge) const;
   /// Point i along the direction in which its standard deviation is largest.
-  DirectedPoint alongLargest(std::size_t i, const Knowledge& knowledge) const;
+  DirectedPoint alongLargest(std::size_t i, const Posterior& knowledge) const;
   /// Some of them, `which` one after the other.
   ProjectedPoints at(const std::vector<std::size_t>& which) const;
 
@@ -52,9 +52,9 @@ class ProjectedPoints {
 /// Points on rays of one camera, at any distance. Of all that is known, little matters to them: with the lens parameters p,
 /// and as the camera sees them, the turn t of the frame against it and the shift s, the pixel of distance * ray changes by
 ///   by_parameters dp + by_turn(ray) dt + by_point(ray) ds / distance
-class CameraKnowledge {
+class CameraPosterior {
  public:
-  CameraKnowledge(const FittedRig& rig, const Knowledge& knowledge, std::size_t c);
+  CameraPosterior(const FittedRig& rig, const Posterior& knowledge, std::size_t c);
   /// Of the pixels of the rays that are there, at infinity [px].
   std::vector<double> stdOfRays(const std::vector<std::optional<vec3>>& rays) const;
   /// Over a grid, whose rays these are, at distances that may be infinite. Without summary figures where no node has a ray.

@@ -64,7 +64,7 @@ ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera) {
   return best;
 }
 
-double boardDistance(const std::map<int, Sight>& sights, const FittedRig& rig) {
+double boardDistance(const std::map<int, Observation>& sights, const FittedRig& rig) {
   std::vector<double> distances;
   for (const auto& [image, sight] : sights) {
     const SE3 to_left = sight.left2world.inverse();

@@ -19,15 +19,15 @@ namespace {
 struct Half {
   Half(const Result& result, const Dataset& data) : rig(result), knowledge(informationOfAll(data, rig)) {}
 
-  static Knowledge informationOfAll(const Dataset& data, const FittedRig& rig) {
+  static Posterior informationOfAll(const Dataset& data, const FittedRig& rig) {
     Information sum(rig.columns);
     for (const auto& [image, sight] : sightsOf(data, rig)) sum.add(informationOf(rig, sight));
     sum.addPrior(rig);
-    return Knowledge(sum);
+    return Posterior(sum);
   }
 
   FittedRig rig;
-  Knowledge knowledge;
+  Posterior knowledge;
 };
 
 /// A node that both halves have a ray for.
@@ -122,8 +122,8 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
   const Lens& first = *a.rig.lenses[c];
   const Lens& second = *b.rig.lenses[c];
   const auto rays = raysOf(first, grid), others = raysOf(second, grid);
-  const auto stds = CameraKnowledge(a.rig, a.knowledge, c).stdOfRays(rays),
-             other_stds = CameraKnowledge(b.rig, b.knowledge, c).stdOfRays(others);
+  const auto stds = CameraPosterior(a.rig, a.knowledge, c).stdOfRays(rays),
+             other_stds = CameraPosterior(b.rig, b.knowledge, c).stdOfRays(others);
   std::vector<Compared> nodes;
   auto std = stds.begin(), other_std = other_stds.begin();
   for (int i = 0; i < grid.size(); ++i) {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 
 namespace slom::app::calib {
 namespace {

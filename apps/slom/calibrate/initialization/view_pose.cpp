@@ -1,4 +1,4 @@
-#include "calibrate/start/view_pose.hpp"
+#include "calibrate/initialization/view_pose.hpp"
 
 #include <limits>
 

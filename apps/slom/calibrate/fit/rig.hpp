@@ -8,10 +8,10 @@
 
 #include <slom/slom.hpp>
 
-#include "calibrate/fit/alone.hpp"
 #include "calibrate/fit/imu_precision.hpp"
 #include "calibrate/fit/rotation_vector.hpp"
-#include "calibrate/start/imu.hpp"
+#include "calibrate/fit/single_camera.hpp"
+#include "calibrate/initialization/imu.hpp"
 #include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {

@@ -1,4 +1,4 @@
-#include "calibrate/start/rig.hpp"
+#include "calibrate/initialization/rig.hpp"
 
 #include <cmath>
 #include <limits>
@@ -37,7 +37,7 @@ bool isFinite(const Vote& vote) {
 
 /// The vote that the others agree with best: least sum of the angles by which both move the others' boards,
 /// plus the differences in rotation. One bad pose among three does no harm. Nothing where no sum is finite.
-std::optional<SE3> elected(const std::vector<Vote>& all) {
+std::optional<SE3> consensusOf(const std::vector<Vote>& all) {
   std::optional<SE3> best;
   double least = std::numeric_limits<double>::infinity();
   for (const Vote& candidate : all) {
@@ -72,7 +72,7 @@ std::vector<SE3> cameraPoses(const Dataset& data, const std::vector<ViewPoses>& 
         if (common.size() > most.size()) from = a, to = b, most = std::move(common);
       }
     }
-    const std::optional<SE3> pose = elected(most);
+    const std::optional<SE3> pose = consensusOf(most);
     if (!pose) refusePair(data.cameras[from], data.cameras[to], most.size());
     left2camera[to] = *pose * *left2camera[from];
   }

@@ -9,11 +9,11 @@
 
 #include "calibrate/fit/lens_constraints.hpp"
 #include "calibrate/fit/measurements.hpp"
+#include "calibrate/initialization/fisheye.hpp"
+#include "calibrate/initialization/intrinsics.hpp"
+#include "calibrate/initialization/rig.hpp"
+#include "calibrate/initialization/view_pose.hpp"
 #include "calibrate/result.hpp"
-#include "calibrate/start/fisheye.hpp"
-#include "calibrate/start/intrinsics.hpp"
-#include "calibrate/start/rig.hpp"
-#include "calibrate/start/view_pose.hpp"
 #include "fitting/fit_limits.hpp"
 
 namespace slom::app::calib {
@@ -70,8 +70,8 @@ SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& vie
 /// A small board seen from afar looks nearly the same when it is tilted the other way: where that is not clearly worse, fits
 /// both and keeps the better.
 template <class Camera>
-SE3 poseOfEitherTilt(const Camera& camera, const PlaneView& plane, const SE3& world2camera,
-                     const View& view) {
+SE3 poseResolvingAmbiguity(const Camera& camera, const PlaneView& plane, const SE3& world2camera,
+                           const View& view) {
   constexpr double clearly_worse = 16;  // squared error
   const double error = squaredPixelError(camera, world2camera, view);
   if (squaredPixelError(camera, tiltedOtherWay(plane, world2camera), view) > clearly_worse * error)
@@ -128,7 +128,8 @@ FitAlone<Camera> fitAlone(const CameraData& data, std::vector<PlaneView> planes,
   fit.start = start.source;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const SE3 rough = poseFromHomography(planes[i], start.pinhole);
-    fit.world2camera[data.views[i].image] = poseOfEitherTilt(fit.camera, planes[i], rough, data.views[i]);
+    fit.world2camera[data.views[i].image] =
+        poseResolvingAmbiguity(fit.camera, planes[i], rough, data.views[i]);
   }
   const bool is_determined = 2 * data.cornerCount() >= std::size_t(Camera::DOF) + 6 * data.views.size();
   try {

@@ -9,15 +9,15 @@ namespace slom::detail {
 /// or so templates, which every program that includes the header would compile again for each T. OnEmpty is called when it is
 /// used after it was moved from, and throws.
 template <class T, void (*OnEmpty)() = nullptr>
-class Hidden {
+class Pimpl {
  public:
-  explicit Hidden(T* owned) : owned_(owned) {}
-  Hidden(Hidden&& other) noexcept : owned_(std::exchange(other.owned_, nullptr)) {}
-  Hidden& operator=(Hidden&& other) noexcept {
+  explicit Pimpl(T* owned) : owned_(owned) {}
+  Pimpl(Pimpl&& other) noexcept : owned_(std::exchange(other.owned_, nullptr)) {}
+  Pimpl& operator=(Pimpl&& other) noexcept {
     if (this != &other) delete std::exchange(owned_, std::exchange(other.owned_, nullptr));
     return *this;
   }
-  ~Hidden() {
+  ~Pimpl() {
     static_assert(sizeof(T) > 0, "the source file that knows T defines the destructor of the owning class");
     delete owned_;
   }

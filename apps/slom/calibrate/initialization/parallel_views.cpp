@@ -1,4 +1,4 @@
-#include "calibrate/start/parallel_views.hpp"
+#include "calibrate/initialization/parallel_views.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
-#include "calibrate/start/fisheye.hpp"
+#include "calibrate/initialization/fisheye.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "calibrate/camera_models.hpp"
-#include "calibrate/start/homography.hpp"
-#include "calibrate/start/view_pose.hpp"
+#include "calibrate/initialization/homography.hpp"
+#include "calibrate/initialization/view_pose.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -1,4 +1,4 @@
-#include "analyze/leverage.hpp"
+#include "analyze/residual_tests.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "calibrate/start/homography.hpp"
+#include "calibrate/initialization/homography.hpp"
 
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "calibrate/start/right_singular.hpp"
+#include "calibrate/initialization/right_singular.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -18,14 +18,14 @@ enum class WorldRole {
 };
 
 /// Translation along x, y, z, rotation about x, y, z (all about the origin), scale. In the plane: x, y, about z, scale.
-inline constexpr int kWorldMotions = 7;
+inline constexpr int kGaugeGenerators = 7;
 
 namespace detail {
 
-/// The tangent vectors of one part, in the rows from `at` of a matrix with `dof` rows and kWorldMotions columns of zeros.
-class WorldMotionWriter {
+/// The tangent vectors of one part, in the rows from `at` of a matrix with `dof` rows and kGaugeGenerators columns of zeros.
+class GaugeGeneratorWriter {
  public:
-  WorldMotionWriter(double* out, int dof, WorldRole role) : out_(out), dof_(dof), role_(role) {}
+  GaugeGeneratorWriter(double* out, int dof, WorldRole role) : out_(out), dof_(dof), role_(role) {}
 
   template <class P>
   void add(const P& part, int at) const {
@@ -100,13 +100,13 @@ class WorldMotionWriter {
 
 }  // namespace detail
 
-/// Writes how x moves with each motion of the world, dof(x) x kWorldMotions, column-major, 0 for parts that are of no known
+/// Writes how x moves with each motion of the world, dof(x) x kGaugeGenerators, column-major, 0 for parts that are of no known
 /// geometric kind.
 template <class X>
-void worldMotions(const X& x, WorldRole role, double* out) {
+void gaugeGenerators(const X& x, WorldRole role, double* out) {
   const int n = mtk::dof(x);
-  for (int i = 0; i < n * kWorldMotions; ++i) out[i] = 0;
-  detail::WorldMotionWriter(out, n, role).add(x, 0);
+  for (int i = 0; i < n * kGaugeGenerators; ++i) out[i] = 0;
+  detail::GaugeGeneratorWriter(out, n, role).add(x, 0);
 }
 
 }  // namespace slom

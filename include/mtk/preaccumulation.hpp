@@ -2,7 +2,7 @@
 ///
 /// The derivatives of p by its unknowns pass through its entries. For long formulas (a camera model, say) it is cheaper to
 /// take the derivatives by these entries first and to multiply them by those of p at the end:
-///     return mtk::bottleneck(camera.pose * point, [&](const auto& p) { ...the camera model... });
+///     return mtk::preaccumulate(camera.pose * point, [&](const auto& p) { ...the camera model... });
 /// gives the same as calling the function with the point. It makes a difference for dual numbers over packs alone.
 #pragma once
 
@@ -61,16 +61,16 @@ using LocalVector = SeedVector<N, S, kFirstLocalColumn>;
 
 /// f(p), a vector or a number. p: up to 3 entries.
 template <int N, class S, class F>
-auto bottleneck(const vect<N, S>& p, const F& f) {
+auto preaccumulate(const vect<N, S>& p, const F& f) {
   return f(p);
 }
 template <class D, class F>
-auto bottleneck(const Eigen::MatrixBase<D>& p, const F& f) {
+auto preaccumulate(const Eigen::MatrixBase<D>& p, const F& f) {
   return f(p.derived());
 }
 template <int N, int W, std::uint64_t C, class F>
   requires(N <= 3 && detail::countColumns(C) > N)
-auto bottleneck(const vect<N, SparseDual<Pack<W>, C>>& p, const F& f) {
+auto preaccumulate(const vect<N, SparseDual<Pack<W>, C>>& p, const F& f) {
   vect<N, Pack<W>> values{Uninitialized()};
   detail::unrolled<N>([&](int i) { values[i] = p[i].value(); });
   const auto y = f(detail::LocalVector<N, Pack<W>>(values));

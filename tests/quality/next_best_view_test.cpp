@@ -1,5 +1,5 @@
 // The gain that is predicted of a further view is what a fit with such a view has.
-#include "calibrate/quality/further_views.hpp"
+#include "calibrate/quality/next_best_view.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ std::vector<FurtherView> viewsOf(const testing::CalibratedRig& r) {
 double worstOf(const Dataset& data, const Result& result) {
   const FittedRig rig(result);
   return worstStd(pointsOfAllCameras(rig, testing::grids(data, 7, 5), distance_m),
-                  Knowledge(testing::informationOfAll(data, rig)));
+                  Posterior(testing::informationOfAll(data, rig)));
 }
 
 /// The true rig sees the board from where the view asks for.

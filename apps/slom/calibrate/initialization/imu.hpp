@@ -6,8 +6,8 @@
 
 #include <vector>
 
+#include "calibrate/initialization/rig.hpp"
 #include "calibrate/result.hpp"
-#include "calibrate/start/rig.hpp"
 
 namespace slom::app::calib {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "calibrate/start/intrinsics.hpp"
+#include "calibrate/initialization/intrinsics.hpp"
 
 namespace slom::app::calib {
 

@@ -1,4 +1,4 @@
-#include "calibrate/quality/further_views.hpp"
+#include "calibrate/quality/next_best_view.hpp"
 
 #include <algorithm>
 #include <array>
@@ -84,10 +84,10 @@ std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<Im
 }
 
 /// What the cameras would see of the board.
-Sight sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields, const std::vector<vec3>& board,
-              const SE3& left2world) {
+Observation sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields,
+                    const std::vector<vec3>& board, const SE3& left2world) {
   constexpr std::size_t fewest = 4;  // a pose needs as many
-  Sight sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
+  Observation sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
   for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
     const SE3 world2camera = rig.left2camera[c] * left2world.inverse();
     const Eigen::Matrix3d R = world2camera.orient.toRotationMatrix();
@@ -113,7 +113,7 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
     if (!ray) continue;
     for (const Attitude& attitude : attitudes()) {
       const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
-      const Sight sight = sightOf(rig, fields, board.corners, left2world);
+      const Observation sight = sightOf(rig, fields, board.corners, left2world);
       if (3 * sight.points[c].size() < 2 * board.corners.size()) continue;
       FurtherView view;
       view.camera = c;
@@ -149,7 +149,7 @@ struct WorstPoint {
 };
 
 /// Of all points, or one whose standard deviation is not below `limit`.
-WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Knowledge& knowledge, double limit) {
+WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior& knowledge, double limit) {
   WorstPoint worst;
   for (const ProjectedPoints& part : parts) {
     const std::vector<double> std = part.std(knowledge);
@@ -173,11 +173,11 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
               const std::vector<ProjectedPoints>& parts, double before) {
   constexpr std::size_t most_bounds = 8;  // more cost more than they spare
   std::vector<VarianceBound> bounds;
-  const auto addBound = [&](const WorstPoint& worst, const Knowledge& knowledge) {
+  const auto addBound = [&](const WorstPoint& worst, const Posterior& knowledge) {
     if (bounds.size() < most_bounds && worst.std > 0)
       bounds.emplace_back(worst.point.by_shared, worst.point.by_motion, knowledge);
   };
-  const Knowledge known(so_far);
+  const Posterior known(so_far);
   addBound(worstPoint(parts, known, 0), known);
   Information with = so_far;
   std::vector<std::pair<double, const Candidate*>> order;
@@ -198,7 +198,7 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
     if (std::any_of(bounds.rbegin(), bounds.rend(),
                     [&](const VarianceBound& b) { return b.of(with) >= least_variance; }))
       continue;
-    const Knowledge knowledge(with);
+    const Posterior knowledge(with);
     const WorstPoint worst = worstPoint(parts, knowledge, best.after);
     if (worst.std < best.after) best = {candidate, worst.std};
     addBound(worst, knowledge);
@@ -219,7 +219,7 @@ ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<Image
   return ProjectedPoints(points);
 }
 
-double worstStd(const ProjectedPoints& points, const Knowledge& knowledge) {
+double worstStd(const ProjectedPoints& points, const Posterior& knowledge) {
   const std::vector<double> all = points.std(knowledge);
   return all.empty() ? 0 : *std::max_element(all.begin(), all.end());
 }
@@ -244,7 +244,7 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
   Information so_far = information;
   std::vector<FurtherView> best_ones;
   for (int k = 0; k < options.count; ++k) {
-    const std::vector<double> now = points.std(Knowledge(so_far));
+    const std::vector<double> now = points.std(Posterior(so_far));
     if (now.empty()) break;
     const double before = *std::max_element(now.begin(), now.end());
     const std::vector<ProjectedPoints> parts = inParts(points, now);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "calibrate/camera_models.hpp"
-#include "calibrate/start/plane_view.hpp"
+#include "calibrate/initialization/plane_view.hpp"
 
 namespace slom::app::calib {
 

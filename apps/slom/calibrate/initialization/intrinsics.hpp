@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibrate/camera_models.hpp"
-#include "calibrate/start/plane_view.hpp"
+#include "calibrate/initialization/plane_view.hpp"
 
 namespace slom::app::calib {
 

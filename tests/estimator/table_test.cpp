@@ -1,4 +1,4 @@
-// The estimator's books: handles, removal, fixing, residuals, statistics, threads.
+// The estimator's tables: handles, removal, fixing, residuals, statistics, threads.
 // Pages show code of this file as it stands.
 // clang-format off
 #include <slom/slom.hpp>

@@ -1,4 +1,4 @@
-#include "calibrate/start/right_singular.hpp"
+#include "calibrate/initialization/right_singular.hpp"
 
 #include <Eigen/SVD>
 

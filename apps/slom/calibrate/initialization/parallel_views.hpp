@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/start/plane_view.hpp"
+#include "calibrate/initialization/plane_view.hpp"
 
 namespace slom::app::calib {
 

@@ -1,4 +1,4 @@
-#include "calibrate/start/intrinsics.hpp"
+#include "calibrate/initialization/intrinsics.hpp"
 
 #include <cmath>
 #include <limits>
@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "calibrate/start/right_singular.hpp"
-#include "calibrate/start/view_pose.hpp"
+#include "calibrate/initialization/right_singular.hpp"
+#include "calibrate/initialization/view_pose.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -1,4 +1,4 @@
-#include "calibrate/start/imu.hpp"
+#include "calibrate/initialization/imu.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
-#include "calibrate/start/right_singular.hpp"
+#include "calibrate/initialization/right_singular.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {

@@ -1,4 +1,4 @@
-#include "calibrate/output/format.hpp"
+#include "calibrate/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "slom/model/world_motion.hpp"
+#include "slom/model/gauge_generators.hpp"
 
 #include <Eigen/Geometry>
 
@@ -21,7 +21,7 @@ constexpr int kScale = 6;
 
 }  // namespace
 
-void WorldMotionWriter::addVector(const Vector& p, int dim, int at) const {
+void GaugeGeneratorWriter::addVector(const Vector& p, int dim, int at) const {
   const Columns entry{out_, dof_};
   const Vector3d v = vectorOf(p);
   for (int k = 0; k < dim && role_ == WorldRole::in_world; ++k) entry(at + k, k) = 1;
@@ -32,11 +32,11 @@ void WorldMotionWriter::addVector(const Vector& p, int dim, int at) const {
   for (int i = 0; i < dim; ++i) entry(at + i, kScale) = v[i];
 }
 
-void WorldMotionWriter::addRotation2(int at) const {
+void GaugeGeneratorWriter::addRotation2(int at) const {
   Columns{out_, dof_}(at, 5) = role_ == WorldRole::sees_world ? -1 : 1;
 }
 
-void WorldMotionWriter::addRotation3(const Matrix& rotation, int at) const {
+void GaugeGeneratorWriter::addRotation3(const Matrix& rotation, int at) const {
   const Columns entry{out_, dof_};
   const bool sees = role_ == WorldRole::sees_world;
   for (int k = 0; k < 3; ++k) {
@@ -45,7 +45,7 @@ void WorldMotionWriter::addRotation3(const Matrix& rotation, int at) const {
   }
 }
 
-void WorldMotionWriter::addSeeingPosition(const Vector& p, const Matrix& rotation, int dim, int at) const {
+void GaugeGeneratorWriter::addSeeingPosition(const Vector& p, const Matrix& rotation, int dim, int at) const {
   const Columns entry{out_, dof_};
   for (int i = 0; i < dim; ++i) {
     const Vector3d row = vectorOf(rotation[static_cast<std::size_t>(i)]);
@@ -54,7 +54,7 @@ void WorldMotionWriter::addSeeingPosition(const Vector& p, const Matrix& rotatio
   }
 }
 
-void WorldMotionWriter::addDirection(const Vector& direction, int at) const {
+void GaugeGeneratorWriter::addDirection(const Vector& direction, int at) const {
   if (role_ == WorldRole::sees_world) return;
   constexpr double small = 1e-6;
   const Columns entry{out_, dof_};

@@ -1,6 +1,6 @@
-#include "calibrate/start/plane_view.hpp"
+#include "calibrate/initialization/plane_view.hpp"
 
-#include "calibrate/start/homography.hpp"
+#include "calibrate/initialization/homography.hpp"
 
 namespace slom::app::calib {
 
