@@ -27,33 +27,6 @@ std::string inQuotes(const std::string& text) {
   return os.str();
 }
 
-constexpr std::pair<Loss::Kind, const char*> kLosses[] = {{Loss::Kind::huber, "huber"},
-                                                          {Loss::Kind::pseudo_huber, "pseudo-huber"},
-                                                          {Loss::Kind::cauchy, "cauchy"},
-                                                          {Loss::Kind::tukey, "tukey"},
-                                                          {Loss::Kind::geman_mcclure, "geman-mcclure"},
-                                                          {Loss::Kind::barron, "barron"}};
-
-Loss lossOf(Loss::Kind kind, double shape, double scale) {
-  switch (kind) {
-    case Loss::Kind::none:
-      break;
-    case Loss::Kind::huber:
-      return Huber(scale);
-    case Loss::Kind::pseudo_huber:
-      return PseudoHuber(scale);
-    case Loss::Kind::cauchy:
-      return Cauchy(scale);
-    case Loss::Kind::tukey:
-      return Tukey(scale);
-    case Loss::Kind::geman_mcclure:
-      return GemanMcClure(scale);
-    case Loss::Kind::barron:
-      return Barron(shape, scale);
-  }
-  return {};
-}
-
 /// With all digits.
 std::string exact(double x) { return number(x, std::numeric_limits<double>::max_digits10); }
 
@@ -156,21 +129,28 @@ void writeNoise(std::ostream& os, const MeasurementPool& pool, int i) {
   }
 }
 
-void writeLoss(std::ostream& os, const Loss* loss) {
+void writeLoss(std::ostream& os, const MeasurementPool& pool, int i) {
+  const Loss* const loss = pool.lossOf(i);
   if (loss == nullptr) return;
-  const auto* const name = std::find_if(std::begin(kLosses), std::end(kLosses),
-                                        [&](const auto& l) { return l.first == loss->kind(); });
-  os << ' ' << name->second;
-  if (loss->kind() == Loss::Kind::barron) os << ' ' << exact(loss->shape());
+  if (loss->kind()->stored_name == nullptr) {
+    throw Error("slom.not-savable", "the loss " + loss->text() + " of measurement " +
+                                        pool.measurementName(i) +
+                                        " is a function of this program, which no file can hold; insert the "
+                                        "measurement with one of the library's losses");
+  }
+  os << ' ' << loss->kind()->stored_name;
+  if (loss->kind()->has_shape) os << ' ' << exact(loss->shape());
   os << ' ' << exact(loss->scale());
 }
 
-void writeConstraints(std::ostream& os, const VariableRecord& record, int number) {
+void writeConstraints(std::ostream& os, const Problem& problem, int variable, int number) {
+  const VariableRecord& record = problem.variables()[at(variable)];
+  const std::vector<char>& fixed = problem.activeSet().fixed(variable);
   const std::vector<std::string> names = record.store->componentNames(record.slot, "");
-  for (std::size_t c = 0; c < record.fixed.size(); ++c) {
-    if (record.fixed[c] != 0) os << "fix " << number << ' ' << inQuotes(names[c]) << '\n';
+  for (std::size_t c = 0; c < fixed.size(); ++c) {
+    if (fixed[c] != 0) os << "fix " << number << ' ' << inQuotes(names[c]) << '\n';
   }
-  for (const ComponentBound& bound : record.bounds) {
+  for (const ComponentBound& bound : problem.activeSet().bounds(variable)) {
     os << "bound " << number << ' ' << inQuotes(names[at(bound.component)]) << ' ' << exact(bound.lower)
        << ' ' << exact(bound.upper) << '\n';
   }
@@ -204,7 +184,8 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     }
     if (kind != last) text << "variables " << inQuotes(kind->name) << '\n';
     last = kind;
-    text << inQuotes(record.name) << (record.optimize ? " free " : " fixed ");
+    text << inQuotes(record.name)
+         << (problem.activeSet().isOptimized(static_cast<int>(v)) ? " free " : " fixed ");
     VariableHandle unused;
     writer.add([&](std::ostream& value) { kind->write(value, store, record.slot); },
                [&](std::istream& is) { return kind->read(is, nullptr, true, "", unused); },
@@ -212,7 +193,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     text << '\n';
     number[v] = count++;
   }
-  for (const int v : problem.constrained()) writeConstraints(text, problem.variables()[at(v)], number[at(v)]);
+  for (const int v : problem.activeSet().constrained()) writeConstraints(text, problem, v, number[at(v)]);
 
   for (const auto& pool : problem.pools()) {
     if (pool->size() == 0) continue;
@@ -229,7 +210,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
       for (int k = 0; k < pool->arity(); ++k) text << number[at(pool->variables(i)[k])] << ' ';
       text << "| ";
       writeNoise(text, *pool, i);
-      writeLoss(text, pool->lossOf(i));
+      writeLoss(text, *pool, i);
       text << " | ";
       writer.add([&](std::ostream& data) { kind->write(data, *pool, i); },
                  [&](std::istream& is) { return kind->read(is, nullptr, nullptr, {}); },
@@ -453,15 +434,14 @@ class ArchiveReader {
   }
 
   void readLoss(const std::string& word) {
-    const auto* const name =
-        std::find_if(std::begin(kLosses), std::end(kLosses), [&](const auto& l) { return l.second == word; });
+    const LossKind* const kind = lossNamed(word);
     double shape = 0, scale = 0;
-    if (name == std::end(kLosses))
+    if (kind == nullptr)
       raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |" + commaIn(word));
-    if ((name->first == Loss::Kind::barron && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
+    if ((kind->has_shape && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
       raise("numbers are missing behind " + word + commaIn(text_));
     }
-    options_.loss = lossOf(name->first, shape, scale);
+    options_.loss = Loss(*kind, scale, shape);
     expectBar("the noise and the loss");
   }
 

@@ -100,7 +100,7 @@ Summary Estimator::optimize(const Options& options) {
   summary.solver = state_->system.solver().description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
-  summary.unknowns = structure.system.unknowns() - problem().heldCount();
+  summary.unknowns = structure.system.unknowns() - problem().activeSet().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
   summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
@@ -273,7 +273,7 @@ Sigma Estimator::sigma() const { return state_->sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;
-  const int unknowns = system.structure().system.unknowns() - problem.heldCount(),
+  const int unknowns = system.structure().system.unknowns() - problem.activeSet().heldCount(),
             residuals = system.structure().residuals;
   if (residuals > unknowns) return run([&] { return linearizer.rss(problem); }) / (residuals - unknowns);
   throw Error("slom.no-redundancy",
@@ -325,10 +325,10 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
                 "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
   }
   ProfileInterval result{x[c], x[c], x[c]};
-  if (!record.optimize || (!record.fixed.empty() && record.fixed[static_cast<std::size_t>(c)] != 0))
-    return result;
+  const ActiveSet& active = problem().activeSet();
+  if (!active.isOptimized(variable) || active.isFixed(variable, c)) return result;
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const ComponentBound* const found = record.boundOf(c);
+  const ComponentBound* const found = active.boundOf(variable, c);
   const ComponentBound bound = found == nullptr ? ComponentBound{c, -infinity, infinity} : *found;
   const double best = getRSS(), rise = factor * chiSquareCritical(1 - probability, 1);
   ValueSnapshot start(problem());

@@ -9,10 +9,11 @@ namespace slom {
 void clearHeld(const Problem& problem, int variable_a, int variable_b, double* block) {
   const VariableRecord& a = problem.variables()[static_cast<std::size_t>(variable_a)];
   const VariableRecord& b = problem.variables()[static_cast<std::size_t>(variable_b)];
-  if (!a.isConstrained() && !b.isConstrained()) return;
+  const ActiveSet& active = problem.activeSet();
+  if (!active.isConstrained(variable_a) && !active.isConstrained(variable_b)) return;
   for (int j = 0; j < b.dof; ++j) {
     for (int i = 0; i < a.dof; ++i, ++block) {
-      if (a.isHeld(i) || b.isHeld(j)) *block = 0;
+      if (active.isHeld(variable_a, i) || active.isHeld(variable_b, j)) *block = 0;
     }
   }
 }

@@ -97,7 +97,7 @@ class Comparison {
     for (int k = 0; k < pool_.arity(); ++k) {
       const int variable = pool_.variables(i)[k];
       const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
-      if (record.optimize) compareBlock(i, variable, record, rows, start);
+      if (problem_.activeSet().isOptimized(variable)) compareBlock(i, variable, record, rows, start);
       start += static_cast<std::ptrdiff_t>(rows) * record.dof;
     }
   }

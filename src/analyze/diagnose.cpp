@@ -58,7 +58,7 @@ class Examination {
   Diagnosis run() {
     result_.residuals = structure_.residuals;
     if (structure_.system.unknowns() > 0) system_.linearize();  // which finds the bounds that are active
-    result_.unknowns = result_.rank = structure_.system.unknowns() - problem_.heldCount();
+    result_.unknowns = result_.rank = structure_.system.unknowns() - problem_.activeSet().heldCount();
     findIdleMeasurements();
     if (result_.unknowns == 0) return std::move(result_);
     const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
@@ -83,7 +83,10 @@ class Examination {
   }
   bool isHeld(int unknown) const {
     const int block = blockOf(structure_, unknown);
-    return recordOf(block).isHeld(unknown - structure_.system.offset[at(block)]);
+    return isHeld(block, unknown - structure_.system.offset[at(block)]);
+  }
+  bool isHeld(int block, int component) const {
+    return problem_.activeSet().isHeld(structure_.variable_of_block[at(block)], component);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
   const VariableRecord& recordOf(int block) const {
@@ -319,7 +322,7 @@ class Examination {
     for (int b = 0; b < blocks; ++b) {
       if (count_of[recordOf(b).store] > kFew) continue;
       for (int c = 0; c < structure_.system.dof(b); ++c) {
-        if (!recordOf(b).isHeld(c)) unknowns.push_back(structure_.system.offset[at(b)] + c);
+        if (!isHeld(b, c)) unknowns.push_back(structure_.system.offset[at(b)] + c);
       }
     }
     const Index n = static_cast<Index>(unknowns.size());

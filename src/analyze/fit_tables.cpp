@@ -46,7 +46,7 @@ void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, dou
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
     for (int c = 0; c < record.dof; ++c) {
-      if (record.isHeld(c)) continue;
+      if (problem.activeSet().isHeld(structure.variable_of_block[b], c)) continue;
       const int unknown = structure.system.offset[b] + c;
       unknowns.push_back(unknown);
       summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
@@ -77,12 +77,12 @@ void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, dou
 
 std::vector<std::string> activeBounds(const Problem& problem) {
   std::vector<std::string> result;
-  for (const int v : problem.constrained()) {
+  for (const int v : problem.activeSet().constrained()) {
     const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (const ComponentBound& bound : record.bounds) {
-      if (!bound.is_active || !record.optimize) continue;
+    for (const ComponentBound& bound : problem.activeSet().bounds(v)) {
+      if (!bound.is_active || !problem.activeSet().isOptimized(v)) continue;
       const double value = x[static_cast<std::size_t>(bound.component)];
       const bool is_upper = std::abs(value - bound.upper) < std::abs(value - bound.lower);
       result.push_back(problem.componentNames(v)[static_cast<std::size_t>(bound.component)] + " is at its " +

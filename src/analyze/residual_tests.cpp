@@ -76,9 +76,11 @@ class GroupExamination {
   void clearHeld(int i, MatrixXd& J) const {
     int column = 0;
     for (int k = 0; k < pool_.arity(); ++k) {
-      const VariableRecord& record = problem_.variables()[at(pool_.variables(i)[k])];
+      const int variable = pool_.variables(i)[k];
+      const VariableRecord& record = problem_.variables()[at(variable)];
       for (int c = 0; c < record.dof; ++c, ++column) {
-        if (!record.optimize || (record.isConstrained() && record.isHeld(c))) J.col(column).setZero();
+        if (!problem_.activeSet().isOptimized(variable) || problem_.activeSet().isHeld(variable, c))
+          J.col(column).setZero();
       }
     }
   }

@@ -49,7 +49,9 @@ std::vector<std::string> unmeasuredVariables(const Problem& problem) {
   std::vector<std::string> result;
   const auto& table = problem.variables();
   for (std::size_t v = 0; v < table.size(); ++v) {
-    if (table[v].store == nullptr || !table[v].optimize || table[v].uses > 0) continue;
+    if (table[v].store == nullptr || !problem.activeSet().isOptimized(static_cast<int>(v)) ||
+        table[v].uses > 0)
+      continue;
     result.push_back(unmeasured(problem.variableName(static_cast<int>(v))));
   }
   return result;

@@ -150,7 +150,7 @@ void Linearizer::linearizeChunk(Problem& problem, const Range& range, Chunk& chu
         problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
     if (chunk.bad < 0) {
       addLosses(problem, true, chunk);
-      if (!problem.constrained().empty()) clearHeld(problem, chunk);
+      if (!problem.activeSet().constrained().empty()) clearHeld(problem, chunk);
     }
   } catch (const MeasurementThrew& event) {
     chunk.threw = event;
@@ -220,13 +220,14 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       }
     }
   }
-  if (!problem.constrained().empty()) sendHeld(problem, sink);
+  if (!problem.activeSet().constrained().empty()) sendHeld(problem, sink);
   sink.endLinearization();
   squared_norm_sent_ = std::accumulate(squared_norm.begin(), squared_norm.end(), 0.0);
   return std::accumulate(rss.begin(), rss.end(), 0.0);
 }
 
 void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
+  const ActiveSet& active = problem.activeSet();
   const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
   double* J = chunk.J.data();
   const double* r = chunk.r.data();
@@ -236,7 +237,7 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
       const int variable = pool.variables(i)[k];
       const VariableRecord& record = problem.variables()[at(variable)];
       for (int c = 0; c < record.dof; ++c, J += rows) {
-        if (!record.optimize || !record.isConstrained() || !record.isHeld(c)) continue;
+        if (!active.isOptimized(variable) || !active.isHeld(variable, c)) continue;
         HeldColumn column{variable, c, 0, 0};
         for (int row = 0; row < rows; ++row) {
           column.gradient += J[row] * r[row];
@@ -252,17 +253,18 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
 
 /// With the lengths of the columns that were cleared, so that scales stay what they are.
 void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) const {
+  const ActiveSet& active = problem.activeSet();
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;
-  for (const int variable : problem.constrained()) {
+  for (const int variable : problem.activeSet().constrained()) {
     const VariableRecord& record = problem.variables()[at(variable)];
-    if (!record.optimize || record.dof == 0) continue;
+    if (!active.isOptimized(variable) || record.dof == 0) continue;
     const Eigen::VectorXd r = Eigen::VectorXd::Zero(record.dof);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(record.dof, record.dof);
     for (int c = 0; c < record.dof; ++c) {
       const auto column = held_.find({variable, c});
       const bool has_length = column != held_.end() && column->second.squared_norm > 0;
-      if (record.isHeld(c)) J(c, c) = has_length ? std::sqrt(column->second.squared_norm) : 1;
+      if (active.isHeld(variable, c)) J(c, c) = has_length ? std::sqrt(column->second.squared_norm) : 1;
     }
     sink.add({group, index++, 1, &record.dof, &record.dof, r.data(), J.data()});
   }

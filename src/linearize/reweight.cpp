@@ -68,7 +68,7 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     for (int k = 0; k < pool.arity(); ++k) {
       const VariableRecord& variable = problem.variables()[static_cast<std::size_t>(pool.variables(i)[k])];
       Map<MatrixXd> block(J, rows, variable.dof);
-      if (variable.optimize) {
+      if (problem.activeSet().isOptimized(pool.variables(i)[k])) {
         for (int j = 0; j < variable.dof; ++j) {
           if (factors.k != 0) block.col(j) -= factors.k * residual.dot(block.col(j)) * residual;
           block.col(j) *= factors.of_J;

@@ -9,7 +9,9 @@ ProblemStructure makeStructure(const Problem& problem) {
   result.offset_of_variable.assign(table.size(), -1);
   int unknowns = 0;
   for (std::size_t v = 0; v < table.size(); ++v) {
-    if (table[v].store == nullptr || !table[v].optimize || table[v].dof == 0) continue;
+    if (table[v].store == nullptr || !problem.activeSet().isOptimized(static_cast<int>(v)) ||
+        table[v].dof == 0)
+      continue;
     result.block_of_variable[v] = static_cast<int>(result.variable_of_block.size());
     result.offset_of_variable[v] = unknowns;
     result.variable_of_block.push_back(static_cast<int>(v));
@@ -29,9 +31,9 @@ ProblemStructure makeStructure(const Problem& problem) {
     }
     result.system.groups.push_back(std::move(group));
   }
-  if (!problem.constrained().empty()) {
+  if (!problem.activeSet().constrained().empty()) {
     MeasurementGroup held{1, {}};
-    for (const int v : problem.constrained()) {
+    for (const int v : problem.activeSet().constrained()) {
       const int block = result.block_of_variable[static_cast<std::size_t>(v)];
       if (block >= 0) held.blocks.push_back(block);
     }

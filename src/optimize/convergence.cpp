@@ -25,8 +25,8 @@ constexpr double kNumericGradient = 1e-8;
 double Convergence::variance(double rss) const {
   if (!sigma_is_estimated_ && is_stated_) return 1;
   const ProblemStructure& structure = system_.structure();
-  const double estimated =
-      rss / std::max(1, structure.residuals - structure.system.unknowns() + system_.problem().heldCount());
+  const double estimated = rss / std::max(1, structure.residuals - structure.system.unknowns() +
+                                                 system_.problem().activeSet().heldCount());
   return sigma_is_estimated_ ? estimated : std::min(1.0, estimated);
 }
 

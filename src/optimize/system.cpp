@@ -51,7 +51,7 @@ double System::linearize() {
   const detail::Stopwatch watch(linearize_seconds_);
   linearized_at_ = ~std::uint64_t{0};
   rss_ = linearizer_.linearize(problem_, *solver_);
-  for (int i = 0; i < kMostActiveSets && problem_.hasBounds() && updateActiveBounds(); ++i) {
+  for (int i = 0; i < kMostActiveSets && problem_.activeSet().hasBounds() && updateActiveBounds(); ++i) {
     rss_ = linearizer_.linearize(problem_, *solver_);
   }
   squared_norm_ = linearizer_.squaredNormSent();
@@ -70,14 +70,15 @@ void System::requireRange() {
 template <class F>
 void System::forEachBound(const F& f) {
   std::vector<double> x;
-  for (const int v : problem_.constrained()) {
+  for (const int v : problem_.activeSet().constrained()) {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
-    if (!record.optimize || record.bounds.empty()) continue;
+    const std::vector<ComponentBound>& bounds = problem_.activeSet().bounds(v);
+    if (!problem_.activeSet().isOptimized(v) || bounds.empty()) continue;
     x.resize(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (std::size_t b = 0; b < record.bounds.size(); ++b) {
-      const int component = record.bounds[b].component;
-      f(v, problem_.bound(v, b), x[static_cast<std::size_t>(component)],
+    for (std::size_t b = 0; b < bounds.size(); ++b) {
+      const int component = bounds[b].component;
+      f(v, b, bounds[b], x[static_cast<std::size_t>(component)],
         structure_.offset_of_variable[static_cast<std::size_t>(v)] + component);
     }
   }
@@ -87,13 +88,13 @@ void System::forEachBound(const F& f) {
 /// changed.
 bool System::updateActiveBounds() {
   bool has_changed = false;
-  forEachBound([&](int variable, ComponentBound& bound, double x, int unknown) {
+  forEachBound([&](int variable, std::size_t i, const ComponentBound& bound, double x, int unknown) {
     const double g = bound.is_active ? linearizer_.gradientOfHeld(variable, bound.component)
                                      : solver_->gradient()[unknown];
     const double margin = kAtBound * std::max(std::abs(x), 1e-300);
     const bool holds = (x >= bound.upper - margin && g < 0) || (x <= bound.lower + margin && g > 0);
     has_changed = has_changed || holds != bound.is_active;
-    bound.is_active = holds;
+    problem_.activate(variable, i, holds);
   });
   return has_changed;
 }
@@ -101,7 +102,7 @@ bool System::updateActiveBounds() {
 /// The step up to the bounds.
 Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) {
   Eigen::VectorXd clamped = d;
-  forEachBound([&](int, const ComponentBound& bound, double x, int unknown) {
+  forEachBound([&](int, std::size_t, const ComponentBound& bound, double x, int unknown) {
     clamped[unknown] = std::clamp(d[unknown], std::min(bound.lower - x, 0.0), std::max(bound.upper - x, 0.0));
   });
   return clamped;
@@ -109,7 +110,7 @@ Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) {
 
 /// x + (limit - x) may be one rounding beyond the limit, where a user's function may have no value.
 void System::roundToBounds() {
-  forEachBound([&](int variable, const ComponentBound& bound, double x, int) {
+  forEachBound([&](int variable, std::size_t, const ComponentBound& bound, double x, int) {
     const double inside = std::clamp(x, bound.lower, bound.upper);
     if (inside == x) return;
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
@@ -121,7 +122,7 @@ void System::roundToBounds() {
 
 void System::move(const Eigen::VectorXd& d) {
   problem_.save();
-  if (problem_.hasBounds()) {
+  if (problem_.activeSet().hasBounds()) {
     problem_.applyStep(structure_.offset_of_variable, withinBounds(d).data());
     roundToBounds();
   } else {
@@ -448,11 +449,12 @@ double System::roundingOfPromises() {
 
 /// Components that are held do not move by what rounding leaves of their equations.
 void System::clearHeld(Eigen::VectorXd& d) const {
-  for (const int v : problem_.constrained()) {
+  for (const int v : problem_.activeSet().constrained()) {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
-    if (!record.optimize) continue;
+    if (!problem_.activeSet().isOptimized(v)) continue;
     for (int c = 0; c < record.dof; ++c) {
-      if (record.isHeld(c)) d[structure_.offset_of_variable[static_cast<std::size_t>(v)] + c] = 0;
+      if (problem_.activeSet().isHeld(v, c))
+        d[structure_.offset_of_variable[static_cast<std::size_t>(v)] + c] = 0;
     }
   }
 }

@@ -198,19 +198,19 @@ int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differ
   for (int k = 0; k < arity_; ++k) {
     const VariableRecord& record = table_[at(variables(i)[k])];
     const int dof = record.dof;
-    if (record.optimize) {
+    if (active_.isOptimized(variables(i)[k])) {
       double few[128];
       const std::size_t needed = 2 * at(dof) + 4 * at(rows);
       std::vector<double> many(needed > std::size(few) ? needed : 0);
       double* const delta = many.empty() ? few : many.data();
-      double* const typicalSizes = delta + dof;
+      double* const sizes = delta + dof;
       std::fill_n(delta, dof, 0.0);
       Redirected variable(argument(i, k), *record.store);
-      record.store->typicalSizesOf(variable.original(), typicalSizes);
-      CentralDifferences differences(variable, rows, delta, typicalSizes + dof, r, kind, evaluate);
+      record.store->typicalSizesOf(variable.original(), sizes);
+      CentralDifferences differences(variable, rows, delta, sizes + dof, r, kind, evaluate);
       for (int c = 0; c < dof; ++c) {
         double* const column = J + static_cast<std::ptrdiff_t>(c) * rows;
-        if (const int got = differences.column(c, typicalSizes[c], column); got != rows) return got;
+        if (const int got = differences.column(c, sizes[c], column); got != rows) return got;
       }
     }
     J += static_cast<std::ptrdiff_t>(rows) * dof;

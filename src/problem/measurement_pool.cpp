@@ -56,13 +56,15 @@ struct MeasurementPool::Losses {
 };
 
 MeasurementPool::MeasurementPool(const std::string& name, const std::string& label,
-                                 const MeasurementType& type, const std::vector<VariableRecord>& table)
+                                 const MeasurementType& type, const std::vector<VariableRecord>& table,
+                                 const ActiveSet& active)
     : name_(name),
       label_(label),
       type_(type),
       arity_(type.arity),
       columns_(columnsOf(type)),
       table_(table),
+      active_(active),
       losses_(new Losses) {}
 
 MeasurementPool::~MeasurementPool() = default;
@@ -132,13 +134,14 @@ int MeasurementPool::linearize(int first, int last, double* r, double* J) {
 bool MeasurementPool::areFreeColumnsFinite(int i, const double* J) const {
   bool finite = true;
   for (int k = 0; k < arity_; ++k) {
-    const VariableRecord& record = table_[at(variables(i)[k])];
+    const int variable = variables(i)[k];
+    const VariableRecord& record = table_[at(variable)];
     const std::ptrdiff_t length = rows(i), entries = length * record.dof;
-    if (record.optimize && record.fixed.empty()) {
+    if (active_.isOptimized(variable) && !active_.hasFixed(variable)) {
       finite = finite && isFinite(J, entries);
-    } else if (record.optimize) {
+    } else if (active_.isOptimized(variable)) {
       for (int c = 0; c < record.dof; ++c)
-        finite = finite && (record.fixed[at(c)] != 0 || isFinite(J + c * length, length));
+        finite = finite && (active_.isFixed(variable, c) || isFinite(J + c * length, length));
     }
     J += entries;
   }
@@ -214,7 +217,7 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
 }
 
 const Loss* MeasurementPool::keepLoss(const Loss& loss) {
-  if (loss.kind() == Loss::Kind::none) return nullptr;
+  if (loss.kind() == nullptr) return nullptr;
   checkLoss(loss, [&] { return "measurement " + nextName(); });
   return &*losses_->all.insert(loss).first;
 }

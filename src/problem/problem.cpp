@@ -49,10 +49,12 @@ int Problem::reserveVariable() {
   if (!free_.empty()) return free_.back();
   if (table_.size() == table_.capacity()) table_.reserve(std::max<std::size_t>(64, 2 * table_.size()));
   if (free_.capacity() < table_.capacity()) free_.reserve(table_.capacity());
+  active_.reserve(table_.capacity());
   return static_cast<int>(table_.size());
 }
 
-void Problem::bookVariable(int index, VariableRecord record) {
+void Problem::bookVariable(int index, VariableRecord record, bool optimize) {
+  active_.insert(index, optimize);
   record.serial = ++inserted_;
   if (at(index) == table_.size()) {
     table_.push_back(std::move(record));
@@ -75,8 +77,7 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   const std::shared_ptr<VariableStoreBase>& store = found->store;
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index,
-               {store.get(), ref.slot, store->dofOf(value), optimize, 0, 0, std::string(name), {}, {}});
+  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), 0, 0, std::string(name)}, optimize);
   return VariableHandle(store, ref);
 }
 
@@ -121,7 +122,7 @@ void Problem::setValue(int variable, const void* value) {
                                         " degrees of freedom, the new value has " + std::to_string(dof) +
                                         "; insert a new variable instead");
   }
-  checkBounds(variable, value);
+  checkBounds(variable, active_.bounds(variable), value);
   record.store->assign(record.store->valueAt(record.slot), value);
   ++value_revision_;
 }
@@ -132,12 +133,12 @@ void Problem::overwrite(int variable, const void* value) {
   ++value_revision_;
 }
 
-void Problem::checkBounds(int variable, const void* value) const {
+void Problem::checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const {
   const VariableRecord& record = table_[at(variable)];
-  if (record.bounds.empty()) return;
+  if (bounds.empty()) return;
   std::vector<double> x(at(record.dof));
   record.store->coordinates(value, x.data());
-  for (const ComponentBound& bound : record.bounds) {
+  for (const ComponentBound& bound : bounds) {
     const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
     if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
     throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " +
@@ -164,17 +165,15 @@ std::vector<int> Problem::componentsAt(int variable, const std::string& path) co
 }
 
 void Problem::setFixed(int variable, const std::vector<int>& components, bool is_fixed) {
-  VariableRecord& record = table_[at(variable)];
-  std::vector<char> fixed = record.fixed;
-  fixed.resize(at(record.dof), 0);
+  std::vector<char> fixed = active_.fixed(variable);
+  fixed.resize(at(table_[at(variable)].dof), 0);
   for (const int c : components) fixed[at(c)] = is_fixed ? 1 : 0;
-  if (std::find(fixed.begin(), fixed.end(), 1) == fixed.end()) fixed.clear();
-  record.fixed = std::move(fixed);
-  bookConstraint(variable);
+  active_.setFixed(variable, std::move(fixed));
+  bookConstraint();
 }
 
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
-  VariableRecord& record = table_[at(variable)];
+  const VariableRecord& record = table_[at(variable)];
   if (!(lower <= upper) || lower == kInfinity || upper == -kInfinity) {
     throw Error("slom.bad-bound",
                 "the bound of " + componentNames(variable)[at(components.front())] + " is " +
@@ -185,7 +184,7 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
   }
   std::vector<double> x(at(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
-  std::vector<ComponentBound> bounds = record.bounds;
+  std::vector<ComponentBound> bounds = active_.bounds(variable);
   for (const int c : components) {
     if (std::isnan(x[at(c)])) {
       throw Error("slom.bad-bound", componentNames(variable)[at(c)] +
@@ -201,50 +200,29 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
   }
   std::sort(bounds.begin(), bounds.end(),
             [](const auto& a, const auto& b) { return a.component < b.component; });
-  std::swap(record.bounds, bounds);
-  try {
-    checkBounds(variable, record.store->valueAt(record.slot));
-  } catch (...) {
-    std::swap(record.bounds, bounds);
-    throw;
-  }
-  bookConstraint(variable);
+  checkBounds(variable, bounds, record.store->valueAt(record.slot));
+  active_.setBounds(variable, std::move(bounds));
+  bookConstraint();
 }
 
-void Problem::bookConstraint(int variable) {
-  constrained_.set(variable, table_[at(variable)].isConstrained());
-  bounded_.set(variable, !table_[at(variable)].bounds.empty());
+void Problem::bookConstraint() {
   ++structure_revision_;
   ++value_revision_;
 }
 
-int Problem::heldCount() const {
-  int count = 0;
-  for (const int v : constrained_) {
-    for (int c = 0; table_[at(v)].optimize && c < table_[at(v)].dof; ++c)
-      count += table_[at(v)].isHeld(c) ? 1 : 0;
-  }
-  return count;
-}
-
 int Problem::freeCount() const {
   if (counted_at_ == structure_revision_) return free_count_;
-  int count = 0;
-  for (const VariableRecord& record : table_)
-    count += record.store != nullptr && record.optimize ? record.dof : 0;
-  for (const int v : constrained_) {
-    const VariableRecord& record = table_[at(v)];
-    if (record.optimize)
-      count -= static_cast<int>(
-          std::count_if(record.fixed.begin(), record.fixed.end(), [](char fixed) { return fixed != 0; }));
+  int count = -active_.fixedCount();
+  for (std::size_t v = 0; v < table_.size(); ++v) {
+    if (table_[v].store != nullptr && active_.isOptimized(static_cast<int>(v))) count += table_[v].dof;
   }
   counted_at_ = structure_revision_;
   return free_count_ = count;
 }
 
 void Problem::setOptimized(int variable, bool optimize) {
-  if (table_[at(variable)].optimize == optimize) return;
-  table_[at(variable)].optimize = optimize;
+  if (active_.isOptimized(variable) == optimize) return;
+  active_.setOptimized(variable, optimize);
   ++structure_revision_;
 }
 
@@ -258,8 +236,7 @@ void Problem::removeVariable(int variable) {
   }
   record.store->release(record.slot);
   record = VariableRecord{};
-  constrained_.set(variable, false);
-  bounded_.set(variable, false);
+  active_.remove(variable);
   if (uses_) uses_->at(variable) = {};
   free_.push_back(variable);
   ++structure_revision_;
@@ -296,7 +273,7 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   if (pool == nullptr) {
     const std::string own_label(label);
     const std::string name = nameForPool(label.empty() ? type.name() : own_label);
-    pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, table_)));
+    pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, table_, active_)));
     pool = pools_.back().get();
   }
   std::vector<int>& variables = variables_of_new_;

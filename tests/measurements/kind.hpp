@@ -55,7 +55,7 @@ void moveUnknown(std::tuple<X...>& x, int unknown, Real d) {
   std::apply([&](X&... part) { (move(part), ...); }, x);
 }
 
-/// Appends the typicalSizes of the components of x, at least 1.
+/// Appends the typical sizes of the components of x, at least 1.
 template <class X>
 void appendTypicalSizes(std::vector<double>& sizes, const X& x) {
   mtk::tangent_t<X> own;

@@ -74,27 +74,11 @@ std::unique_ptr<LinearSolver> makeSolver(SolverName name) {
   return std::make_unique<BlockSolver>();
 }
 
-/// A loss of `numbers` numbers behind its name.
-struct LossName {
-  const char* name;
-  std::size_t numbers;
-  Loss (*make)(const double* numbers);
-};
-constexpr LossName loss_names[] = {
-    {"huber", 1, [](const double* x) -> Loss { return Huber(x[0]); }},
-    {"pseudo-huber", 1, [](const double* x) -> Loss { return PseudoHuber(x[0]); }},
-    {"cauchy", 1, [](const double* x) -> Loss { return Cauchy(x[0]); }},
-    {"tukey", 1, [](const double* x) -> Loss { return Tukey(x[0]); }},
-    {"geman-mcclure", 1, [](const double* x) -> Loss { return GemanMcClure(x[0]); }},
-    {"barron", 2, [](const double* x) -> Loss { return Barron(x[0], x[1]); }},
-};
-
 /// `NAME:SCALE`, or `barron:ALPHA:SCALE`
 Loss parseLoss(const std::string& text) {
   const std::vector<std::string> words = splitAtColons(text);
-  const auto* const known = std::find_if(std::begin(loss_names), std::end(loss_names),
-                                         [&](const LossName& l) { return l.name == words[0]; });
-  if (known == std::end(loss_names)) {
+  const LossKind* const known = lossNamed(words[0]);
+  if (known == nullptr) {
     throw UserError(fmt::format(
         "--robust {}: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron", text));
   }
@@ -104,16 +88,17 @@ Loss parseLoss(const std::string& text) {
     if (!parseNumber(words[i], number) || std::isnan(number)) break;
     numbers.push_back(number);
   }
-  const bool is_complete = numbers.size() == known->numbers && words.size() == known->numbers + 1;
-  if (is_complete) {
-    const Loss loss = known->make(numbers.data());
+  const std::size_t count = known->has_shape ? 2 : 1;
+  if (numbers.size() == count && words.size() == count + 1) {
+    const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
     if (detail::faultOf(loss).empty()) return loss;
   }
   throw UserError(fmt::format(
       "--robust {}: {}", text,
-      known->numbers == 2
+      known->has_shape
           ? "write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard deviations"
-          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations", known->name)));
+          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations",
+                        known->stored_name)));
 }
 
 }  // namespace

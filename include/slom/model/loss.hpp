@@ -21,6 +21,7 @@
 
 #include <compare>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 namespace slom {
@@ -32,14 +33,33 @@ struct LossValue {
   double second = 0;  ///< rho''
 };
 
+/// What all losses of one name have in common.
+struct LossKind {
+  const char* name;  ///< `GemanMcClure`
+  const char*
+      stored_name;  ///< `geman-mcclure`, in archives and options of the command; null: a program's own
+  bool has_shape;
+  /// At scale 1, where s = t: phi(t), phi'(t), phi''(t).
+  LossValue (*evaluate)(double t, double shape);
+};
+
+namespace detail {
+/// The table of losses: a new one is a row there and a struct below.
+extern const LossKind kLossKinds[6];
+}  // namespace detail
+
+/// The library's loss of this stored name; null: there is none.
+const LossKind* lossNamed(std::string_view stored_name);
+
 /// Which loss, with its numbers. `Loss()` is none: rho(s) = s.
 class Loss {
  public:
-  enum class Kind : unsigned char { none, huber, pseudo_huber, cauchy, tukey, geman_mcclure, barron };
-
   constexpr Loss() = default;
+  constexpr Loss(const LossKind& kind, double scale, double shape = 0)
+      : kind_(&kind), scale_(scale), shape_(shape) {}
 
-  Kind kind() const { return kind_; }
+  /// Null: none.
+  const LossKind* kind() const { return kind_; }
   double scale() const { return scale_; }
   /// Barron's alpha; 0 for the others.
   double shape() const { return shape_; }
@@ -51,34 +71,46 @@ class Loss {
 
   auto operator<=>(const Loss&) const = default;
 
- protected:
-  constexpr Loss(Kind kind, double scale, double shape = 0) : kind_(kind), scale_(scale), shape_(shape) {}
-
  private:
-  Kind kind_ = Kind::none;
+  const LossKind* kind_ = nullptr;
   double scale_ = 1;
   double shape_ = 0;
 };
 
 struct Huber : Loss {
-  explicit constexpr Huber(double scale) : Loss(Kind::huber, scale) {}
+  explicit constexpr Huber(double scale) : Loss(detail::kLossKinds[0], scale) {}
 };
 struct PseudoHuber : Loss {
-  explicit constexpr PseudoHuber(double scale) : Loss(Kind::pseudo_huber, scale) {}
+  explicit constexpr PseudoHuber(double scale) : Loss(detail::kLossKinds[1], scale) {}
 };
 struct Cauchy : Loss {
-  explicit constexpr Cauchy(double scale) : Loss(Kind::cauchy, scale) {}
+  explicit constexpr Cauchy(double scale) : Loss(detail::kLossKinds[2], scale) {}
 };
 struct Tukey : Loss {
-  explicit constexpr Tukey(double scale) : Loss(Kind::tukey, scale) {}
+  explicit constexpr Tukey(double scale) : Loss(detail::kLossKinds[3], scale) {}
 };
 struct GemanMcClure : Loss {
-  explicit constexpr GemanMcClure(double scale) : Loss(Kind::geman_mcclure, scale) {}
+  explicit constexpr GemanMcClure(double scale) : Loss(detail::kLossKinds[4], scale) {}
 };
 /// `alpha` <= 2; -infinity is allowed.
 struct Barron : Loss {
-  constexpr Barron(double alpha, double scale) : Loss(Kind::barron, scale, alpha) {}
+  constexpr Barron(double alpha, double scale) : Loss(detail::kLossKinds[5], scale, alpha) {}
 };
+
+/// A loss of your own: f(t) returns phi(t), phi'(t) and phi''(t) for t = |W r|^2 / c^2 >= 0, with phi(0) = 0, phi'(0) = 1 and
+/// 0 <= phi'(t) <= 1; then rho(s) = c^2 phi(s / c^2). Insertion checks that, and phi' by differences. Files cannot name it,
+/// so Archive refuses it.
+///
+///     slom::ownLoss("Welsch", 2.5, [](double t) { return slom::LossValue{1 - exp(-t), exp(-t), -exp(-t)}; })
+template <class F>
+Loss ownLoss(const char* name, double scale, F) {
+  static_assert(std::is_empty_v<F> && std::is_default_constructible_v<F>,
+                "slom: the function of a loss has no captures; write the numbers that it needs into it");
+  static_assert(std::is_same_v<decltype(F()(1.0)), LossValue>,
+                "slom: the function of a loss returns a slom::LossValue: phi(t), phi'(t), phi''(t)");
+  static const LossKind kind{name, nullptr, false, [](double t, double) { return F()(t); }};
+  return Loss(kind, scale);
+}
 
 template <class T>
 concept IsLoss = std::is_base_of_v<Loss, T>;

@@ -16,45 +16,18 @@
 #include "slom/model/noise.hpp"
 #include "slom/model/pimpl.hpp"
 #include "slom/model/variable_store.hpp"
+#include "slom/problem/active_set.hpp"
 
 namespace slom {
-
-/// Limits of the coordinate of a component.
-struct ComponentBound {
-  int component;
-  double lower, upper;
-  bool is_active = false;  ///< it is at a limit and held there, because the RSS falls beyond
-};
 
 /// A row of the problem's table of variables.
 struct VariableRecord {
   VariableStoreBase* store = nullptr;  ///< null: this row is free
   std::uint32_t slot = 0;
   int dof = 0;
-  bool optimize = true;
-  int uses = 0;                        ///< measurements that depend on it
-  long serial = 0;                     ///< running number of insertion
-  std::string name;                    ///< the user's, may be empty
-  std::vector<char> fixed;             ///< by component; empty: none of them by itself
-  std::vector<ComponentBound> bounds;  ///< at most one for each component, by component
-
-  bool isConstrained() const { return !fixed.empty() || !bounds.empty(); }
-  /// Null without one.
-  const ComponentBound* boundOf(int component) const {
-    std::size_t first = 0, last = bounds.size();
-    while (first < last) {
-      const std::size_t middle = (first + last) / 2;
-      (bounds[middle].component < component ? first : last) =
-          bounds[middle].component < component ? middle + 1 : middle;
-    }
-    return first < bounds.size() && bounds[first].component == component ? &bounds[first] : nullptr;
-  }
-  /// Fixed, or held at a bound.
-  bool isHeld(int component) const {
-    if (!fixed.empty() && fixed[static_cast<std::size_t>(component)] != 0) return true;
-    const ComponentBound* const bound = boundOf(component);
-    return bound != nullptr && bound->is_active;
-  }
+  int uses = 0;      ///< measurements that depend on it
+  long serial = 0;   ///< running number of insertion
+  std::string name;  ///< the user's, may be empty
 };
 
 /// How differences approximate derivatives by a component, with steps h.
@@ -83,13 +56,13 @@ struct MeasurementType {
   std::string (*name)();                  ///< of the measurements
   /// The caller owns the pool.
   MeasurementPool* (*make_pool)(const std::string& name, const std::string& label,
-                                const std::vector<VariableRecord>& table);
+                                const std::vector<VariableRecord>& table, const ActiveSet& active);
 };
 
 class MeasurementPool {
  public:
   MeasurementPool(const std::string& name, const std::string& label, const MeasurementType& type,
-                  const std::vector<VariableRecord>& table);
+                  const std::vector<VariableRecord>& table, const ActiveSet& active);
   virtual ~MeasurementPool();
   MeasurementPool(const MeasurementPool&) = delete;
   MeasurementPool& operator=(const MeasurementPool&) = delete;
@@ -202,6 +175,7 @@ class MeasurementPool {
   int arity_;
   int columns_;  // Dynamic when it depends on the measurement
   const std::vector<VariableRecord>& table_;
+  const ActiveSet& active_;
   std::vector<int> variables_;
   std::vector<int> rows_;  // only for residuals of run-time length
   std::vector<WhiteningKind> noise_kind_;
@@ -255,16 +229,17 @@ class TypedPool final : public MeasurementPool {
     }
   }
   static MeasurementPool* make(const std::string& name, const std::string& label,
-                               const std::vector<VariableRecord>& table) {
-    return new TypedPool(name, label, table);
+                               const std::vector<VariableRecord>& table, const ActiveSet& active) {
+    return new TypedPool(name, label, table, active);
   }
 
  public:
   static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
                                         source(),   Of<Args>::name,  &typeName, &make};
 
-  TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table)
-      : MeasurementPool(name, label, type, table) {}
+  TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table,
+            const ActiveSet& active)
+      : MeasurementPool(name, label, type, table, active) {}
 
   const M& operator[](int i) const { return measurements_[at(i)]; }
 

@@ -47,16 +47,12 @@ class Problem {
   void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
   /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
-  /// Table indices of variables with fixed or bounded components, ascending.
-  const IndexSet& constrained() const { return constrained_; }
-  bool hasBounds() const { return !bounded_.empty(); }
-  /// Number of components of optimised variables that are fixed or at a bound.
-  int heldCount() const;
+  /// What does not move.
+  const ActiveSet& activeSet() const { return active_; }
+  /// Says whether bound i of the variable is active.
+  void activate(int variable, std::size_t i, bool is_active) { active_.activate(variable, i, is_active); }
   /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
   int freeCount() const;
-  ComponentBound& bound(int variable, std::size_t i) {
-    return table_[static_cast<std::size_t>(variable)].bounds[i];
-  }
   /// Throws [slom.variable-in-use] when measurements depend on it.
   void removeVariable(int variable);
 
@@ -155,10 +151,10 @@ class Problem {
   void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
   MeasurementPool* findPool(std::type_index type, std::string_view label) const;
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
-  void bookConstraint(int variable);
-  void checkBounds(int variable, const void* value) const;
+  void bookConstraint();
+  void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
   int reserveVariable();
-  void bookVariable(int index, VariableRecord record);
+  void bookVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
   std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
   /// The name, with a number behind it when another pool has it already.
@@ -166,7 +162,7 @@ class Problem {
 
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
-  IndexSet constrained_, bounded_;     // by table index: with fixed or bounded components; with bounds
+  ActiveSet active_;
   mutable detail::Pimpl<Uses> uses_;   // of variables by measurements, once somebody has asked
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::vector<TypedStore> stores_;
