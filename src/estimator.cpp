@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
 #include "analyze/fit_tables.hpp"
 #include "analyze/given_derivatives.hpp"
-#include "analyze/jacobian.hpp"
+#include "analyze/linearized_problem.hpp"
 #include "analyze/misfit.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
@@ -17,7 +18,6 @@
 #include "base/words.hpp"
 #include "problem/value_snapshot.hpp"
 #include "slom/analyze/chi_square.hpp"
-#include "slom/analyze/covariance.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -31,6 +31,7 @@ struct Estimator::State {
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
+  std::unique_ptr<LinearizedProblem> current;  // null: none, or out of date
 
   /// f(), on as many threads as setThreads said.
   template <class F>
@@ -39,6 +40,18 @@ struct Estimator::State {
   }
 
   State() { system.setSolver(*solver); }
+
+  /// The problem linearised at the current values, for all analyses there together.
+  const LinearizedProblem& linearized() {
+    if (current == nullptr || !current->isCurrent())
+      current = std::make_unique<LinearizedProblem>(problem, system);
+    return *current;
+  }
+  /// f(linearized()), on as many threads as setThreads said.
+  template <class F>
+  auto analyze(const F& f) {
+    return run([&] { return f(linearized()); });
+  }
 
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
@@ -70,6 +83,7 @@ Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 Problem& Estimator::problem() const { return state_->problem; }
 
 double Estimator::optimizeStep() {
+  state_->current.reset();
   const StepOutcome outcome = state_->run([&] { return state_->algorithm->step(state_->system, Options{}); });
   switch (outcome.kind) {
     case StepOutcome::Kind::singular:
@@ -87,6 +101,7 @@ double Estimator::optimizeStep() {
 
 Summary Estimator::optimize(const Options& options) {
   state_->algorithm->reset();
+  state_->current.reset();
   Summary before;
   state_->run([&] { fillGroups(problem(), state_->linearizer, before, true); });
   SolveStatus singular_at;
@@ -109,8 +124,9 @@ Summary Estimator::optimize(const Options& options) {
       summary.stop_reason != StopReason::rank_deficient) {
     try {
       const double factor = state_->varianceFactor();
-      state_->run(
-          [&] { fillParameters(state_->system, state_->linearizer, state_->gauge, factor, summary); });
+      state_->analyze([&](const LinearizedProblem& linearized) {
+        fillParameters(linearized, state_->gauge, factor, summary);
+      });
     } catch (const Error&) {  // there are no covariances
     }
   }
@@ -170,6 +186,7 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
   if (!solver)
     throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
+  state_->current.reset();
   state_->system.setSolver(*solver);
   state_->solver = std::move(solver);
 }
@@ -234,8 +251,8 @@ void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(p
 
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
   const double factor = state_->varianceFactor();
-  const Eigen::MatrixXd result = factor * state_->run([&] {
-    return covarianceBlock(state_->system, state_->linearizer, state_->gauge, variable_a, variable_b);
+  const Eigen::MatrixXd result = factor * state_->analyze([&](const LinearizedProblem& linearized) {
+    return covarianceBlock(linearized, state_->gauge, variable_a, variable_b);
   });
   std::copy(result.data(), result.data() + result.size(), block);
 }
@@ -249,16 +266,15 @@ void Estimator::writeDeviations(int variable, double* deviations) const {
 
 Marginals Estimator::marginals() const {
   const double factor = state_->varianceFactor();
-  return state_->run(
-      [&] { return makeMarginals(state_->system, state_->linearizer, state_->gauge, factor); });
+  return state_->analyze(
+      [&](const LinearizedProblem& linearized) { return makeMarginals(linearized, state_->gauge, factor); });
 }
 
 /// Whitened, residuals x unknowns, column-major.
 void Estimator::writeJacobian(double* J) const {
-  const BlockStructure& structure = state_->system.structure().system;
-  const Eigen::Index n = structure.unknowns();
-  const Eigen::MatrixXd all = state_->run([&] {
-    return StoredJacobian(problem(), state_->linearizer, structure).times(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd all = state_->analyze([](const LinearizedProblem& linearized) {
+    const Eigen::Index n = linearized.structure().system.unknowns();
+    return linearized.times(Eigen::MatrixXd::Identity(n, n));
   });
   std::copy_n(all.data(), all.size(), J);
 }
@@ -273,9 +289,9 @@ Sigma Estimator::sigma() const { return state_->sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;
-  const int unknowns = system.structure().system.unknowns() - problem.activeSet().heldCount(),
-            residuals = system.structure().residuals;
-  if (residuals > unknowns) return run([&] { return linearizer.rss(problem); }) / (residuals - unknowns);
+  const int unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); });
+  const int residuals = system.structure().residuals;
+  if (residuals > unknowns) return linearized().rss() / (residuals - unknowns);
   throw Error("slom.no-redundancy",
               "uncertainties can be estimated from residuals only when there are more of them than "
               "unknowns; here are " +
@@ -284,17 +300,18 @@ double Estimator::State::varianceFactor() {
 }
 
 Diagnosis Estimator::diagnose() const {
-  return state_->run([&] { return slom::diagnose(state_->system, state_->linearizer); });
+  return state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
 }
 
 OutlierReport Estimator::outliers(const OutlierOptions& options) const {
   const double factor = state_->varianceFactor();
-  return state_->run(
-      [&] { return checkResiduals(state_->system, state_->linearizer, options, factor, state_->gauge); });
+  return state_->analyze([&](const LinearizedProblem& linearized) {
+    return checkResiduals(linearized, options, factor, state_->gauge);
+  });
 }
 
 Preflight Estimator::preflight() const {
-  return state_->run([&] { return slom::preflight(state_->system, state_->linearizer); });
+  return state_->analyze([](const LinearizedProblem& linearized) { return slom::preflight(linearized); });
 }
 
 ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {

@@ -60,7 +60,7 @@ std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& refer
 
 class Comparison {
  public:
-  Comparison(Problem& problem, MeasurementPool& pool) : problem_(problem), pool_(pool) {
+  Comparison(const Problem& problem, MeasurementPool& pool) : problem_(problem), pool_(pool) {
     result_.group = pool.name();
     result_.source = pool.derivatives();
   }
@@ -149,7 +149,7 @@ class Comparison {
            5 * (forward - reference).cwiseAbs().maxCoeff() < error;
   }
 
-  Problem& problem_;
+  const Problem& problem_;
   MeasurementPool& pool_;
   GroupDerivativeCheck result_;
   bool compared_ = false, is_cautious_ = false;
@@ -184,7 +184,7 @@ std::string DerivativeCheck::text() const {
 
 std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check) { return os << check.text(); }
 
-DerivativeCheck compareDerivatives(Problem& problem, int most_of_group) {
+DerivativeCheck compareDerivatives(const Problem& problem, int most_of_group) {
   DerivativeCheck result;
   for (const auto& pool : problem.pools()) {
     Comparison comparison(problem, *pool);
@@ -194,7 +194,7 @@ DerivativeCheck compareDerivatives(Problem& problem, int most_of_group) {
   return result;
 }
 
-DerivativeCheck findWrongDerivatives(Problem& problem, int most_of_group) {
+DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group) {
   DerivativeCheck result;
   for (const auto& pool : problem.pools()) {
     constexpr long most_entries = 100'000;  // of a Jacobian: with more, differences take as long as a fit

@@ -23,8 +23,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = Finding::Kind;
 
-/// Below this influence of a direction, in scaled unknowns, a hint is due.
-constexpr double kWeak = 1e-6;
 /// Entries of a direction that are smaller than this share of the largest are not told.
 constexpr double kSmall = 1e-5;
 /// Correlations from here on are told.
@@ -49,21 +47,16 @@ std::string nounOf(const std::string& type) {
 
 class Examination {
  public:
-  Examination(System& system, Linearizer& linearizer)
-      : system_(system),
-        linearizer_(linearizer),
-        problem_(system.problem()),
-        structure_(system.structure()) {}
+  explicit Examination(const LinearizedProblem& linearized)
+      : linearized_(linearized), problem_(linearized.problem()), structure_(linearized.structure()) {}
 
   Diagnosis run() {
     result_.residuals = structure_.residuals;
-    if (structure_.system.unknowns() > 0) system_.linearize();  // which finds the bounds that are active
-    result_.unknowns = result_.rank = structure_.system.unknowns() - problem_.activeSet().heldCount();
+    result_.unknowns = result_.rank = structure_.system.unknowns() > 0 ? linearized_.freeUnknowns() : 0;
     findIdleMeasurements();
     if (result_.unknowns == 0) return std::move(result_);
-    const StoredJacobian jacobian(problem_, linearizer_, structure_.system);
-    const NearNullSpace least = nearNullSpace(jacobian, structure_.system, problem_, linearizer_, kWeak);
-    const Index none = least.countBelow(system_.digitsOfDerivatives());
+    const NearNullSpace& least = linearized_.nearNullSpace();
+    const Index none = least.countBelow(linearized_.digitsOfDerivatives());
     result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
     const std::vector<Part> parts = connectedParts(structure_.system);
     findIdle(least);
@@ -86,7 +79,7 @@ class Examination {
     return isHeld(block, unknown - structure_.system.offset[at(block)]);
   }
   bool isHeld(int block, int component) const {
-    return problem_.activeSet().isHeld(structure_.variable_of_block[at(block)], component);
+    return linearized_.activeSet().isHeld(structure_.variable_of_block[at(block)], component);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
   const VariableRecord& recordOf(int block) const {
@@ -250,7 +243,7 @@ class Examination {
   void describeWeak(const NearNullSpace& least, Index none) {
     std::vector<int> all(at(structure_.system.unknowns()));
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-    const Index weak = least.countBelow(kWeak);
+    const Index weak = least.countBelow(kWeakInfluence);
     for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
@@ -311,7 +304,7 @@ class Examination {
   /// Directions that are hardly determined may still be too much for the solver.
   bool canInvert() {
     MatrixXd ignored;
-    return system_.solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
+    return linearized_.solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
   }
 
   void findCorrelations() {
@@ -329,7 +322,7 @@ class Examination {
     if (n < 2 || n > kMostDenseUnknowns) return;
     MatrixXd units = MatrixXd::Zero(structure_.system.unknowns(), n), columns;
     for (Index j = 0; j < n; ++j) units(unknowns[static_cast<std::size_t>(j)], j) = 1;
-    if (!system_.solveFor(units, columns).ok) return;
+    if (!linearized_.solveFor(units, columns).ok) return;
     const MatrixXd C = columns(unknowns, Eigen::all);
     struct Pair {
       Index i, j;
@@ -361,9 +354,8 @@ class Examination {
 
   /// Residuals say something of sigmas at a minimum alone, and nothing when the data were computed without noise.
   void judgeSigmas() {
-    if (!(system_.orthogonality() < kAtMinimum)) return;
-    for (const GroupCheck& group :
-         checkResiduals(system_, linearizer_, OutlierOptions{.worst = 0}, 1).groups) {
+    if (!(linearized_.orthogonality() < kAtMinimum)) return;
+    for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {
       if (group.has_losses || !(group.redundancy > 0)) continue;
       const double factor = std::sqrt(group.chi2 / group.redundancy);
       if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) ||
@@ -379,25 +371,15 @@ class Examination {
     }
   }
 
-  System& system_;
-  Linearizer& linearizer_;
-  Problem& problem_;
+  const LinearizedProblem& linearized_;
+  const Problem& problem_;
   const ProblemStructure& structure_;
   Diagnosis result_;
 };
 
 }  // namespace
 
-Diagnosis diagnose(System& system, Linearizer& linearizer) { return Examination(system, linearizer).run(); }
-
-Error undeterminedError(System& system, Linearizer& linearizer, const SolveStatus& status) {
-  for (const Finding& finding : diagnose(system, linearizer).findings) {
-    if (finding.kind == Kind::gauge) {
-      return {"slom.free-gauge", "there are no covariances as long as the gauge is free. " + finding.text};
-    }
-  }
-  return singularError(system.problem(), system.structure(), status);
-}
+Diagnosis diagnose(const LinearizedProblem& linearized) { return Examination(linearized).run(); }
 
 std::string Diagnosis::text() const {
   std::string all = "rank " + std::to_string(rank) + " of " + counted(unknowns, "unknown") + ", " +

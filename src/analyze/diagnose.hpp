@@ -1,8 +1,8 @@
 /// Looks a problem over at its current values: what it determines, what it does not, and why.
 #pragma once
 
+#include "analyze/linearized_problem.hpp"
 #include "slom/analyze/diagnosis.hpp"
-#include "slom/optimize/system.hpp"
 
 namespace slom {
 
@@ -10,10 +10,6 @@ namespace slom {
 inline constexpr double kAtMinimum = 1e-4;
 
 /// Sparse: a factorisation and a few solutions with it.
-Diagnosis diagnose(System& system, Linearizer& linearizer);
-
-/// The error of an analysis that needs a full rank: [slom.free-gauge] with the motions that are free or, where that is not
-/// the cause, singularError.
-Error undeterminedError(System& system, Linearizer& linearizer, const SolveStatus& status);
+Diagnosis diagnose(const LinearizedProblem& linearized);
 
 }  // namespace slom

@@ -6,12 +6,11 @@
 
 #include "analyze/residual_tests.hpp"
 #include "base/words.hpp"
-#include "slom/analyze/covariance.hpp"
 #include "slom/analyze/losses.hpp"
 
 namespace slom {
 
-void fillGroups(Problem& problem, Linearizer& linearizer, Summary& summary, bool before) {
+void fillGroups(const Problem& problem, Linearizer& linearizer, Summary& summary, bool before) {
   const std::vector<double> rss = linearizer.rssPerPool(problem);
   summary.groups.resize(problem.pools().size());
   for (std::size_t g = 0; g < summary.groups.size(); ++g) {
@@ -30,14 +29,15 @@ void fillGroups(Problem& problem, Linearizer& linearizer, Summary& summary, bool
   }
 }
 
-void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor,
+void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                     Summary& summary) {
   constexpr double strong = 0.95;
   constexpr std::size_t most = 5;
-  const Problem& problem = system.problem();
-  const ProblemStructure& structure = system.structure();
-  const Eigen::MatrixXd C = variance_factor * covarianceOfAll(system, linearizer, gauge);
-  const OutlierReport checks = checkResiduals(system, linearizer, OutlierOptions{.worst = 0}, 1, gauge);
+  const Problem& problem = linearized.problem();
+  const ProblemStructure& structure = linearized.structure();
+  const Eigen::MatrixXd C =
+      variance_factor * linearized.covarianceColumns(gauge, 0, structure.system.unknowns());
+  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, gauge);
   std::vector<int> unknowns;
   for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
     const VariableRecord& record =
@@ -46,7 +46,7 @@ void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, dou
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
     for (int c = 0; c < record.dof; ++c) {
-      if (problem.activeSet().isHeld(structure.variable_of_block[b], c)) continue;
+      if (linearized.activeSet().isHeld(structure.variable_of_block[b], c)) continue;
       const int unknown = structure.system.offset[b] + c;
       unknowns.push_back(unknown);
       summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],

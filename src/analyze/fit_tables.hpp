@@ -4,18 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "analyze/linearized_problem.hpp"
 #include "slom/analyze/uncertainty.hpp"
 #include "slom/optimize/summary.hpp"
-#include "slom/optimize/system.hpp"
 
 namespace slom {
 
 /// A row for each pool: its sizes and the RSS before the fit, or the RSS after it and what its losses did.
-void fillGroups(Problem& problem, Linearizer& linearizer, Summary& summary, bool before);
+void fillGroups(const Problem& problem, Linearizer& linearizer, Summary& summary, bool before);
 
 /// Values, standard deviations and strong correlations of all unknowns, and the redundancy of each group. Throws, and leaves the
 /// summary as it is, where there are no covariances.
-void fillParameters(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor,
+void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                     Summary& summary);
 
 /// `camera.k3 is at its upper bound 0.5`

@@ -1,6 +1,5 @@
 #include "analyze/free_network.hpp"
 
-#include "analyze/diagnose.hpp"
 #include "analyze/null_space.hpp"
 #include "base/decompositions.hpp"
 
@@ -8,16 +7,15 @@ namespace slom {
 
 using Eigen::MatrixXd;
 
-FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
-    : structure_(system.structure().system),
+FreeNetwork::FreeNetwork(const LinearizedProblem& linearized)
+    : structure_(linearized.structure().system),
       solver_(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky}) {
-  for (const Finding& finding : diagnose(system, linearizer).findings) {
+  for (const Finding& finding : linearized.diagnosis().findings) {
     if (finding.is_fault && finding.kind != Finding::Kind::gauge)
       throw Error("slom.rank-deficient", finding.text);
   }
-  const StoredJacobian jacobian(system.problem(), linearizer, structure_);
-  const double none = system.digitsOfDerivatives();
-  const NearNullSpace least = nearNullSpace(jacobian, structure_, system.problem(), linearizer, none);
+  const double none = linearized.digitsOfDerivatives();
+  const NearNullSpace& least = linearized.nearNullSpace();
   const MatrixXd null_space = least.direction.leftCols(least.countBelow(none));
   damping_ = Eigen::VectorXd::Zero(structure_.unknowns());
   N_ = MatrixXd(structure_.unknowns(), 0);
@@ -30,10 +28,10 @@ FreeNetwork::FreeNetwork(System& system, Linearizer& linearizer)
     N_ = orthonormalBasis(least.scale.cwiseInverse().asDiagonal() * null_space);
   }
   solver_.analyze(structure_);
-  linearizer.linearize(system.problem(), solver_);
+  linearized.rows().sendTo(solver_);
   SolveStatus status = solver_.solveDamped(damping_, N_, CN_);
   if (status.ok) status = solver_.invertDamped(damping_, held_);
-  if (!status.ok) throw undeterminedError(system, linearizer, status);
+  if (!status.ok) throw linearized.undetermined(status);
   NCN_ = N_.transpose() * CN_;
 }
 
@@ -48,7 +46,7 @@ void FreeNetwork::block(int a, int b, double* out) const {
   C += Na * NCN_ * Nb.transpose() - Na * rowsOf(CN_, b).transpose() - rowsOf(CN_, a) * Nb.transpose();
 }
 
-MatrixXd FreeNetwork::columns(int first, int count) {
+MatrixXd FreeNetwork::columns(int first, int count) const {
   MatrixXd unit = MatrixXd::Zero(structure_.unknowns(), count), C;
   unit.middleRows(first, count).setIdentity();
   unit -= N_ * N_.middleRows(first, count).transpose();

@@ -1,7 +1,7 @@
 /// Covariances of a network whose gauge is free: the pseudo-inverse of H = J^T J.
 #pragma once
 
-#include "slom/optimize/system.hpp"
+#include "analyze/linearized_problem.hpp"
 #include "slom/solve/block_solver.hpp"
 
 namespace slom {
@@ -11,18 +11,18 @@ namespace slom {
 ///   source   Baarda, "S-transformations and criterion matrices", 1973
 class FreeNetwork final : public InverseBlocks {
  public:
-  /// Throws, as undeterminedError does, when more than the gauge is free.
-  FreeNetwork(System& system, Linearizer& linearizer);
+  /// Throws [slom.rank-deficient] when more than the gauge is free.
+  explicit FreeNetwork(const LinearizedProblem& linearized);
 
   void block(int a, int b, double* out) const override;
   /// Columns of the pseudo-inverse: those of the unknowns [first, first + count).
-  Eigen::MatrixXd columns(int first, int count);
+  Eigen::MatrixXd columns(int first, int count) const;
 
  private:
   Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& A, int block) const;
 
   BlockStructure structure_;
-  BlockSolver solver_;
+  mutable BlockSolver solver_;  // which solves without changing its numbers
   Eigen::VectorXd damping_;
   Eigen::MatrixXd N_, CN_, NCN_;  // N, C N and N^T C N
   std::unique_ptr<InverseBlocks> held_;

@@ -11,7 +11,7 @@ constexpr int kMeasurements = 4;
 
 }  // namespace
 
-void GivenDerivatives::check(Problem& problem, std::vector<std::string>& warnings) {
+void GivenDerivatives::check(const Problem& problem, std::vector<std::string>& warnings) {
   if (checked_at_ != problem.structureRevision()) {
     checked_at_ = problem.structureRevision();
     found_.clear();

@@ -14,7 +14,7 @@ class GivenDerivatives {
  public:
   /// Appends a sentence for each group whose given derivatives are wrong. It looks at a few measurements of each group, once after
   /// each change of the structure, at the values of that time. Throws nothing that functions of measurements do.
-  void check(Problem& problem, std::vector<std::string>& warnings);
+  void check(const Problem& problem, std::vector<std::string>& warnings);
 
  private:
   std::uint64_t checked_at_ = ~std::uint64_t{0};  // structure revision

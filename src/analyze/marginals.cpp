@@ -1,17 +1,16 @@
 #include <algorithm>
 #include <tuple>
 
-#include "analyze/diagnose.hpp"
-#include "slom/analyze/covariance.hpp"
+#include "analyze/covariance.hpp"
 #include "slom/analyze/uncertainty.hpp"
 
 namespace slom {
 
-Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge, double variance_factor) {
+Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor) {
   using Place = Marginals::Place;
-  const auto inverse = inverseBlocks(system, linearizer, gauge);
-  const ProblemStructure& structure = system.structure();
-  const Problem& problem = system.problem();
+  const InverseBlocks& inverse = linearized.inverse(gauge);
+  const ProblemStructure& structure = linearized.structure();
+  const Problem& problem = linearized.problem();
   Marginals result;
   result.stores_ = problem.stores();
   for (std::size_t v = 0; v < problem.variables().size(); ++v) {
@@ -26,12 +25,12 @@ Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge,
       place.start = result.numbers_.size();
       result.numbers_.resize(place.start + static_cast<std::size_t>(place.dof * place.dof));
       double* const numbers = result.numbers_.data() + place.start;
-      inverse->block(block, block, numbers);
-      clearHeld(problem, static_cast<int>(v), static_cast<int>(v), numbers);
+      inverse.block(block, block, numbers);
+      clearHeld(linearized, static_cast<int>(v), static_cast<int>(v), numbers);
       for (int i = 0; i < place.dof; ++i) {  // conjugate gradients do not notice a loss of rank
         if (numbers[i * (place.dof + 1)] >= 0) continue;
         const int unknown = structure.offset_of_variable[v] + i;
-        throw undeterminedError(system, linearizer, SolveStatus{false, unknown, 0, 0});
+        throw linearized.undetermined(SolveStatus{false, unknown, 0, 0});
       }
     }
     result.places_.push_back(place);

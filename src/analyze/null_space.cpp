@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "base/decompositions.hpp"
@@ -84,8 +85,8 @@ double orthonormalize(MatrixXd& V) {
 }
 
 /// Turns the columns of `result.direction` into the singular vectors of J among them.
-void sortByInfluence(const StoredJacobian& jacobian, NearNullSpace& result) {
-  MatrixXd image = jacobian.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
+void sortByInfluence(const LinearizedProblem& linearized, NearNullSpace& result) {
+  MatrixXd image = linearized.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
   if (image.rows() > image.cols()) {
     triangularize(image);
     image = MatrixXd(image.topRows(image.cols()).triangularView<Eigen::Upper>());
@@ -98,12 +99,43 @@ void sortByInfluence(const StoredJacobian& jacobian, NearNullSpace& result) {
   result.direction = result.direction * svd.matrixV().rowwise().reverse();
 }
 
+/// Solutions with H where it has full rank, otherwise with H + damping.
+class InverseIteration {
+ public:
+  InverseIteration(const LinearizedProblem& linearized, const NearNullSpace& shape)
+      : linearized_(linearized) {
+    MatrixXd ignored;
+    const BlockStructure& structure = linearized.structure().system;
+    if (shape.idle.empty() && linearized.isExact() &&
+        linearized.solveFor(MatrixXd(structure.unknowns(), 0), ignored).ok)
+      return;
+    shift_ = kDamping;
+    damping_ = kDamping * shape.scale.cwiseAbs2();
+    for (const int i : shape.idle) damping_[i] = 1;
+    damped_.emplace(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
+    damped_->analyze(structure);
+    linearized.rows().sendTo(*damped_);
+  }
+
+  SolveStatus solve(const MatrixXd& B, MatrixXd& X) {
+    return damped_ ? damped_->solveDamped(damping_, B, X) : linearized_.solveFor(B, X);
+  }
+  /// The damping, in scaled unknowns.
+  double shift() const { return shift_; }
+
+ private:
+  const LinearizedProblem& linearized_;
+  std::optional<BlockSolver> damped_;
+  VectorXd damping_;
+  double shift_ = 0;
+};
+
 }  // namespace
 
-NearNullSpace nearNullSpace(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
-                            Linearizer& linearizer, double limit) {
+NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limit) {
   NearNullSpace result;
-  const VectorXd diagonal = withoutRounding(jacobian.rows().diagonal(), structure);
+  const BlockStructure& structure = linearized.structure().system;
+  const VectorXd diagonal = withoutRounding(linearized.rows().diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));
@@ -113,28 +145,24 @@ NearNullSpace nearNullSpace(const StoredJacobian& jacobian, const BlockStructure
     result.direction.resize(diagonal.size(), 0);
     return result;
   }
-  BlockSolver solver(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
-  solver.analyze(structure);
-  linearizer.linearize(problem, solver);
-  VectorXd damping = kDamping * result.scale.cwiseAbs2();
-  for (const int i : result.idle) damping[i] = 1;
+  InverseIteration inverse(linearized, result);
   for (Index count = std::min(kFirstCount, dimension);;) {
     result.direction = startVectors(diagonal, count);
     orthonormalize(result.direction);
-    double gain = 0;  // 1 / (square of the least influence so far + kDamping)
+    double gain = 0;  // 1 / (square of the least influence so far + shift)
     bool all_determined = false;
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
-      const SolveStatus status =
-          solver.solveDamped(damping, result.scale.asDiagonal() * result.direction, moved);
+      const SolveStatus status = inverse.solve(result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
       for (const int i : result.idle) moved.row(i).setZero();
       result.direction = result.scale.asDiagonal() * moved;
       const double last = std::exchange(gain, orthonormalize(result.direction));
-      all_determined = gain > 0 && gain < kSettled * last && 1 / gain - kDamping > kFarAbove * limit * limit;
+      all_determined =
+          gain > 0 && gain < kSettled * last && 1 / gain - inverse.shift() > kFarAbove * limit * limit;
       if (all_determined) break;
     }
-    sortByInfluence(jacobian, result);
+    sortByInfluence(linearized, result);
     if (all_determined || count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated)))
       return result;
     const Index next = std::min(4 * count, dimension);

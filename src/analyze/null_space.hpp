@@ -1,9 +1,11 @@
 /// Directions in which the unknowns can move without the residuals noticing, or hardly.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
-#include "analyze/jacobian.hpp"
+#include "analyze/linearized_problem.hpp"
 
 namespace slom {
 
@@ -20,10 +22,12 @@ struct NearNullSpace {
   Eigen::Index countBelow(double limit) const { return (influence.array() < limit).count(); }
 };
 
-/// At the least the directions whose influence is below `limit`, by inverse iteration with a factor of J^T J + tiny
-/// damping; their influence itself is computed from J, so that it does not suffer from the squared condition number.
+/// Below this influence of a direction, in scaled unknowns, a hint is due.
+inline constexpr double kWeakInfluence = 1e-6;
+
+/// At the least the directions whose influence is below `limit`, by inverse iteration with the factor of J^T J or, where that has no
+/// full rank, of J^T J + tiny damping; their influence itself is computed from J, so that it does not suffer from the squared condition number.
 ///   source   Golub and Van Loan, "Matrix computations", 2013, section 8.2 (subspace iteration)
-NearNullSpace nearNullSpace(const StoredJacobian& jacobian, const BlockStructure& structure, Problem& problem,
-                            Linearizer& linearizer, double limit);
+NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limit);
 
 }  // namespace slom

@@ -20,8 +20,8 @@ constexpr std::size_t kMostVariables = 3;  // that are named for having too few 
 
 class Inspection {
  public:
-  Inspection(System& system, Linearizer& linearizer)
-      : system_(system), linearizer_(linearizer), problem_(system.problem()) {}
+  explicit Inspection(const LinearizedProblem& linearized)
+      : linearized_(linearized), problem_(linearized.problem()) {}
 
   Preflight run() {
     for (const auto& pool : problem_.pools()) evaluate(*pool);
@@ -30,8 +30,8 @@ class Inspection {
     countResiduals();
     if (can_differentiate) {
       checkDerivatives();
-      for (Finding& finding : diagnose(system_, linearizer_).findings) {
-        (finding.is_fault ? result_.faults : result_.warnings).push_back(std::move(finding.text));
+      for (const Finding& finding : linearized_.diagnosis().findings) {
+        (finding.is_fault ? result_.faults : result_.warnings).push_back(finding.text);
       }
     }
     return std::move(result_);
@@ -88,7 +88,7 @@ class Inspection {
 
   /// Fewer residuals than unknowns, in all or around a variable.
   void countResiduals() {
-    const ProblemStructure& structure = system_.structure();
+    const ProblemStructure& structure = linearized_.structure();
     const int unknowns = structure.system.unknowns() - problem_.activeSet().heldCount();
     if (structure.residuals < unknowns) {
       result_.faults.push_back("there are " + counted(structure.residuals, "residual") + " for " +
@@ -121,15 +121,14 @@ class Inspection {
     }
   }
 
-  System& system_;
-  Linearizer& linearizer_;
-  Problem& problem_;
+  const LinearizedProblem& linearized_;
+  const Problem& problem_;
   Preflight result_;
 };
 
 }  // namespace
 
-Preflight preflight(System& system, Linearizer& linearizer) { return Inspection(system, linearizer).run(); }
+Preflight preflight(const LinearizedProblem& linearized) { return Inspection(linearized).run(); }
 
 std::string Preflight::text() const {
   std::string all =

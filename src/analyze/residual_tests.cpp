@@ -10,13 +10,12 @@
 #include "base/threads.hpp"
 #include "base/words.hpp"
 #include "slom/analyze/chi_square.hpp"
-#include "slom/analyze/covariance.hpp"
 
 namespace slom {
 
 namespace {
 
-using Eigen::Map;
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -26,11 +25,12 @@ constexpr int kMeasurementsPerTask = 64;
 
 class GroupExamination {
  public:
-  GroupExamination(System& system, const InverseBlocks& inverse, std::size_t group, double variance_factor)
-      : problem_(system.problem()),
-        structure_(system.structure()),
-        inverse_(inverse),
-        pool_(*problem_.pools()[group]),
+  GroupExamination(const LinearizedProblem& linearized, const InverseBlocks& inverse, std::size_t group,
+                   double variance_factor)
+      : inverse_(inverse),
+        group_(group),
+        pool_(*linearized.problem().pools()[group]),
+        rows_(pool_.lossCount() > 0 ? linearized.unweightedRows() : linearized.rows()),
         variance_factor_(variance_factor) {}
 
   struct Result {
@@ -50,52 +50,27 @@ class GroupExamination {
 
  private:
   /// J C J^T of measurement i.
-  MatrixXd leverage(int i, const MatrixXd& J) const {
-    const int arity = pool_.arity();
-    std::vector<int> block(at(arity)), column(at(arity));
-    int width = 0;
-    for (int k = 0; k < arity; ++k) {
-      const int variable = pool_.variables(i)[k];
-      column[at(k)] = width;
-      block[at(k)] = structure_.block_of_variable[at(variable)];
-      width += problem_.variables()[at(variable)].dof;
-    }
-    MatrixXd result = MatrixXd::Zero(J.rows(), J.rows()), C;
-    for (int k = 0; k < arity; ++k) {
-      for (int l = 0; l < arity; ++l) {
-        if (block[at(k)] < 0 || block[at(l)] < 0) continue;
-        C.resize(structure_.system.dof(block[at(k)]), structure_.system.dof(block[at(l)]));
-        inverse_.block(block[at(k)], block[at(l)], C.data());
-        result.noalias() +=
-            J.middleCols(column[at(k)], C.rows()) * C * J.middleCols(column[at(l)], C.cols()).transpose();
-      }
-    }
+  MatrixXd leverage(int i) const {
+    const Index rows = rows_.residual(group_, i).size();
+    MatrixXd result = MatrixXd::Zero(rows, rows), C;
+    rows_.forEachPart(group_, i, [&](int a, const JacobianRows::Part& Ja) {
+      rows_.forEachPart(group_, i, [&](int b, const JacobianRows::Part& Jb) {
+        C.resize(Ja.cols(), Jb.cols());
+        inverse_.block(a, b, C.data());
+        result.noalias() += Ja * C * Jb.transpose();
+      });
+    });
     return (result + result.transpose()) / 2;
   }
 
-  void clearHeld(int i, MatrixXd& J) const {
-    int column = 0;
-    for (int k = 0; k < pool_.arity(); ++k) {
-      const int variable = pool_.variables(i)[k];
-      const VariableRecord& record = problem_.variables()[at(variable)];
-      for (int c = 0; c < record.dof; ++c, ++column) {
-        if (!problem_.activeSet().isOptimized(variable) || problem_.activeSet().isHeld(variable, c))
-          J.col(column).setZero();
-      }
-    }
-  }
-
   Result examine(int i) const {
-    VectorXd w(pool_.rows(i));
-    MatrixXd J = MatrixXd::Zero(pool_.rows(i), pool_.columns(i));
-    problem_.naming(pool_, [&] { return pool_.linearize(i, i + 1, w.data(), J.data()); });
-    clearHeld(i, J);
+    const VectorXd w = rows_.residual(group_, i);
     Result result;
     MeasurementCheck& check = result.check;
     check.measurement = pool_.measurementName(i);
     const double squared = w.squaredNorm();
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
-    const MatrixXd H = leverage(i, J);
+    const MatrixXd H = leverage(i);
     const MatrixXd Q = MatrixXd::Identity(w.size(), w.size()) + (1 - 2 * check.weight) * H;
     const SymmetricEigen eigen = eigenOf(Q);
     VectorXd solved = VectorXd::Zero(w.size());  // Q^-1 w
@@ -119,10 +94,10 @@ class GroupExamination {
     return result;
   }
 
-  Problem& problem_;
-  const ProblemStructure& structure_;
   const InverseBlocks& inverse_;
-  MeasurementPool& pool_;
+  std::size_t group_;
+  const MeasurementPool& pool_;
+  const JacobianRows& rows_;  // without losses
   double variance_factor_;
 };
 
@@ -163,7 +138,7 @@ std::string row(const char* name, const MeasurementCheck& check) {
 
 }  // namespace
 
-OutlierReport checkResiduals(System& system, Linearizer& linearizer, const OutlierOptions& options,
+OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
                              double variance_factor, FreeGauge gauge) {
   if (!(options.significance > 0 && options.significance < 1)) {
     throw Error("slom.bad-option", "the significance of OutlierOptions is " +
@@ -172,16 +147,16 @@ OutlierReport checkResiduals(System& system, Linearizer& linearizer, const Outli
   }
   OutlierReport report;
   report.variance_factor = variance_factor;
-  Problem& problem = system.problem();
+  const Problem& problem = linearized.problem();
   int count = 0;
   for (const auto& pool : problem.pools()) count += pool->size();
   report.significance = options.significance / std::max(1, count);
-  const auto inverse = inverseBlocks(system, linearizer, gauge);
+  const InverseBlocks& inverse = linearized.inverse(gauge);
   for (std::size_t g = 0; g < problem.pools().size(); ++g) {
-    MeasurementPool& pool = *problem.pools()[g];
+    const MeasurementPool& pool = *problem.pools()[g];
     if (pool.size() == 0) continue;
-    report.groups.push_back(summarized(GroupExamination(system, *inverse, g, variance_factor).run(), options,
-                                       report.significance));
+    report.groups.push_back(summarized(GroupExamination(linearized, inverse, g, variance_factor).run(),
+                                       options, report.significance));
     report.groups.back().name = pool.name();
     report.groups.back().has_losses = pool.lossCount() > 0;
   }

@@ -94,7 +94,7 @@ void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& ch
   chunk.squared_norm = squaredNorm(chunk.r);
 }
 
-std::vector<double> Linearizer::rssPerPool(Problem& problem) {
+std::vector<double> Linearizer::rssPerPool(const Problem& problem) {
   const std::vector<Range> all = ranges(problem);
   std::vector<double> sums(all.size());
   std::vector<std::optional<MeasurementThrew>> threw(all.size());
@@ -117,13 +117,13 @@ std::vector<double> Linearizer::rssPerPool(Problem& problem) {
   return result;
 }
 
-double Linearizer::rss(Problem& problem) {
+double Linearizer::rss(const Problem& problem) {
   double sum = 0;
   for (const double part : rssPerPool(problem)) sum += part;
   return sum <= kLargestRss ? sum : std::numeric_limits<double>::quiet_NaN();
 }
 
-double Linearizer::largestLossArgument(Problem& problem) {
+double Linearizer::largestLossArgument(const Problem& problem) {
   double largest = -1;
   for (const Range& range : ranges(problem)) {
     MeasurementPool& pool = *problem.pools()[at(range.group)];
@@ -136,44 +136,54 @@ double Linearizer::largestLossArgument(Problem& problem) {
   return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
 }
 
-void Linearizer::residuals(Problem& problem, double* r) {
-  for (auto& pool : problem.pools()) {
+void Linearizer::residuals(const Problem& problem, double* r) {
+  for (const auto& pool : problem.pools()) {
     problem.naming(*pool, [&] { pool->evaluate(0, pool->size(), r); });
     for (int i = 0; i < pool->size(); ++i) r += pool->rows(i);
   }
 }
 
-void Linearizer::linearizeChunk(Problem& problem, const Range& range, Chunk& chunk) const {
+void Linearizer::linearizeChunk(const Problem& problem, const ActiveSet& active, const Range& range,
+                                bool wants_plain, Chunk& chunk) const {
   prepare(problem, range, true, chunk);
+  const bool has_held = !active.constrained().empty();
   try {
-    chunk.bad =
-        problem.pools()[at(chunk.group)]->linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
+    MeasurementPool& pool = *problem.pools()[at(chunk.group)];
+    chunk.bad = pool.linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
     if (chunk.bad < 0) {
+      if (wants_plain && pool.lossCount() > 0) {
+        chunk.plain_r = chunk.r;
+        chunk.plain_J = chunk.J;
+        if (has_held) clearHeld(problem, active, chunk, chunk.plain_r.data(), chunk.plain_J.data(), nullptr);
+      }
       addLosses(problem, true, chunk);
-      if (!problem.activeSet().constrained().empty()) clearHeld(problem, chunk);
+      if (has_held) clearHeld(problem, active, chunk, chunk.r.data(), chunk.J.data(), &chunk.held);
     }
   } catch (const MeasurementThrew& event) {
     chunk.threw = event;
   }
 }
 
-void Linearizer::requireGood(Problem& problem, const Chunk& chunk) {
+void Linearizer::requireGood(const Problem& problem, const Chunk& chunk) {
   if (chunk.threw) problem.raiseThrew(*problem.pools()[at(chunk.group)], *chunk.threw);
   if (chunk.bad >= 0) raiseNotFinite(problem, chunk.group, chunk.bad);
 }
 
-double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
+double Linearizer::linearize(const Problem& problem, const ActiveSet& active, JacobianSink& sink) {
   const std::span<const MeasurementPlace> parts = sink.parts();
   const std::vector<Range> all = ranges(problem, parts);
   const int threads = detail::threadCount();
   const std::size_t per_wave = at(chunksInFlight(threads));
   std::vector<double> rss(all.size()), squared_norm(all.size());
   held_.clear();
+  const bool wants_plain = sink.wantsUnweighted();
   sink.beginLinearization();
   const auto send = [&](std::size_t c, const Chunk& chunk) {
     rss[c] = chunk.rss;
     squared_norm[c] = chunk.squared_norm;
     sink.add(chunk.batch());
+    if (wants_plain && problem.pools()[at(chunk.group)]->lossCount() > 0)
+      sink.addUnweighted(chunk.plainBatch());
   };
   const auto book = [&](const std::vector<HeldColumn>& held) {
     for (const HeldColumn& part : held) {
@@ -199,7 +209,7 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
     detail::forEachIndex(static_cast<int>(parts.size()), [&](int p) {
       Chunk& chunk = threads == 1 ? chunks_.front() : chunks_[at(p)];
       for (std::size_t c = first[at(p)]; c < first[at(p) + 1] && chunk.isGood(); ++c) {
-        linearizeChunk(problem, all[c], chunk);
+        linearizeChunk(problem, active, all[c], wants_plain, chunk);
         if (!chunk.isGood()) return;
         send(c, chunk);
         held[at(p)].insert(held[at(p)].end(), chunk.held.begin(), chunk.held.end());
@@ -211,7 +221,9 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
     chunks_.resize(std::min(all.size(), per_wave));
     for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
       const int count = static_cast<int>(std::min(per_wave, all.size() - wave));
-      detail::forEachIndex(count, [&](int c) { linearizeChunk(problem, all[wave + at(c)], chunks_[at(c)]); });
+      detail::forEachIndex(count, [&](int c) {
+        linearizeChunk(problem, active, all[wave + at(c)], wants_plain, chunks_[at(c)]);
+      });
       for (int c = 0; c < count; ++c) {
         const Chunk& chunk = chunks_[at(c)];
         requireGood(problem, chunk);
@@ -220,17 +232,15 @@ double Linearizer::linearize(Problem& problem, JacobianSink& sink) {
       }
     }
   }
-  if (!problem.activeSet().constrained().empty()) sendHeld(problem, sink);
+  if (!active.constrained().empty()) sendHeld(problem, active, sink);
   sink.endLinearization();
   squared_norm_sent_ = std::accumulate(squared_norm.begin(), squared_norm.end(), 0.0);
   return std::accumulate(rss.begin(), rss.end(), 0.0);
 }
 
-void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
-  const ActiveSet& active = problem.activeSet();
+void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
+                           const double* r, double* J, std::vector<HeldColumn>* held) {
   const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
-  double* J = chunk.J.data();
-  const double* r = chunk.r.data();
   for (int i = chunk.first; i < chunk.last; ++i) {
     const int rows = pool.rows(i);
     for (int k = 0; k < pool.arity(); ++k) {
@@ -243,7 +253,7 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
           column.gradient += J[row] * r[row];
           column.squared_norm += J[row] * J[row];
         }
-        chunk.held.push_back(column);
+        if (held != nullptr) held->push_back(column);
         std::fill_n(J, rows, 0.0);
       }
     }
@@ -252,11 +262,10 @@ void Linearizer::clearHeld(const Problem& problem, Chunk& chunk) {
 }
 
 /// With the lengths of the columns that were cleared, so that scales stay what they are.
-void Linearizer::sendHeld(const Problem& problem, JacobianSink& sink) const {
-  const ActiveSet& active = problem.activeSet();
+void Linearizer::sendHeld(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;
-  for (const int variable : problem.activeSet().constrained()) {
+  for (const int variable : active.constrained()) {
     const VariableRecord& record = problem.variables()[at(variable)];
     if (!active.isOptimized(variable) || record.dof == 0) continue;
     const Eigen::VectorXd r = Eigen::VectorXd::Zero(record.dof);
@@ -275,7 +284,7 @@ double Linearizer::gradientOfHeld(int variable, int component) const {
   return found == held_.end() ? 0 : found->second.gradient;
 }
 
-void Linearizer::raiseOverflow(Problem& problem) {
+void Linearizer::raiseOverflow(const Problem& problem) {
   MeasurementPool* worst_pool = nullptr;
   int worst = 0;
   double largest = -1;
@@ -308,7 +317,7 @@ void Linearizer::raiseOverflow(Problem& problem) {
                   ", too large for sums of squares; check its data, its uncertainty and the start values");
 }
 
-void Linearizer::raiseNotFinite(Problem& problem, int group, int measurement) {
+void Linearizer::raiseNotFinite(const Problem& problem, int group, int measurement) {
   MeasurementPool& pool = *problem.pools()[at(group)];
   std::vector<double> r(at(pool.rows(measurement)));
   const bool residual_is_bad = pool.evaluate(measurement, measurement + 1, r.data()) >= 0;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "optimize/active_bounds.hpp"
+#include "optimize/second_look.hpp"
 
 namespace slom {
 
@@ -13,7 +15,6 @@ namespace {
 constexpr int kMostActiveSets = 10;    // in one linearisation
 constexpr int kMostHoldings = 10;      // of unseen unknowns, in one step
 constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
-constexpr double kAtBound = 1e-14;     // relative: rounding errors of a step that ends at a bound
 
 /// Whether the largest of some products of squares is right: none of those that matter has left the range of
 /// numbers.
@@ -38,21 +39,36 @@ const ProblemStructure& System::structure() {
   return structure_;
 }
 
+void System::analyze() {
+  structure();
+  if (analyzed_at_ == structured_at_) return;
+  const detail::Stopwatch watch(setup_seconds_);
+  solver_ = given_;
+  careful_.reset();
+  ++content_of_solver_;
+  solver_->analyze(structure_.system);
+  analyzed_at_ = structured_at_;
+}
+
+LinearSolver& System::lendSolver() {
+  analyze();
+  linearized_at_ = ~std::uint64_t{0};
+  ++content_of_solver_;
+  return *solver_;
+}
+
 double System::linearize() {
   structure();
   if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
-  if (analyzed_at_ != structured_at_) {
-    const detail::Stopwatch watch(setup_seconds_);
-    solver_ = given_;
-    careful_.reset();
-    solver_->analyze(structure_.system);
-    analyzed_at_ = structured_at_;
-  }
+  analyze();
   const detail::Stopwatch watch(linearize_seconds_);
   linearized_at_ = ~std::uint64_t{0};
-  rss_ = linearizer_.linearize(problem_, *solver_);
-  for (int i = 0; i < kMostActiveSets && problem_.activeSet().hasBounds() && updateActiveBounds(); ++i) {
-    rss_ = linearizer_.linearize(problem_, *solver_);
+  ++content_of_solver_;
+  ActiveSet& active = problem_.activeSet();
+  rss_ = linearizer_.linearize(problem_, active, *solver_);
+  for (int i = 0; i < kMostActiveSets && active.hasBounds(); ++i) {
+    if (!updateActiveBounds(problem_, structure_, linearizer_, solver_->gradient(), active)) break;
+    rss_ = linearizer_.linearize(problem_, active, *solver_);
   }
   squared_norm_ = linearizer_.squaredNormSent();
   requireRange();
@@ -67,64 +83,11 @@ void System::requireRange() {
   linearizer_.raiseOverflow(problem_);
 }
 
-template <class F>
-void System::forEachBound(const F& f) {
-  std::vector<double> x;
-  for (const int v : problem_.activeSet().constrained()) {
-    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
-    const std::vector<ComponentBound>& bounds = problem_.activeSet().bounds(v);
-    if (!problem_.activeSet().isOptimized(v) || bounds.empty()) continue;
-    x.resize(static_cast<std::size_t>(record.dof));
-    record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (std::size_t b = 0; b < bounds.size(); ++b) {
-      const int component = bounds[b].component;
-      f(v, b, bounds[b], x[static_cast<std::size_t>(component)],
-        structure_.offset_of_variable[static_cast<std::size_t>(v)] + component);
-    }
-  }
-}
-
-/// Holds what is at a limit beyond which the RSS falls, and lets go of the rest. Returns whether anything
-/// changed.
-bool System::updateActiveBounds() {
-  bool has_changed = false;
-  forEachBound([&](int variable, std::size_t i, const ComponentBound& bound, double x, int unknown) {
-    const double g = bound.is_active ? linearizer_.gradientOfHeld(variable, bound.component)
-                                     : solver_->gradient()[unknown];
-    const double margin = kAtBound * std::max(std::abs(x), 1e-300);
-    const bool holds = (x >= bound.upper - margin && g < 0) || (x <= bound.lower + margin && g > 0);
-    has_changed = has_changed || holds != bound.is_active;
-    problem_.activate(variable, i, holds);
-  });
-  return has_changed;
-}
-
-/// The step up to the bounds.
-Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) {
-  Eigen::VectorXd clamped = d;
-  forEachBound([&](int, std::size_t, const ComponentBound& bound, double x, int unknown) {
-    clamped[unknown] = std::clamp(d[unknown], std::min(bound.lower - x, 0.0), std::max(bound.upper - x, 0.0));
-  });
-  return clamped;
-}
-
-/// x + (limit - x) may be one rounding beyond the limit, where a user's function may have no value.
-void System::roundToBounds() {
-  forEachBound([&](int variable, std::size_t, const ComponentBound& bound, double x, int) {
-    const double inside = std::clamp(x, bound.lower, bound.upper);
-    if (inside == x) return;
-    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
-    std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
-    d[static_cast<std::size_t>(bound.component)] = inside - x;  // exact, as they are neighbours
-    record.store->boxplus(record.store->valueAt(record.slot), d.data());
-  });
-}
-
 void System::move(const Eigen::VectorXd& d) {
   problem_.save();
   if (problem_.activeSet().hasBounds()) {
-    problem_.applyStep(structure_.offset_of_variable, withinBounds(d).data());
-    roundToBounds();
+    problem_.applyStep(structure_.offset_of_variable, clampedToBounds(problem_, structure_, d).data());
+    roundToBounds(problem_);
   } else {
     problem_.applyStep(structure_.offset_of_variable, d.data());
   }
@@ -142,14 +105,8 @@ double System::tryStep(const Eigen::VectorXd& d) {
   }
 }
 
-bool System::hasNumericDerivatives() const {
-  const auto& pools = problem_.pools();
-  return std::any_of(pools.begin(), pools.end(),
-                     [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });
-}
-
 double System::tryLikelyStep(const Eigen::VectorXd& d) {
-  if (hasNumericDerivatives()) return tryStep(d);
+  if (problem_.hasNumericDerivatives()) return tryStep(d);
   saved_is_linearized_ = false;
   move(d);
   try {
@@ -193,9 +150,14 @@ bool System::mayBeRounding(double change) const {
 }
 
 double System::orthogonality() const {
-  const double r = std::sqrt(squared_norm_);
-  const auto g = solver_->gradient().array();
-  const auto h = solver_->diagonal().array();
+  return orthogonality(solver_->gradient(), solver_->diagonal(), squared_norm_);
+}
+
+double System::orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
+                             double squared_norm) {
+  const double r = std::sqrt(squared_norm);
+  const auto g = gradient.array();
+  const auto h = diagonal.array();
   if (g.size() == 0 || !(r > 0)) return 0;
   if ((h <= 0 && g != 0).any()) return 1;  // a column whose length rounding errors or underflow have eaten
   const double squared = (h > 0).select(g.square() / h, 0.0).maxCoeff();
@@ -237,30 +199,6 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   return unseen;
 }
 
-/// Whether J shows, to its last digits, that a motion of the whole world changes no residual. Then no solver finds
-/// full rank. `solver` keeps J itself.
-bool System::hasFreeGauge(const LinearSolver& solver) const {
-  constexpr double nothing = 1e-12;  // of the lengths of the columns
-  const Eigen::VectorXd& H = solver.diagonal();
-  std::vector<double> motions;
-  for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
-    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(H.size(), kGaugeGenerators);
-    for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
-      const VariableRecord& record =
-          problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[b])];
-      motions.resize(static_cast<std::size_t>(record.dof * kGaugeGenerators));
-      record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
-      moved.middleRows(structure_.system.offset[b], record.dof) =
-          Eigen::Map<const Eigen::MatrixXd>(motions.data(), record.dof, kGaugeGenerators);
-    }
-    for (int k = 0; k < kGaugeGenerators; ++k) {
-      const double size = H.dot(moved.col(k).cwiseAbs2());
-      if (size > 0 && solver.squaredNormOfJd(moved.col(k)) <= nothing * nothing * size) return true;
-    }
-  }
-  return false;
-}
-
 /// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
 /// last word, and sets `has_changed` where there is another solver to ask.
 SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
@@ -268,42 +206,20 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
   if (status.ok) return status;
   status.least = solver_->leastOfColumn();
   if (careful_ != nullptr || mustStop()) return status;
-  std::unique_ptr<LinearSolver> careful = given_->careful(digitsOfDerivatives());
-  if (careful == nullptr) return status;
-  careful->analyze(structure_.system);
-  linearizer_.linearize(problem_, *careful);
-  if (hasFreeGauge(*careful)) {
-    careful_failed_at_ = structured_at_;
-    status.least = 0;  // it is certain, whatever a solver takes for its limit
-    return status;
-  }
-  Eigen::VectorXd ignored;
-  SolveStatus second = careful->solve({}, ignored);
-  second.least = careful->leastOfColumn();
-  if (!second.ok) {
-    careful_failed_at_ = structured_at_;
-    return second;
-  }
-  careful_ = std::move(careful);
+  SecondLook look = slom::lookAgain(
+      problem_, structure_, *given_, status, digitsOfDerivatives(problem_),
+      [this](LinearSolver& careful) { linearizer_.linearize(problem_, problem_.activeSet(), careful); });
+  if (look.was_asked && look.solver == nullptr) careful_failed_at_ = structured_at_;
+  if (look.solver == nullptr) return look.status;
+  careful_ = std::move(look.solver);
   solver_ = careful_.get();
+  ++content_of_solver_;
   has_changed = true;
-  return second;
+  return look.status;
 }
 
-double System::digitsOfDerivatives() const { return hasNumericDerivatives() ? kNumericDigits : kExactDigits; }
-
-SolveStatus System::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  linearize();
-  bool has_changed = false;
-  const SolveStatus status = lookAgain(solver_->solveFor(B, X), has_changed);
-  return has_changed ? solver_->solveFor(B, X) : status;
-}
-
-SolveStatus System::invertBlocks(std::unique_ptr<InverseBlocks>& blocks) {
-  linearize();
-  bool has_changed = false;
-  const SolveStatus status = lookAgain(solver_->invertBlocks(structure_.system, blocks), has_changed);
-  return has_changed ? solver_->invertBlocks(structure_.system, blocks) : status;
+double System::digitsOfDerivatives(const Problem& problem) {
+  return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
 }
 
 SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
@@ -388,9 +304,9 @@ void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) 
   const std::unique_ptr<LinearSolver> rows = given_->careful(least_pivot);
   if (rows == nullptr) return;
   rows->analyze(structure_.system);
-  linearizer_.linearize(problem_, *rows);
+  linearizer_.linearize(problem_, problem_.activeSet(), *rows);
   const Eigen::VectorXd& H = rows->diagonal();
-  Eigen::VectorXd damping = std::pow(of_the_digits * digitsOfDerivatives(), 2) * H;
+  Eigen::VectorXd damping = std::pow(of_the_digits * digitsOfDerivatives(problem_), 2) * H;
   for (Eigen::Index i = 0; i < H.size(); ++i) {
     if (!(H[i] > 0)) damping[i] = 1;
   }

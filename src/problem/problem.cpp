@@ -365,6 +365,11 @@ void Problem::raiseThrew(const std::string& measurement, const int* variables, i
   }
 }
 
+bool Problem::hasNumericDerivatives() const {
+  return std::any_of(pools_.begin(), pools_.end(),
+                     [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });
+}
+
 std::string Problem::nameForPool(const std::string& name) const {
   const auto taken = [&](const std::string& candidate) {
     return std::any_of(pools_.begin(), pools_.end(),

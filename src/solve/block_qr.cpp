@@ -18,9 +18,10 @@ struct BlockQR::Implementation {
   bool has_undamped_factor = false;
   SolveStatus undamped_status;
 
-  SolveStatus factorize(const VectorXd& damping) {
+  SolveStatus factorize(const VectorXd& damping, SolverCounts& counts) {
     const bool is_undamped = damping.size() == 0;
     if (is_undamped && has_undamped_factor) return undamped_status;
+    ++counts.factorizations;
     scale = diagonal;
     if (!is_undamped) scale += damping;
     for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
@@ -39,6 +40,7 @@ BlockQR::~BlockQR() = default;
 double BlockQR::leastOfColumn() const { return impl_->pivot_tolerance; }
 
 void BlockQR::analyze(const BlockStructure& structure) {
+  ++counts_.analyses;
   impl_->structure = structure;
   impl_->has_undamped_factor = false;
   impl_->rows.analyze(impl_->structure);
@@ -58,7 +60,7 @@ void BlockQR::endLinearization() {
 SolveStatus BlockQR::solve(const VectorXd& damping, VectorXd& step) {
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    const SolveStatus status = impl_->factorize(damping);
+    const SolveStatus status = impl_->factorize(damping, counts_);
     if (!status.ok) return status;
   }
   const detail::Stopwatch watch(seconds_.solve);
@@ -67,7 +69,7 @@ SolveStatus BlockQR::solve(const VectorXd& damping, VectorXd& step) {
 }
 
 SolveStatus BlockQR::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  const SolveStatus status = impl_->factorize({});
+  const SolveStatus status = impl_->factorize({}, counts_);
   if (!status.ok) return status;
   X.resize(B.rows(), B.cols());
   for (Eigen::Index j = 0; j < B.cols(); ++j) {

@@ -48,6 +48,7 @@ BlockSolver::BlockSolver(const BlockSolverOptions& options) : impl_(new Implemen
 BlockSolver::~BlockSolver() = default;
 
 void BlockSolver::analyze(const BlockStructure& structure) {
+  ++counts_.analyses;
   impl_->method.reset();
   impl_->structure = structure;
   impl_->method = chooseMethod(impl_->structure, impl_->options, impl_->equations);
@@ -61,12 +62,19 @@ void BlockSolver::add(const JacobianBatch& batch) { impl_->equations.add(batch);
 std::span<const MeasurementPlace> BlockSolver::parts() const { return impl_->equations.parts(); }
 void BlockSolver::endLinearization() { impl_->equations.addUp(); }
 
+SolveStatus BlockSolver::prepare(const VectorXd& damping, VectorXd* x) {
+  const long before = impl_->ready().preparations();
+  const SolveStatus status = impl_->method->prepare(damping, x);
+  counts_.factorizations += impl_->method->preparations() - before;
+  return status;
+}
+
 SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
   VectorXd x = -gradient();
   SolveStatus status;
   {
     const detail::Stopwatch watch(seconds_.factorize);
-    status = impl_->ready().prepare(damping, &x);
+    status = prepare(damping, &x);
   }
   if (!status.ok) return status;
   const detail::Stopwatch watch(seconds_.solve);
@@ -78,7 +86,7 @@ SolveStatus BlockSolver::solve(const VectorXd& damping, VectorXd& step) {
 SolveStatus BlockSolver::solveFor(const MatrixXd& B, MatrixXd& X) { return solveDamped({}, B, X); }
 
 SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const MatrixXd& B, MatrixXd& X) {
-  SolveStatus status = impl_->ready().prepare(damping);
+  SolveStatus status = prepare(damping);
   MatrixXd all(B.rows(), B.cols());
   VectorXd x;
   for (Eigen::Index j = 0; status.ok && j < B.cols(); ++j) {
@@ -102,7 +110,7 @@ SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure,
 }
 
 SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
-  const SolveStatus status = impl_->ready().prepare(damping);
+  const SolveStatus status = prepare(damping);
   if (status.ok) blocks = impl_->method->invertBlocks();
   return status;
 }

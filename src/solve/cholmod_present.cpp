@@ -154,6 +154,7 @@ Cholmod::~Cholmod() = default;
 double Cholmod::leastOfColumn() const { return std::sqrt(kPivotTolerance); }
 
 void Cholmod::analyze(const BlockStructure& structure) {
+  ++counts_.analyses;
   impl_->structure = structure;
   impl_->has_undamped_factor = false;
   std::vector<int> position(at(structure.blockCount()));
@@ -172,6 +173,7 @@ void Cholmod::endLinearization() { impl_->equations.addUp(); }
 SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
   {
     const detail::Stopwatch watch(seconds_.factorize);
+    ++counts_.factorizations;
     const SolveStatus status = impl_->factorize(damping);
     if (!status.ok) return status;
   }
@@ -181,6 +183,7 @@ SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
 }
 
 SolveStatus Cholmod::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
+  ++counts_.factorizations;
   const SolveStatus status = impl_->factorize({});
   if (!status.ok) return status;
   X.resize(B.rows(), B.cols());

@@ -13,37 +13,48 @@ namespace {
 /// Columns whose remaining norm is below this share of their own are combinations of the others.
 constexpr double kRankTolerance = 1e-9;
 
-struct Scaled {
-  VectorXd scale;  // 1 / column norm, 1 for empty columns
-  PivotedQR qr;
-};
-
-/// QR of A with columns scaled to unit length, so that units do not decide about the rank.
-SolveStatus factorize(MatrixXd A, Scaled& result) {
-  result.scale = A.colwise().norm();
-  for (double& s : result.scale) s = s > 0 ? 1 / s : 1;
-  A = A * result.scale.asDiagonal();
-  const Eigen::Index n = A.cols();
-  if (n == 0) return {};  // Eigen looks for the largest of the columns
-  if (A.rows() < n) A.conservativeResizeLike(MatrixXd::Zero(n, n));
-  result.qr = pivotedQrOf(A);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double pivot = std::abs(result.qr.matrixQR()(i, i));
-    if (!(pivot > kRankTolerance)) {
-      return {false, static_cast<int>(result.qr.colsPermutation().indices()[i]), pivot * pivot};
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 struct DenseQR::Implementation {
+  struct Scaled {
+    VectorXd scale;  // 1 / column norm, 1 for empty columns
+    PivotedQR qr;
+  };
+
+  /// QR of A with columns scaled to unit length, so that units do not decide about the rank.
+  static SolveStatus factorize(MatrixXd A, Scaled& result) {
+    result.scale = A.colwise().norm();
+    for (double& s : result.scale) s = s > 0 ? 1 / s : 1;
+    A = A * result.scale.asDiagonal();
+    const Eigen::Index n = A.cols();
+    if (n == 0) return {};  // Eigen looks for the largest of the columns
+    if (A.rows() < n) A.conservativeResizeLike(MatrixXd::Zero(n, n));
+    result.qr = pivotedQrOf(A);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double pivot = std::abs(result.qr.matrixQR()(i, i));
+      if (!(pivot > kRankTolerance)) {
+        return {false, static_cast<int>(result.qr.colsPermutation().indices()[i]), pivot * pivot};
+      }
+    }
+    return {};
+  }
+
   BlockStructure structure;
   MatrixXd J;
   VectorXd r, gradient, diagonal;
   std::vector<double> rows;      // row after row while they come in
   std::vector<double> residual;  // likewise
+  Scaled factor;                 // of J alone
+  bool has_factor = false;
+  SolveStatus status;
+
+  SolveStatus factorizeUndamped(SolverCounts& counts) {
+    if (has_factor) return status;
+    ++counts.factorizations;
+    status = factorize(J, factor);
+    has_factor = true;
+    return status;
+  }
 };
 
 DenseQR::DenseQR() : impl_(new Implementation) {}
@@ -56,9 +67,14 @@ const VectorXd& DenseQR::diagonal() const { return impl_->diagonal; }
 const MatrixXd& DenseQR::jacobian() const { return impl_->J; }
 const VectorXd& DenseQR::residual() const { return impl_->r; }
 
-void DenseQR::analyze(const BlockStructure& structure) { impl_->structure = structure; }
+void DenseQR::analyze(const BlockStructure& structure) {
+  ++counts_.analyses;
+  impl_->structure = structure;
+  impl_->has_factor = false;
+}
 
 void DenseQR::beginLinearization() {
+  impl_->has_factor = false;
   impl_->rows.clear();
   impl_->residual.clear();
 }
@@ -106,9 +122,11 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
     b.conservativeResize(m + n);
     b.tail(n).setZero();
   }
-  Scaled scaled;
-  const SolveStatus status = factorize(A, scaled);
+  Implementation::Scaled own;
+  if (damped) ++counts_.factorizations;
+  const SolveStatus status = damped ? Implementation::factorize(A, own) : impl_->factorizeUndamped(counts_);
   if (!status.ok) return status;
+  const Implementation::Scaled& scaled = damped ? own : impl_->factor;
   if (n == 0) {
     step.resize(0);
     return {};
@@ -121,9 +139,9 @@ SolveStatus DenseQR::solve(const VectorXd& damping, VectorXd& step) {
 double DenseQR::squaredNormOfJd(const VectorXd& d) const { return (impl_->J * d).squaredNorm(); }
 
 SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
-  Scaled scaled;
-  const SolveStatus status = factorize(impl_->J, scaled);
+  const SolveStatus status = impl_->factorizeUndamped(counts_);
   if (!status.ok) return status;
+  const Implementation::Scaled& scaled = impl_->factor;
   if (B.size() == 0) {  // where Eigen's permutations go beyond a null pointer
     X = B;
     return {};

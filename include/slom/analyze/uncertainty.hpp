@@ -14,8 +14,7 @@
 
 namespace slom {
 
-class Linearizer;
-class System;
+class LinearizedProblem;
 
 /// What the stated uncertainties of the measurements mean for the covariances of the variables.
 enum class Sigma {
@@ -68,7 +67,7 @@ class Marginals {
   }
 
  private:
-  friend Marginals makeMarginals(System& system, Linearizer& linearizer, FreeGauge gauge,
+  friend Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge,
                                  double variance_factor);
   static constexpr std::size_t kFixed = ~std::size_t{0};
   struct Place {

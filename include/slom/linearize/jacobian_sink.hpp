@@ -29,6 +29,10 @@ class JacobianSink {
   virtual ~JacobianSink() = default;
   virtual void beginLinearization() = 0;
   virtual void add(const JacobianBatch& batch) = 0;
+  /// Whether it wants `addUnweighted` too.
+  virtual bool wantsUnweighted() const { return false; }
+  /// The batch just added, of a group with losses, before these reweighted it.
+  virtual void addUnweighted(const JacobianBatch& batch) { static_cast<void>(batch); }
   /// Where parts begin that several threads may add at the same time, each part in order; the first begins at {0, 0}. What is
   /// added in which order must not depend on the number of threads, so neither must this. Empty: all is added in order.
   virtual std::span<const MeasurementPlace> parts() const { return {}; }

@@ -25,19 +25,19 @@ class Linearizer {
   static constexpr double kLargestRss = 1e200;
 
   /// The RSS at the current values; NaN when a residual is not finite or the sum beyond kLargestRss.
-  double rss(Problem& problem);
+  double rss(const Problem& problem);
   /// The same for each pool.
-  std::vector<double> rssPerPool(Problem& problem);
+  std::vector<double> rssPerPool(const Problem& problem);
   /// max |W r|^2 / c^2 over the measurements with a loss of scale c (not widened); -1 when there are none.
-  double largestLossArgument(Problem& problem);
+  double largestLossArgument(const Problem& problem);
   /// Writes all whitened residuals, pool after pool, without losses.
-  void residuals(Problem& problem, double* r);
+  void residuals(const Problem& problem, double* r);
 
-  /// Sends all linearised measurements to `sink`; returns the RSS. Throws [slom.not-finite] or [slom.measurement-threw],
-  /// naming the measurement, its variables and their values.
-  double linearize(Problem& problem, JacobianSink& sink);
+  /// Sends all linearised measurements to `sink`; returns the RSS. What `active` holds does not move, whatever the problem's own
+  /// active set says. Throws [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
+  double linearize(const Problem& problem, const ActiveSet& active, JacobianSink& sink);
   /// Throws [slom.overflow], naming the measurement with the largest residual.
-  [[noreturn]] void raiseOverflow(Problem& problem);
+  [[noreturn]] void raiseOverflow(const Problem& problem);
   /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.
   double gradientOfHeld(int variable, int component) const;
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
@@ -55,6 +55,7 @@ class Linearizer {
     const MeasurementType* type = nullptr;  ///< that the arrays have room for
     std::vector<int> rows, dof;
     std::vector<double> r, J;
+    std::vector<double> plain_r, plain_J;  ///< before losses reweighted them, where the sink wants them
     double rss = 0;
     double squared_norm = 0;  ///< of r, as the sink gets it
     std::vector<HeldColumn> held;
@@ -65,6 +66,9 @@ class Linearizer {
     JacobianBatch batch() const {
       return {group, first, last - first, rows.data(), dof.data(), r.data(), J.data()};
     }
+    JacobianBatch plainBatch() const {
+      return {group, first, last - first, rows.data(), dof.data(), plain_r.data(), plain_J.data()};
+    }
   };
   struct Range {
     int group, first, last;
@@ -74,14 +78,16 @@ class Linearizer {
   static std::vector<Range> ranges(const Problem& problem, std::span<const MeasurementPlace> parts = {});
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
-  void linearizeChunk(Problem& problem, const Range& range, Chunk& chunk) const;
+  void linearizeChunk(const Problem& problem, const ActiveSet& active, const Range& range, bool wants_plain,
+                      Chunk& chunk) const;
   /// Throws what went wrong in it.
-  static void requireGood(Problem& problem, const Chunk& chunk);
-  /// Makes the columns of held components 0.
-  static void clearHeld(const Problem& problem, Chunk& chunk);
+  static void requireGood(const Problem& problem, const Chunk& chunk);
+  /// Makes the columns of held components 0, in r and J of the chunk; appends what they were to `held`, where given.
+  static void clearHeld(const Problem& problem, const ActiveSet& active, const Chunk& chunk, const double* r,
+                        double* J, std::vector<HeldColumn>* held);
   /// The group that says that they do not move.
-  void sendHeld(const Problem& problem, JacobianSink& sink) const;
-  [[noreturn]] static void raiseNotFinite(Problem& problem, int group, int measurement);
+  void sendHeld(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const;
+  [[noreturn]] static void raiseNotFinite(const Problem& problem, int group, int measurement);
 
   double graduation_ = 1;
   double squared_norm_sent_ = 0;

@@ -25,6 +25,10 @@ class System {
   void setSolver(LinearSolver& solver);
 
   const ProblemStructure& structure();
+  /// The solver, analysed for the structure, for others to fill: what it held is lost.
+  LinearSolver& lendSolver();
+  /// Changes whenever the solver gets other numbers.
+  std::uint64_t contentOfSolver() const { return content_of_solver_; }
   /// Linearises at the current values unless that has been done; returns the RSS.
   double linearize();
   /// The solver set, or its careful one where it has found no rank and that does: from then on until the structure changes.
@@ -54,6 +58,9 @@ class System {
 
   /// max_i |g_i| / (|J_i| |r|) of the linearisation, where losses have reweighted r and J; 0 for a perfect fit.
   double orthogonality() const;
+  /// The same of g = J^T r, the diagonal of J^T J and |r|^2.
+  static double orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
+                              double squared_norm);
   /// max_i g_i^2 / H_ii: what the best step of a single unknown promises, no more than that of all.
   double promiseOfOneUnknown() const;
   /// max_i |d_i| |J_i|
@@ -72,10 +79,8 @@ class System {
   Promise promise(bool carefully = true);
   /// Takes the step of a promise where the RSS falls by at least a quarter of what it says. Returns whether it has.
   bool advance(const Promise& promise);
-  /// Whether any derivatives are differences.
-  bool hasNumericDerivatives() const;
   /// What of a column of J, relative to its length, is more than errors of the derivatives and rounding in long chains of unknowns.
-  double digitsOfDerivatives() const;
+  static double digitsOfDerivatives(const Problem& problem);
   static constexpr double kExactDigits = 1e-10, kNumericDigits = 1e-8;
   /// What rounding the values themselves does to the residuals, squared: a promise below it cannot be kept.
   double roundingOfPromises();
@@ -90,9 +95,6 @@ class System {
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// The step with this damping, in which such unknowns stay where they are.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
-  /// LinearSolver::solveFor and invertBlocks at the current values, by the careful solver where the other finds no rank.
-  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
-  SolveStatus invertBlocks(std::unique_ptr<InverseBlocks>& blocks);
   /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
   /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
@@ -116,17 +118,12 @@ class System {
   Problem& problem() { return problem_; }
 
  private:
-  template <class F>
-  void forEachBound(const F& f);
-  bool updateActiveBounds();
-  Eigen::VectorXd withinBounds(const Eigen::VectorXd& d);
   void move(const Eigen::VectorXd& d);
   std::vector<int> unseenUnknowns(const Eigen::VectorXd& d);
   bool hasRunAway(int unknown);
   void lookDeeper(const std::vector<int>& out_of_sight, Promise& promise);
-  bool hasFreeGauge(const LinearSolver& solver) const;
   void clearHeld(Eigen::VectorXd& d) const;
-  void roundToBounds();
+  void analyze();
   void requireRange();
   SolveStatus lookAgain(SolveStatus status, bool& has_changed);
   /// |x_i| of every unknown (1 for angles).
@@ -142,6 +139,7 @@ class System {
   std::uint64_t structured_at_ = ~std::uint64_t{0};
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
+  std::uint64_t content_of_solver_ = 0;
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
   std::function<bool()> must_stop_;

@@ -49,8 +49,8 @@ class Problem {
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
   /// What does not move.
   const ActiveSet& activeSet() const { return active_; }
-  /// Says whether bound i of the variable is active.
-  void activate(int variable, std::size_t i, bool is_active) { active_.activate(variable, i, is_active); }
+  /// For activating bounds.
+  ActiveSet& activeSet() { return active_; }
   /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
   int freeCount() const;
   /// Throws [slom.variable-in-use] when measurements depend on it.
@@ -112,8 +112,8 @@ class Problem {
     return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
-  /// Non-const access for evaluation, which moves variables locally.
-  std::vector<std::unique_ptr<MeasurementPool>>& pools() { return pools_; }
+  /// Whether any derivatives are differences.
+  bool hasNumericDerivatives() const;
 
   // Values as a whole.
 

@@ -72,6 +72,8 @@ class BlockSolver final : public LinearSolver {
   double flops() const;
 
  private:
+  SolveStatus prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x = nullptr);
+
   struct Implementation;
   detail::Pimpl<Implementation> impl_;
 };

@@ -26,6 +26,12 @@ struct SolverSeconds {
   double solve = 0;
 };
 
+/// Work done since construction.
+struct SolverCounts {
+  long analyses = 0;
+  long factorizations = 0;  ///< of conjugate gradients: preconditioners
+};
+
 /// Blocks of H^-1. `block` writes that of two blocks of unknowns, dof_a x dof_b, column-major; it is there for every block
 /// with itself and for two that meet in a measurement. May be called by several threads.
 class InverseBlocks {
@@ -71,9 +77,11 @@ class LinearSolver : public JacobianSink {
   /// What it is, for the summary.
   virtual std::string description() const = 0;
   const SolverSeconds& seconds() const { return seconds_; }
+  const SolverCounts& counts() const { return counts_; }
 
  protected:
   SolverSeconds seconds_;
+  SolverCounts counts_;
 };
 
 }  // namespace slom

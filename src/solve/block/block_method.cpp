@@ -6,6 +6,7 @@ SolveStatus BlockMethod::prepare(const Eigen::VectorXd& damping, Eigen::VectorXd
   const bool is_undamped = damping.size() == 0;
   took_along_ = false;
   if (is_undamped && has_undamped_) return undamped_status_;
+  ++preparations_;
   const SolveStatus status = factorize(damping, x);
   took_along_ = isExact() && x != nullptr;
   has_undamped_ = is_undamped;

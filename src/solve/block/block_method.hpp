@@ -24,6 +24,8 @@ class BlockMethod {
   SolveStatus prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x = nullptr);
   /// x := the solution for the x that was given to prepare(), as exact as a step needs it.
   SolveStatus solveStep(Eigen::VectorXd& x) { return finishStep(x, took_along_); }
+  /// Number of calls of prepare() that had something to do.
+  long preparations() const { return preparations_; }
   /// To be called whenever H has new numbers.
   void forget() { has_undamped_ = false; }
 
@@ -41,6 +43,7 @@ class BlockMethod {
 
  private:
   bool has_undamped_ = false;
+  long preparations_ = 0;
   bool took_along_ = false;  // the right-hand side given to the last prepare()
   SolveStatus undamped_status_;
 };

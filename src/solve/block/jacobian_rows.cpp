@@ -1,6 +1,10 @@
 #include "jacobian_rows.hpp"
 
+#include <algorithm>
 #include <numeric>
+#include <span>
+
+#include "base/index.hpp"
 
 namespace slom {
 
@@ -80,6 +84,41 @@ VectorXd JacobianRows::diagonal() const {
     });
   });
   return sum;
+}
+
+Eigen::MatrixXd JacobianRows::times(const Eigen::MatrixXd& V) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(rows(), V.cols());
+  Eigen::Index row = 0;
+  forEach([&](std::size_t group, int m) {
+    const Eigen::Index count = residual(group, m).size();
+    forEachPart(group, m, [&](int block, const Part& J) {
+      product.middleRows(row, count).noalias() += J * V.middleRows(offset(block), J.cols());
+    });
+    row += count;
+  });
+  return product;
+}
+
+void JacobianRows::sendTo(JacobianSink& sink) const {
+  constexpr int most = 64;  // measurements in a batch
+  sink.beginLinearization();
+  const std::span<const MeasurementPlace> parts = sink.parts();
+  auto cut = parts.begin();
+  std::vector<int> rows;
+  for (int g = 0; g < static_cast<int>(groups_.size()); ++g) {
+    const Group& group = groups_[at(g)];
+    const int arity = structure_->groups[at(g)].arity;
+    for (int first = 0, last = 0; first < size(at(g)); first = last) {
+      while (cut != parts.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
+      last = std::min(first + most, size(at(g)));
+      if (cut != parts.end() && cut->group == g) last = std::min(last, cut->index);
+      rows.clear();
+      for (int m = first; m < last; ++m) rows.push_back(group.row[at(m + 1)] - group.row[at(m)]);
+      sink.add({g, first, last - first, rows.data(), group.dof.data() + at(first * arity),
+                group.r.data() + group.row[at(first)], group.J.data() + group.start[at(first)]});
+    }
+  }
+  sink.endLinearization();
 }
 
 double JacobianRows::squaredNormOfJd(const VectorXd& d) const {

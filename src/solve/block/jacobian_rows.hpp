@@ -18,6 +18,8 @@ class JacobianRows {
   void clear();
   void add(const JacobianBatch& batch);
 
+  /// Number of measurements of group g.
+  int size(std::size_t g) const { return static_cast<int>(groups_[g].start.size()); }
   /// Residuals of measurement m of group g.
   Eigen::Map<const Eigen::VectorXd> residual(std::size_t g, int m) const;
   /// Calls f(block, J of that block) for each of its blocks that is optimised; one may come twice.
@@ -39,6 +41,10 @@ class JacobianRows {
   Eigen::VectorXd gradient() const;
   /// Diagonal of J^T J.
   Eigen::VectorXd diagonal() const;
+  /// J V, pool after pool.
+  Eigen::MatrixXd times(const Eigen::MatrixXd& V) const;
+  /// Sends all to `sink`, as they were sent to this.
+  void sendTo(JacobianSink& sink) const;
   /// |J d|^2
   double squaredNormOfJd(const Eigen::VectorXd& d) const;
 

@@ -1,0 +1,21 @@
+/// How sure the estimated values are: blocks of (J^T J)^-1, for the stated uncertainties.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "analyze/linearized_problem.hpp"
+
+namespace slom {
+
+/// Covariance between two variables (table indices), dof_a x dof_b, in their tangent spaces; 0 for fixed variables, components, and
+/// those at a bound. Throws [slom.free-gauge], [slom.rank-deficient] or [slom.unmeasured-variable].
+Eigen::MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, int variable_a,
+                                int variable_b);
+
+/// Makes the rows and columns of fixed components, and of those at a bound, 0 in the covariance of two variables.
+void clearHeld(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block);
+
+/// Blocks of all variables by themselves, times the variance factor. Throws likewise.
+Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor);
+
+}  // namespace slom

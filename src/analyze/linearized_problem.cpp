@@ -1,0 +1,198 @@
+#include "analyze/linearized_problem.hpp"
+
+#include <optional>
+
+#include "analyze/diagnose.hpp"
+#include "analyze/free_network.hpp"
+#include "analyze/null_space.hpp"
+#include "analyze/singular.hpp"
+#include "base/index.hpp"
+#include "optimize/active_bounds.hpp"
+#include "optimize/second_look.hpp"
+
+namespace slom {
+
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr int kMostActiveSets = 10;  // as in a step of the fit
+
+}  // namespace
+
+struct LinearizedProblem::Results {
+  /// Keeps what it is sent.
+  struct RowKeeper final : JacobianSink {
+    JacobianRows rows, unweighted;
+
+    void beginLinearization() override {
+      rows.clear();
+      unweighted.clear();
+    }
+    void add(const JacobianBatch& batch) override { rows.add(batch); }
+    bool wantsUnweighted() const override { return true; }
+    void addUnweighted(const JacobianBatch& batch) override { unweighted.add(batch); }
+    void endLinearization() override {}
+  };
+
+  RowKeeper kept;
+  ActiveSet active;
+  double rss = 0, squared_norm = 0;
+  bool is_linearized = false;
+
+  std::unique_ptr<LinearSolver> careful;  // instead of the lent solver, which found no rank
+  bool careful_failed = false;
+  SolveStatus careful_status;
+  std::uint64_t content = ~std::uint64_t{0};  // System::contentOfSolver() once these rows are in it
+
+  std::unique_ptr<InverseBlocks> inverse;
+  std::unique_ptr<FreeNetwork> free_network;
+  std::unique_ptr<NearNullSpace> null_space;
+  std::optional<Diagnosis> diagnosis;
+};
+
+LinearizedProblem::LinearizedProblem(const Problem& problem, System& system)
+    : problem_(problem),
+      system_(system),
+      structure_(system.structure()),
+      structure_revision_(problem.structureRevision()),
+      value_revision_(problem.valueRevision()),
+      results_(new Results) {}
+
+LinearizedProblem::~LinearizedProblem() = default;
+
+bool LinearizedProblem::isCurrent() const {
+  return structure_revision_ == problem_.structureRevision() && value_revision_ == problem_.valueRevision();
+}
+
+void LinearizedProblem::linearize() const {
+  Results& own = *results_;
+  if (own.is_linearized) return;
+  own.kept.rows.analyze(structure_.system);
+  own.kept.unweighted.analyze(structure_.system);
+  own.active = problem_.activeSet();
+  Linearizer linearizer;
+  for (int i = 0; i <= kMostActiveSets; ++i) {
+    own.rss = linearizer.linearize(problem_, own.active, own.kept);
+    if (!own.active.hasBounds() ||
+        !updateActiveBounds(problem_, structure_, linearizer, own.kept.rows.gradient(), own.active))
+      break;
+  }
+  own.squared_norm = linearizer.squaredNormSent();
+  if (!(own.rss <= Linearizer::kLargestRss) || !own.kept.rows.gradient().allFinite() ||
+      !own.kept.rows.diagonal().allFinite())
+    linearizer.raiseOverflow(problem_);
+  own.is_linearized = true;
+}
+
+const ActiveSet& LinearizedProblem::activeSet() const {
+  linearize();
+  return results_->active;
+}
+
+int LinearizedProblem::freeUnknowns() const { return structure_.system.unknowns() - activeSet().heldCount(); }
+
+double LinearizedProblem::rss() const {
+  linearize();
+  return results_->rss;
+}
+
+const JacobianRows& LinearizedProblem::rows() const {
+  linearize();
+  return results_->kept.rows;
+}
+
+const JacobianRows& LinearizedProblem::unweightedRows() const {
+  linearize();
+  return results_->kept.unweighted;
+}
+
+MatrixXd LinearizedProblem::times(const MatrixXd& V) const { return rows().times(V); }
+
+double LinearizedProblem::orthogonality() const {
+  return System::orthogonality(rows().gradient(), rows().diagonal(), results_->squared_norm);
+}
+
+/// With these rows in it.
+LinearSolver& LinearizedProblem::solver() const {
+  linearize();
+  Results& own = *results_;
+  if (own.careful != nullptr) return *own.careful;
+  if (own.content != system_.contentOfSolver()) {
+    own.kept.rows.sendTo(system_.lendSolver());
+    own.content = system_.contentOfSolver();
+  }
+  return system_.solver();
+}
+
+bool LinearizedProblem::isExact() const { return solver().isExact(); }
+
+SolveStatus LinearizedProblem::lookAgain(SolveStatus status, bool& has_changed) const {
+  Results& own = *results_;
+  has_changed = false;
+  if (status.ok || own.careful != nullptr) return status;
+  if (own.careful_failed) return own.careful_status;
+  SecondLook look = slom::lookAgain(problem_, structure_, system_.solver(), status, digitsOfDerivatives(),
+                                    [&](LinearSolver& careful) { own.kept.rows.sendTo(careful); });
+  own.careful = std::move(look.solver);
+  has_changed = own.careful != nullptr;
+  own.careful_failed = !has_changed;
+  own.careful_status = look.status;
+  return look.status;
+}
+
+SolveStatus LinearizedProblem::solveFor(const MatrixXd& B, MatrixXd& X) const {
+  bool has_changed = false;
+  const SolveStatus status = lookAgain(solver().solveFor(B, X), has_changed);
+  return has_changed ? solver().solveFor(B, X) : status;
+}
+
+const FreeNetwork& LinearizedProblem::freeNetwork() const {
+  if (results_->free_network == nullptr) results_->free_network = std::make_unique<FreeNetwork>(*this);
+  return *results_->free_network;
+}
+
+MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int count) const {
+  if (gauge == FreeGauge::inner_constraints) return freeNetwork().columns(first, count);
+  MatrixXd columns, unit = MatrixXd::Zero(structure_.system.unknowns(), count);
+  unit.middleRows(first, count).setIdentity();
+  const SolveStatus status = solveFor(unit, columns);
+  if (!status.ok) throw undetermined(status);
+  for (int i = 0; i < count; ++i) {  // conjugate gradients do not notice a loss of rank
+    if (!(columns(first + i, i) >= 0)) throw undetermined(SolveStatus{false, first + i, 0, 0});
+  }
+  return columns;
+}
+
+const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
+  if (gauge == FreeGauge::inner_constraints) return freeNetwork();
+  std::unique_ptr<InverseBlocks>& inverse = results_->inverse;
+  if (inverse != nullptr) return *inverse;
+  bool has_changed = false;
+  SolveStatus status = lookAgain(solver().invertBlocks(structure_.system, inverse), has_changed);
+  if (has_changed) status = solver().invertBlocks(structure_.system, inverse);
+  if (!status.ok) throw undetermined(status);
+  return *inverse;
+}
+
+const NearNullSpace& LinearizedProblem::nearNullSpace() const {
+  if (results_->null_space == nullptr)
+    results_->null_space = std::make_unique<NearNullSpace>(findNearNullSpace(*this, kWeakInfluence));
+  return *results_->null_space;
+}
+
+const Diagnosis& LinearizedProblem::diagnosis() const {
+  if (!results_->diagnosis) results_->diagnosis = diagnose(*this);
+  return *results_->diagnosis;
+}
+
+Error LinearizedProblem::undetermined(const SolveStatus& status) const {
+  for (const Finding& finding : diagnosis().findings) {
+    if (finding.kind == Finding::Kind::gauge) {
+      return {"slom.free-gauge", "there are no covariances as long as the gauge is free. " + finding.text};
+    }
+  }
+  return singularError(problem_, structure_, status);
+}
+
+}  // namespace slom
