@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -11,104 +9,17 @@
 
 #include "base/words.hpp"
 #include "optimize/convergence.hpp"
+#include "optimize/graduation.hpp"
+#include "optimize/options.hpp"
 #include "problem/value_snapshot.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {
 
-const char* toString(StopReason reason) {
-  switch (reason) {
-    case StopReason::gradient:
-      return "gradient below tolerance";
-    case StopReason::decrease:
-      return "relative decrease below tolerance";
-    case StopReason::step:
-      return "step below tolerance";
-    case StopReason::nothing_to_do:
-      return "nothing to optimize";
-    case StopReason::max_iterations:
-      return "iteration limit reached";
-    case StopReason::no_progress:
-      return "no step makes the RSS smaller";
-    case StopReason::rank_deficient:
-      return "rank deficient";
-    case StopReason::not_finite:
-      return "a residual became not finite";
-    case StopReason::time_limit:
-      return "time limit reached";
-    case StopReason::interrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
-bool isConverged(StopReason reason) { return reason <= StopReason::nothing_to_do; }
-
-Summary::Summary() = default;
-Summary::~Summary() = default;
-Summary::Summary(const Summary&) = default;
-Summary::Summary(Summary&&) noexcept = default;
-Summary& Summary::operator=(const Summary&) = default;
-Summary& Summary::operator=(Summary&&) noexcept = default;
-
-double Summary::chi2PerDof() const {
-  return redundancy > 0 ? final_rss / redundancy : std::numeric_limits<double>::quiet_NaN();
-}
-
-bool Summary::hasLosses() const {
-  return std::any_of(groups.begin(), groups.end(),
-                     [](const GroupSummary& group) { return !group.losses.empty(); });
-}
-
 namespace {
 
-/// A stage of graduated non-convexity is over when the RSS falls by less than this, relatively.
-constexpr double kStageTolerance = 1e-3;
 /// First damping where long steps have failed.
 constexpr double kCautiousDamping = 1e3;
-
-/// Gives the losses their own scale back when it goes.
-struct Graduation {
-  System& system;
-  double mu = 1;
-  void set(double value) { system.setLossGraduation(mu = value); }
-  ~Graduation() {
-    if (mu != 1) system.setLossGraduation(1);
-  }
-};
-
-void checkGraduation(const Options& options) {
-  if (!(options.graduation_factor > 1 && std::isfinite(options.graduation_factor))) {
-    throw Error("slom.bad-option", "graduation_factor is " + number(options.graduation_factor, 6) +
-                                       "; pass a finite number above 1, such as 1.4");
-  }
-  if (options.stage_iterations < 1) {
-    throw Error("slom.bad-option", "stage_iterations is " + std::to_string(options.stage_iterations) +
-                                       "; pass a positive number, such as 2");
-  }
-}
-
-void checkOptions(const Options& options) {
-  if (options.max_iterations < 0 && options.max_iterations != Options::kByTheSize) {
-    throw Error("slom.bad-option", "max_iterations is " + std::to_string(options.max_iterations) +
-                                       "; pass 0 or more, or Options::kByTheSize");
-  }
-  if (!(options.max_seconds > 0)) {
-    throw Error("slom.bad-option",
-                "max_seconds is " + number(options.max_seconds, 6) + "; pass a positive number");
-  }
-  if (!(options.deviation_tolerance >= 0)) {
-    throw Error("slom.bad-option", "deviation_tolerance is " + number(options.deviation_tolerance, 6) +
-                                       "; pass 0 or more, such as 1e-8, or infinity for none");
-  }
-}
-
-/// Many iterations where each is cheap.
-int iterationLimit(const Options& options, int unknowns) {
-  constexpr int work = 100'000, least = 100, most = 10'000;
-  return options.max_iterations == Options::kByTheSize ? std::clamp(work / std::max(1, unknowns), least, most)
-                                                       : options.max_iterations;
-}
 
 class Run {
  public:
@@ -157,37 +68,27 @@ class Run {
   }
   bool mustStop() { return interruption().has_value(); }
 
-  /// Graduated non-convexity, as Options says. In addition mu never stays above what its first value's rule
-  /// gives for the present residuals, so that a start far away does not cost stages once the first fits have
-  /// come near.
   StopReason graduate() {
-    Graduation graduation{system_};
-    double most = 2 * system_.largestLossArgument();
-    if (most < 0) {
+    Graduation graduation(system_, options_);
+    if (!graduation.hasLosses()) {
       summary_.warnings.push_back(
           "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass one to "
           "insertMeasurement, such as slom::GemanMcClure(3)");
       return iterate();
     }
-    for (double mu = std::max(most, 1.0);;
-         mu = std::max(std::min(mu / options_.graduation_factor, most), 1.0)) {
+    for (;;) {
       ++summary_.stages;
-      graduation.set(mu);
-      limits_ = options_;
-      limits_.max_iterations = most_iterations_;
-      if (mu == 1) {
+      graduation.advance();
+      limits_ = graduation.limits(summary_.iterations, most_iterations_);
+      if (graduation.isLast()) {
         if (summary_.stages > 1) algorithm_->reset();
         return iterate();
       }
-      limits_.max_iterations = std::min(most_iterations_, summary_.iterations + options_.stage_iterations);
-      limits_.decrease_tolerance = std::max(options_.decrease_tolerance, kStageTolerance);
       const StopReason reason = iterate();
-      if (endsTheFit(reason)) {
-        graduation.set(1);
-        summary_.final_rss = system_.rss();
-        return reason;
-      }
-      most = 2 * system_.largestLossArgument();
+      if (!endsTheFit(reason)) continue;
+      system_.setLossGraduation(1);
+      summary_.final_rss = system_.rss();
+      return reason;
     }
   }
 
@@ -266,70 +167,73 @@ class Run {
     return system_.solveUndamped(ignored).ok;
   }
 
+  /// Steps until there is a reason to stop.
   StopReason iterate() {
-    bool is_fresh = false;     // nothing taken since the algorithm was reset where it was stuck
-    Options limits = limits_;  // for its steps
-    const StopReason reason = [&] {
-      while (summary_.iterations < limits_.max_iterations) {
-        if (const auto stop = interruption()) return *stop;
-        system_.linearize();
-        const double gradient = system_.orthogonality();
-        // A system without full rank is told about even when the RSS could not be smaller; the step finds
-        // out.
-        const StepOutcome outcome = algorithm_->step(system_, limits);
-        if (outcome.kind == StepOutcome::Kind::stopped) return *interruption();
-        ++summary_.iterations;
-        summary_.final_rss = outcome.rss_after;
-        if (!outcome.event.empty()) {
-          summary_.warnings.push_back("iteration " + std::to_string(summary_.iterations) + ": " +
-                                      outcome.event);
-        }
-        record(outcome, gradient);
-        switch (outcome.kind) {
-          case StepOutcome::Kind::singular:
-            singular_at_ = outcome.status;
-            return StopReason::rank_deficient;
-          case StepOutcome::Kind::not_finite:
-            return StopReason::not_finite;
-          case StepOutcome::Kind::stopped:
-          case StepOutcome::Kind::stuck:
-            if (const auto reason =
-                    convergence_.whenStuck(gradient, limits_.decrease_tolerance, outcome.status.ok)) {
-              return *reason;
-            }
-            if (!outcome.status.ok) {
-              singular_at_ = outcome.status;
-              return StopReason::rank_deficient;
-            }
-            if (convergence_.hasAdvanced()) {
-              summary_.final_rss = system_.linearize();
-              record({}, gradient);
-              continue;
-            }
-            // What earlier steps taught may be what holds it, or that the algorithm took small promises for
-            // none.
-            if (is_fresh) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
-            algorithm_->reset();
-            limits.decrease_tolerance = limits.deviation_tolerance = 0;
-            is_fresh = true;
-            continue;
-          case StepOutcome::Kind::taken:
-            is_fresh = false;
-            break;
-        }
-        if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
-          return *reason;
-        if (creeps(outcome)) {
-          const auto reason = convergence_.whenStuck(system_.orthogonality(), limits_.decrease_tolerance);
-          if (reason || !convergence_.hasAdvanced()) return reason.value_or(StopReason::no_progress);
-          summary_.final_rss = system_.linearize();
-        }
-      }
-      return StopReason::max_iterations;
-    }();
+    is_fresh_ = false;
+    step_limits_ = limits_;
+    std::optional<StopReason> reason;
+    while (!reason)
+      reason = summary_.iterations < limits_.max_iterations ? iterateOnce() : StopReason::max_iterations;
     algorithm_->finish(system_);
-    if (!isConverged(reason)) summary_.final_rss = system_.rss();
-    return reason;
+    if (!isConverged(*reason)) summary_.final_rss = system_.rss();
+    return *reason;
+  }
+
+  /// Linearises, solves, tries, accepts or rejects, records. Returns why to stop, if so.
+  std::optional<StopReason> iterateOnce() {
+    if (const auto stop = interruption()) return stop;
+    system_.linearize();
+    const double gradient = system_.orthogonality();
+    // A system without full rank is reported even when the RSS could not be smaller; the step finds out.
+    const StepOutcome outcome = algorithm_->step(system_, step_limits_);
+    if (outcome.kind == StepOutcome::Kind::stopped) return interruption();
+    ++summary_.iterations;
+    summary_.final_rss = outcome.rss_after;
+    if (!outcome.event.empty())
+      summary_.warnings.push_back("iteration " + std::to_string(summary_.iterations) + ": " + outcome.event);
+    record(outcome, gradient);
+    switch (outcome.kind) {
+      case StepOutcome::Kind::taken:
+        return afterStep(outcome, gradient);
+      case StepOutcome::Kind::singular:
+        singular_at_ = outcome.status;
+        return StopReason::rank_deficient;
+      case StepOutcome::Kind::not_finite:
+        return StopReason::not_finite;
+      default:
+        return whenStuck(outcome, gradient);
+    }
+  }
+
+  std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient) {
+    is_fresh_ = false;
+    if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
+      return reason;
+    if (!creeps(outcome)) return std::nullopt;
+    const auto reason = convergence_.whenStuck(system_.orthogonality(), limits_.decrease_tolerance);
+    if (reason || !convergence_.hasAdvanced()) return reason.value_or(StopReason::no_progress);
+    summary_.final_rss = system_.linearize();
+    return std::nullopt;
+  }
+
+  std::optional<StopReason> whenStuck(const StepOutcome& outcome, double gradient) {
+    const auto reason = convergence_.whenStuck(gradient, limits_.decrease_tolerance, outcome.status.ok);
+    if (reason) return reason;
+    if (!outcome.status.ok) {
+      singular_at_ = outcome.status;
+      return StopReason::rank_deficient;
+    }
+    if (convergence_.hasAdvanced()) {
+      summary_.final_rss = system_.linearize();
+      record({}, gradient);
+      return std::nullopt;
+    }
+    // What earlier steps taught may be what holds it, or that the algorithm took small promises for none.
+    if (is_fresh_) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
+    algorithm_->reset();
+    step_limits_.decrease_tolerance = step_limits_.deviation_tolerance = 0;
+    is_fresh_ = true;
+    return std::nullopt;
   }
 
   void record(const StepOutcome& outcome, double gradient) {
@@ -362,7 +266,9 @@ class Run {
   std::unique_ptr<Algorithm> safeguarded_;
   Algorithm* algorithm_;
   const Options& options_;
-  Options limits_;  // of the stage
+  Options limits_;         // of the stage
+  Options step_limits_;    // those that the algorithm's steps get
+  bool is_fresh_ = false;  // no step was taken since the algorithm was reset where it was stuck
   Convergence convergence_;
   int most_iterations_ = 0, hidden_steps_ = 0;
   double hidden_promise_ = std::numeric_limits<double>::infinity();
@@ -377,8 +283,7 @@ class Run {
 
 Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
                      SolveStatus& singular_at) {
-  checkOptions(options);
-  checkGraduation(options);
+  requireValid(options);
   return Run(system, algorithm, options, sigma_is_estimated).go(singular_at);
 }
 

@@ -1,0 +1,34 @@
+#include "optimize/graduation.hpp"
+
+#include <algorithm>
+
+namespace slom {
+
+namespace {
+/// A stage is over when the RSS falls by less than this, relatively.
+constexpr double kStageTolerance = 1e-3;
+}  // namespace
+
+Graduation::Graduation(System& system, const Options& options)
+    : system_(system), options_(options), most_(2 * system.largestLossArgument()) {}
+
+Graduation::~Graduation() {
+  if (system_.lossGraduation() != 1) system_.setLossGraduation(1);
+}
+
+void Graduation::advance() {
+  if (mu_ > 0) most_ = 2 * system_.largestLossArgument();
+  mu_ = std::max(mu_ > 0 ? std::min(mu_ / options_.graduation_factor, most_) : most_, 1.0);
+  system_.setLossGraduation(mu_);
+}
+
+Options Graduation::limits(int iterations, int most) const {
+  Options limits = options_;
+  limits.max_iterations = most;
+  if (isLast()) return limits;
+  limits.max_iterations = std::min(most, iterations + options_.stage_iterations);
+  limits.decrease_tolerance = std::max(options_.decrease_tolerance, kStageTolerance);
+  return limits;
+}
+
+}  // namespace slom
