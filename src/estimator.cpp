@@ -16,8 +16,6 @@
 #include "analyze/singular.hpp"
 #include "base/threads.hpp"
 #include "base/words.hpp"
-#include "problem/value_snapshot.hpp"
-#include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/losses.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
@@ -57,10 +55,24 @@ struct Estimator::State {
   FreeGauge gauge = FreeGauge::error;
   GivenDerivatives given_derivatives;
   double varianceFactor();
+  bool isAtMinimum(double variance_factor);
+  // What a summary says besides what the fit itself knows.
+  void fillSizes(Summary& summary);
+  void fillTables(Summary& summary, const Options& options);
+  void addWarnings(Summary& summary, const Options& options);
   std::string messageFor(const Summary& summary, const SolveStatus& status, double max_seconds);
 };
 
 namespace {
+/// What is wrong, but for what other warnings say.
+std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
+  std::vector<std::string> texts;
+  for (const Finding& finding : diagnosis.findings) {
+    if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) texts.push_back(finding.text);
+  }
+  return texts;
+}
+
 double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   Eigen::VectorXd r(pool.rows(i));
   problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
@@ -109,42 +121,53 @@ Summary Estimator::optimize(const Options& options) {
     return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated,
                         singular_at);
   });
-  const ProblemStructure& structure = state_->system.structure();
   summary.groups = std::move(before.groups);
-  state_->run([&] { fillGroups(problem(), state_->linearizer, summary, false); });
-  summary.solver = state_->system.solver().description();
+  state_->fillSizes(summary);
+  summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
+  state_->fillTables(summary, options);
+  state_->addWarnings(summary, options);
+  return summary;
+}
+
+void Estimator::State::fillSizes(Summary& summary) {
+  run([&] { fillGroups(problem, linearizer, summary, false); });
+  const ProblemStructure& structure = system.structure();
+  summary.solver = system.solver().description();
   summary.variables = structure.system.blockCount();
   summary.measurements = structure.residuals;
-  summary.unknowns = structure.system.unknowns() - problem().activeSet().heldCount();
+  summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
-  summary.sigma_is_estimated = state_->sigma == Sigma::estimated;
-  summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
-  summary.active_bounds = activeBounds(problem());
-  if (summary.unknowns > 0 && summary.unknowns <= options.most_parameters &&
-      summary.stop_reason != StopReason::rank_deficient) {
-    try {
-      const double factor = state_->varianceFactor();
-      state_->analyze([&](const LinearizedProblem& linearized) {
-        fillParameters(linearized, state_->gauge, factor, summary);
-      });
-    } catch (const Error&) {  // there are no covariances
-    }
+  summary.sigma_is_estimated = sigma == Sigma::estimated;
+}
+
+void Estimator::State::fillTables(Summary& summary, const Options& options) {
+  summary.active_bounds = activeBounds(problem);
+  if (summary.unknowns == 0 || summary.unknowns > options.most_parameters ||
+      summary.stop_reason == StopReason::rank_deficient)
+    return;
+  try {
+    const double factor = varianceFactor();
+    analyze([&](const LinearizedProblem& linearized) { fillParameters(linearized, gauge, factor, summary); });
+  } catch (const Error&) {  // there are no covariances
   }
+}
+
+void Estimator::State::addWarnings(Summary& summary, const Options& options) {
+  const auto append = [&](std::vector<std::string> texts) {
+    for (std::string& text : texts) summary.warnings.push_back(std::move(text));
+  };
   if (summary.stop_reason == StopReason::rank_deficient) {
     std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
     const bool is_explained = !weightless.empty();
-    for (std::string& text : weightless) summary.warnings.push_back(std::move(text));
     const bool has_time =
         summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
-    for (Finding& finding : is_explained || !has_time ? std::vector<Finding>() : diagnose().findings) {
-      if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable)
-        summary.warnings.push_back(std::move(finding.text));
-    }
+    append(std::move(weightless));
+    if (!is_explained && has_time)
+      append(analyze([](const LinearizedProblem& linearized) { return faultsOf(linearized.diagnosis()); }));
   }
-  for (std::string& text : unmeasuredVariables(problem())) summary.warnings.push_back(std::move(text));
-  for (std::string& text : misfits(problem(), summary)) summary.warnings.push_back(std::move(text));
-  state_->given_derivatives.check(problem(), summary.warnings);
-  return summary;
+  append(unmeasuredVariables(problem));
+  append(misfits(problem, summary));
+  given_derivatives.check(problem, summary.warnings);
 }
 
 std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status,
@@ -299,6 +322,16 @@ double Estimator::State::varianceFactor() {
                   " unknowns; add measurements or use Sigma::known");
 }
 
+bool Estimator::State::isAtMinimum(double variance_factor) {
+  return run([&] {
+    system.linearize();
+    if (system.orthogonality() < kAtMinimum) return true;
+    const System::Promise promise =
+        system.promise();  // residuals that are rounding errors have any direction
+    return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * variance_factor;
+  });
+}
+
 Diagnosis Estimator::diagnose() const {
   return state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
 }
@@ -315,76 +348,13 @@ Preflight Estimator::preflight() const {
 }
 
 ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {
-  if (!(probability > 0 && probability < 1)) {
-    throw Error("slom.bad-option", "the probability of a profile interval is " + number(probability, 6) +
-                                       "; pass one between 0 and 1, such as 0.95");
-  }
-  const std::vector<int> components = problem().componentsAt(variable, path);
-  const VariableRecord& record = problem().variables()[static_cast<std::size_t>(variable)];
-  const int c = components.front();
-  const std::string name = problem().componentNames(variable)[static_cast<std::size_t>(c)];
-  Eigen::VectorXd x(record.dof);
-  record.store->coordinates(record.store->valueAt(record.slot), x.data());
-  if (components.size() > 1 || std::isnan(x[c])) {
-    throw Error("slom.no-component",
-                path + " of variable " + problem().variableName(variable) +
-                    " is not one coordinate; profile takes one component of a vector at a time");
-  }
-  const double factor = state_->varianceFactor();
-  state_->run([&] { return state_->system.linearize(); });
-  const bool is_there = state_->system.orthogonality() < kAtMinimum || state_->run([&] {
-    const System::Promise promise =
-        state_->system.promise();  // residuals that are rounding errors have any direction
-    return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * factor;
-  });
-  if (!is_there) {
-    throw Error("slom.not-a-minimum",
-                "the profile of " + name + " starts at a fit, and the values are not at one; optimize first");
-  }
-  ProfileInterval result{x[c], x[c], x[c]};
-  const ActiveSet& active = problem().activeSet();
-  if (!active.isOptimized(variable) || active.isFixed(variable, c)) return result;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const ComponentBound* const found = active.boundOf(variable, c);
-  const ComponentBound bound = found == nullptr ? ComponentBound{c, -infinity, infinity} : *found;
-  const double best = getRSS(), rise = factor * chiSquareCritical(1 - probability, 1);
-  ValueSnapshot start(problem());
-  const auto restore = [&] {
-    problem().setFixed(variable, components, false);
-    start.restore();
-    problem().setBound(variable, components, bound.lower, bound.upper);
-  };
-  try {
-    if (found != nullptr)
-      problem().setBound(variable, components, -infinity,
-                         infinity);  // its own covariance, though it is at the bound
-    Eigen::MatrixXd C(record.dof, record.dof);
-    writeCovariance(variable, variable, C.data());
-    problem().setFixed(variable, components, true);
-    const auto ascend = [&](double sign, double most) {
-      if (!(most > 0)) return 0.0;
-      start.restore();
-      double at = 0;
-      return profileRoot(
-          [&](double t) {
-            Eigen::VectorXd d = Eigen::VectorXd::Zero(record.dof);
-            d[c] = sign * (t - at);
-            record.store->boxplus(record.store->valueAt(record.slot), d.data());
-            problem().overwrite(variable, record.store->valueAt(record.slot));
-            at = t;
-            return (optimize().final_rss - best) / rise - 1;
-          },
-          std::sqrt(rise / factor * C(c, c)), most);
-    };
-    const double above = ascend(1, bound.upper - x[c]), below = ascend(-1, x[c] - bound.lower);
-    result.upper = above < bound.upper - x[c] ? x[c] + above : std::max(bound.upper, x[c]);
-    result.lower = below < x[c] - bound.lower ? x[c] - below : std::min(bound.lower, x[c]);
-  } catch (...) {
-    restore();
-    throw;
-  }
-  restore();
-  return result;
+  ProfiledFit fit;
+  fit.variance_factor = [this] { return state_->varianceFactor(); };
+  fit.is_at_minimum = [this](double variance_factor) { return state_->isAtMinimum(variance_factor); };
+  fit.rss = [this] { return getRSS(); };
+  fit.covariance = [this, variable](double* C) { writeCovariance(variable, variable, C); };
+  fit.refit = [this] { return optimize().final_rss; };
+  return profileLikelihood(problem(), fit, variable, path, probability);
 }
 
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <ostream>
 
+#include "analyze/directions.hpp"
 #include "analyze/gauge.hpp"
 #include "analyze/null_space.hpp"
 #include "analyze/residual_tests.hpp"
@@ -23,8 +24,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = Finding::Kind;
 
-/// Entries of a direction that are smaller than this share of the largest are not told.
-constexpr double kSmall = 1e-5;
 /// Correlations from here on are told.
 constexpr double kCorrelated = 0.999;
 /// Of types with more variables, correlations are not looked at: neighbours in a chain are always correlated.
@@ -37,13 +36,6 @@ constexpr std::size_t kMostCorrelations = 5;
 constexpr Index kMostWeak = 20;
 /// Of a group's chi-square; and the factor of its sigma from which on it is told.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
-
-/// What variables of a type are called, in the singular.
-std::string nounOf(const std::string& type) {
-  if (type.rfind("trafo<", 0) == 0) return "pose";
-  if (type == "vect<2>" || type == "vect<3>" || type.rfind("Matrix<double, ", 0) == 0) return "point";
-  return type;
-}
 
 class Examination {
  public:
@@ -131,7 +123,7 @@ class Examination {
     own = svd.matrixU().leftCols((svd.singularValues().array() > 0.5).count());
     const Gauge gauge = part.blocks.size() > 1 ? findGauge(problem_, structure_, part, own, scale) : Gauge();
     if (gauge.count() > 0) {
-      describe(gauge, part);
+      result_.findings.push_back(findingOf(gauge, part, problem_, structure_));
       const MatrixXd rest = own - gauge.directions * (gauge.directions.transpose() * own);
       const SVD rest_svd = svdOf(rest, Eigen::ComputeThinU);
       own = rest_svd.matrixU().leftCols(own.cols() - gauge.count());
@@ -139,86 +131,13 @@ class Examination {
     if (own.cols() > 0) describeUndetermined(part, own, scale);
   }
 
-  void describe(const Gauge& gauge, const Part& part) {
-    struct Members {
-      std::vector<std::string> names;
-      int of = 0;
-    };
-    std::map<std::string, Members> members_of;  // by noun
-    int row = 0;
-    std::vector<std::string> names;
-    for (const int block : part.blocks) {
-      const int dof = structure_.system.dof(block);
-      Members& members = members_of[nounOf(recordOf(block).store->typeName())];
-      ++members.of;
-      if (gauge.directions.middleRows(row, dof).norm() > kSmall) {
-        members.names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
-        names.push_back(members.names.back());
-      }
-      row += dof;
-    }
-    std::vector<std::string> who;
-    for (const auto& [noun, members] : members_of) {
-      const int count = static_cast<int>(members.names.size());
-      if (count == 0) continue;
-      who.push_back((count == members.of ? "all " : "") + counted(count, noun) + " (" +
-                    abridged(members.names) + ")");
-    }
-    std::string text =
-        listed(who) + " can move together (" + gauge.text + ") without changing any residual: ";
-    text[0] = static_cast<char>(std::toupper(text[0]));
-    const bool has_pose = members_of.contains("pose"), is_rigid = gauge.has_translation || gauge.has_rotation;
-    if (is_rigid)
-      text += has_pose ? "fix one pose or add a prior" : "fix as many of them as that takes, or add priors";
-    if (gauge.has_scale)
-      text += std::string(is_rigid ? ", and measure a length" : "measure a length or fix one");
-    add(Kind::gauge, true, text, names, static_cast<int>(gauge.count()));
-  }
-
-  /// A basis of few entries: each direction has 1 where the others have 0.
-  static MatrixXd reduced(MatrixXd basis) {
-    for (Index j = 0; j < basis.cols(); ++j) {
-      Index row = 0, column = 0;
-      basis.rightCols(basis.cols() - j).cwiseAbs().maxCoeff(&row, &column);
-      basis.col(j).swap(basis.col(j + column));
-      basis.col(j) /= basis(row, j);
-      for (Index k = 0; k < basis.cols(); ++k) {
-        if (k != j) basis.col(k) -= basis(row, k) * basis.col(j);
-      }
-    }
-    return basis;
-  }
-
-  /// The components that move along a direction (in scaled unknowns), largest first, with the amounts that they move by
-  /// when the first moves by 1.
-  struct Movement {
-    std::vector<std::string> names, amounts;
-  };
   Movement movement(const std::vector<int>& unknowns, const VectorXd& direction,
                     const VectorXd& scale) const {
-    const double told = kSmall * direction.cwiseAbs().maxCoeff();
-    std::vector<Index> order;
-    for (Index i = 0; i < direction.size(); ++i) {
-      if (std::abs(direction[i]) > told) order.push_back(i);
-    }
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-      const double x = std::abs(direction[a]), y = std::abs(direction[b]);
-      return x > y * (1 + 1e-6);
-    });
-    Movement result;
-    for (const Index i : order) {
-      const auto amount = [&](Index k) {
-        return direction[k] / scale[unknowns[static_cast<std::size_t>(k)]];
-      };
-      const double relative = amount(i) / amount(order.front());
-      result.names.push_back(nameOf(unknowns[static_cast<std::size_t>(i)]));
-      result.amounts.push_back((relative > 0 ? "+" : "") + number(relative));
-    }
-    return result;
+    return movementAlong(direction, scale, unknowns, [this](int unknown) { return nameOf(unknown); });
   }
 
   void describeUndetermined(const Part& part, const MatrixXd& own, const VectorXd& scale) {
-    const MatrixXd basis = reduced(own);
+    const MatrixXd basis = basisOfFewEntries(own);
     for (Index j = 0; j < basis.cols(); ++j) {
       const Movement moves = movement(part.unknowns, basis.col(j), scale);
       std::string text;

@@ -1,9 +1,123 @@
 #include "analyze/profile.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
+
+#include "base/index.hpp"
+#include "base/words.hpp"
+#include "problem/value_snapshot.hpp"
+#include "slom/analyze/chi_square.hpp"
 
 namespace slom {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One coordinate of a variable, moved along while everything else is fitted again.
+class Profile {
+ public:
+  Profile(Problem& problem, const ProfiledFit& fit, int variable, const std::string& path)
+      : problem_(problem),
+        fit_(fit),
+        variable_(variable),
+        components_(problem.componentsAt(variable, path)),
+        record_(problem.variables()[at(variable)]),
+        component_(components_.front()),
+        x_(at(record_.dof)) {
+    record_.store->coordinates(record_.store->valueAt(record_.slot), x_.data());
+    if (components_.size() == 1 && !std::isnan(value())) return;
+    throw Error("slom.no-component",
+                path + " of variable " + problem.variableName(variable) +
+                    " is not one coordinate; profile takes one component of a vector at a time");
+  }
+
+  ProfileInterval interval(double probability) {
+    factor_ = fit_.variance_factor();
+    if (!fit_.is_at_minimum(factor_)) {
+      throw Error("slom.not-a-minimum",
+                  "the profile of " + problem_.componentNames(variable_)[at(component_)] +
+                      " starts at a fit, and the values are not at one; optimize first");
+    }
+    const ActiveSet& active = problem_.activeSet();
+    if (!active.isOptimized(variable_) || active.isFixed(variable_, component_))
+      return {value(), value(), value()};
+    const ComponentBound* const found = active.boundOf(variable_, component_);
+    const ComponentBound bound =
+        found == nullptr ? ComponentBound{component_, -kInfinity, kInfinity} : *found;
+    best_ = fit_.rss();
+    rise_ = factor_ * chiSquareCritical(1 - probability, 1);
+    ValueSnapshot start(problem_);
+    const auto restore = [&] {
+      problem_.setFixed(variable_, components_, false);
+      start.restore();
+      problem_.setBound(variable_, components_, bound.lower, bound.upper);
+    };
+    try {
+      const ProfileInterval result = search(bound, found != nullptr, start);
+      restore();
+      return result;
+    } catch (...) {
+      restore();
+      throw;
+    }
+  }
+
+ private:
+  double value() const { return x_[at(component_)]; }
+
+  ProfileInterval search(const ComponentBound& bound, bool is_bounded, ValueSnapshot& start) {
+    // Its own covariance, though it is at the bound.
+    if (is_bounded) problem_.setBound(variable_, components_, -kInfinity, kInfinity);
+    std::vector<double> C(at(record_.dof * record_.dof));
+    fit_.covariance(C.data());
+    guess_ = std::sqrt(rise_ / factor_ * C[at(component_ * (record_.dof + 1))]);
+    problem_.setFixed(variable_, components_, true);
+    const double to_upper = bound.upper - value(), to_lower = value() - bound.lower;
+    const double above = ascend(1, to_upper, start), below = ascend(-1, to_lower, start);
+    return {value(), below < to_lower ? value() - below : std::min(bound.lower, value()),
+            above < to_upper ? value() + above : std::max(bound.upper, value())};
+  }
+
+  /// How far it is to where the RSS has risen that much, up to `most`.
+  double ascend(double sign, double most, ValueSnapshot& start) {
+    if (!(most > 0)) return 0;
+    start.restore();
+    double moved = 0;
+    return profileRoot(
+        [&](double t) {
+          std::vector<double> d(at(record_.dof), 0.0);
+          d[at(component_)] = sign * (t - moved);
+          record_.store->boxplus(record_.store->valueAt(record_.slot), d.data());
+          problem_.overwrite(variable_, record_.store->valueAt(record_.slot));
+          moved = t;
+          return (fit_.refit() - best_) / rise_ - 1;
+        },
+        guess_, most);
+  }
+
+  Problem& problem_;
+  const ProfiledFit& fit_;
+  int variable_;
+  std::vector<int> components_;
+  const VariableRecord& record_;
+  int component_;
+  std::vector<double> x_;  // coordinates at the fit
+  double factor_ = 1, best_ = 0, rise_ = 0, guess_ = 0;
+};
+
+}  // namespace
+
+ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
+                                  const std::string& path, double probability) {
+  if (!(probability > 0 && probability < 1)) {
+    throw Error("slom.bad-option", "the probability of a profile interval is " + number(probability, 6) +
+                                       "; pass one between 0 and 1, such as 0.95");
+  }
+  return Profile(problem, fit, variable, path).interval(probability);
+}
 
 double profileRoot(const std::function<double(double)>& f, double guess, double most) {
   // In s = sqrt(f + 1), which is nearly proportional to t, by the Illinois variant of the false position.

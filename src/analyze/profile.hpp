@@ -1,8 +1,27 @@
+/// Intervals by profile likelihood.
+///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
 #pragma once
 
 #include <functional>
+#include <string>
+
+#include "slom/analyze/uncertainty.hpp"
 
 namespace slom {
+
+/// What a profile asks of the estimator.
+struct ProfiledFit {
+  std::function<double()> variance_factor;
+  std::function<bool(double variance_factor)> is_at_minimum;  ///< at the current values
+  std::function<double()> rss;                                ///< likewise
+  std::function<void(double*)> covariance;  ///< writes that of the variable, dof x dof; likewise
+  std::function<double()> refit;            ///< fits all that is not fixed; returns the RSS
+};
+
+/// The interval of the component at `path`, see Estimator::profile. Values, fixed components and bounds are as before when it returns
+/// or throws.
+ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
+                                  const std::string& path, double probability);
 
 /// The root of a function that grows with t > 0, is -1 at 0 and about (t / guess)^2 - 1, up to 1000 guesses; infinite beyond.
 /// `most` where the function, which is not evaluated beyond, is not positive up to there.

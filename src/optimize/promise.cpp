@@ -1,0 +1,124 @@
+// What the linear model promises without damping, and whether it can be believed.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "slom/optimize/system.hpp"
+
+namespace slom {
+
+System::Promise System::promise(bool carefully) {
+  linearize();
+  Promise result;
+  const auto decreaseBy = [&](const Eigen::VectorXd& step) {
+    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find
+    // less, even nothing.
+    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step),
+                     solver_->isExact() ? 0.0 : promiseOfOneUnknown()});
+  };
+  if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
+      solveUndamped(result.step).ok) {
+    result.decrease = decreaseBy(result.step);
+    result.is_known = result.has_full_rank = std::isfinite(result.decrease);
+    return result;
+  }
+  std::vector<int> unseen;
+  const Eigen::VectorXd& H = solver_->diagonal();
+  const auto promised = [&](double damping, Eigen::VectorXd& step) {
+    Eigen::VectorXd D = damping * H;
+    for (Eigen::Index i = 0; i < H.size(); ++i) {
+      if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
+    }
+    if (!solver_->solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
+    clearHeld(step);
+    unseen = unseenUnknowns(step);
+    for (const int u : unseen) step[u] = 0;
+    return decreaseBy(step);
+  };
+  for (const double damping : {0.0, 1e-14, 1e-12, 1e-10, 1e-8}) {
+    result.decrease = promised(damping, result.step);
+    if (!std::isfinite(result.decrease)) continue;
+    const std::vector<int> out_of_sight = unseen;
+    // A promise that damping makes smaller is larger without.
+    constexpr double more = 100, similar = 1.1;
+    Eigen::VectorXd ignored;
+    const bool is_similar =
+        damping == 0 || result.decrease <= similar * promised(more * damping, ignored) + kRounding * rss_;
+    result.is_known = is_similar && std::none_of(out_of_sight.begin(), out_of_sight.end(),
+                                                 [this](int u) { return hasRunAway(u); });
+    if (result.is_known && carefully && solver_->isExact()) lookDeeper(out_of_sight, result);
+    break;
+  }
+  return result;
+}
+
+/// What the linear model promises along columns so nearly dependent that J^T J shows nothing of them: by factorising J
+/// itself, with as little damping as keeps out what is rounding. Taken over where it is a part of the RSS that
+/// rounding cannot be.
+void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
+  constexpr double of_the_digits = 0.1, least_pivot = 1e-15, most_rounding = 1e-5;
+  if (mustStop()) return;
+  const std::unique_ptr<LinearSolver> rows = given_->careful(least_pivot);
+  if (rows == nullptr) return;
+  rows->analyze(structure_.system);
+  linearizer_.linearize(problem_, problem_.activeSet(), *rows);
+  const Eigen::VectorXd& H = rows->diagonal();
+  Eigen::VectorXd damping = std::pow(of_the_digits * digitsOfDerivatives(problem_), 2) * H;
+  for (Eigen::Index i = 0; i < H.size(); ++i) {
+    if (!(H[i] > 0)) damping[i] = 1;
+  }
+  for (const int u : out_of_sight) damping[u] = H.maxCoeff();
+  Eigen::VectorXd step;
+  if (!rows->solve(damping, step).ok) return;
+  clearHeld(step);
+  const double decrease = -rows->gradient().dot(step);
+  if (decrease > std::max(promise.decrease, most_rounding * rss_))
+    promise = {true, false, decrease, std::move(step)};
+}
+
+/// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
+/// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
+/// would gain. A column of rounding errors stays one everywhere.
+bool System::hasRunAway(int unknown) {
+  constexpr int decades = 40;
+  const auto& offset = structure_.system.offset;
+  const auto block =
+      static_cast<std::size_t>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin() - 1);
+  const VariableRecord& record =
+      problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[block])];
+  std::vector<double> x(static_cast<std::size_t>(record.dof));
+  record.store->coordinates(record.store->valueAt(record.slot), x.data());
+  const double coordinate = x[static_cast<std::size_t>(unknown - offset[block])];
+  if (!std::isfinite(coordinate)) return false;  // an angle, which comes back by itself
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(structure_.system.unknowns());
+  for (int k = 1; k <= decades; ++k) {
+    d[unknown] = coordinate * (std::pow(10.0, -k) - 1);
+    const double rss = tryStep(d);
+    undo();
+    if (!(std::abs(rss - rss_) <= kNoise * rss_)) {
+      linearize();
+      return true;
+    }
+  }
+  linearize();
+  return false;
+}
+
+bool System::advance(const Promise& promise) {
+  constexpr double kept = 0.25;  // of what is promised
+  if (!promise.is_known || promise.step.size() == 0) return false;
+  const double before = rss_, after = tryStep(promise.step);
+  if (std::isfinite(after) && before - after >= kept * promise.decrease && after < before) return true;
+  undo();
+  linearize();
+  return false;
+}
+
+double System::roundingOfPromises() {
+  constexpr double steps = 4;  // of the last digit
+  const double effect = solver_->diagonal().cwiseSqrt().dot(typicalSizes());
+  return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);
+}
+
+}  // namespace slom
