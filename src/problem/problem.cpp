@@ -7,6 +7,7 @@
 
 #include "base/index.hpp"
 #include "base/words.hpp"
+#include "problem/runtime_pool.hpp"
 
 namespace slom {
 
@@ -81,11 +82,30 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   return VariableHandle(store, ref);
 }
 
-MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
+MeasurementPool* Problem::findPool(std::type_index type, std::string_view label, int arity) const {
   for (const auto& pool : pools_) {
-    if (type == *pool->type().id && pool->label() == label) return pool.get();
+    if (type == *pool->type().id && pool->label() == label && (arity == 0 || pool->arity() == arity))
+      return pool.get();
   }
   return nullptr;
+}
+
+MeasurementPool* Problem::addPool(const MeasurementType& type, std::string_view label) {
+  const std::string own_label(label);
+  MeasurementPool* const first = findPool(*type.id, label, 0);
+  const std::string name =
+      first != nullptr ? first->name() : nameForPool(label.empty() ? type.name() : own_label);
+  pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, type, table_, active_)));
+  pools_.back()->joinGroup(first != nullptr ? first->group() : group_count_++, first);
+  return pools_.back().get();
+}
+
+void Problem::removeLastPool() {
+  if (pools_.back()->group() == group_count_ - 1 &&
+      std::none_of(pools_.begin(), pools_.end() - 1,
+                   [&](const auto& pool) { return pool->group() == pools_.back()->group(); }))
+    --group_count_;
+  pools_.pop_back();
 }
 
 std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
@@ -97,19 +117,15 @@ std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) con
 }
 
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
+  const auto name = [&] { return "VarID<" + (type != nullptr ? type() : store->typeName()) + ">"; };
   for (const TypedStore& own : stores_) {
     if (own.store.get() != store) continue;
     if (store->isCurrent(ref)) return store->variable(ref.slot);
-    throw Error("slom.stale-handle", "the VarID<" + type() +
-                                         "> refers to a variable that has been removed; keep the "
-                                         "VarID that insertRV returned last");
+    detail::raiseStaleHandle(name(), true);
   }
-  if (store == nullptr) {
-    throw Error("slom.stale-handle",
-                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
-  }
-  throw Error("slom.foreign-handle", "the VarID<" + type() +
-                                         "> belongs to another estimator; use it only with the "
+  if (store == nullptr) detail::raiseStaleHandle(name(), false);
+  throw Error("slom.foreign-handle", "the " + name() +
+                                         " belongs to another estimator; use it only with the "
                                          "estimator whose insertRV returned it");
 }
 
@@ -269,29 +285,41 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
                                                                 VariableArgument* const* arguments,
                                                                 const NoiseView& noise,
                                                                 std::string_view label, const Loss& loss) {
-  MeasurementPool* pool = findPool(*type.id, label);
-  if (pool == nullptr) {
-    const std::string own_label(label);
-    const std::string name = nameForPool(label.empty() ? type.name() : own_label);
-    pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, table_, active_)));
-    pool = pools_.back().get();
-  }
   std::vector<int>& variables = variables_of_new_;
   variables.clear();
   for (int k = 0; k < type.arity; ++k) {
-    variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(), type.variable_type[k]));
+    variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(),
+                                     type.variable_type != nullptr ? type.variable_type[k] : nullptr));
   }
+  MeasurementPool* pool = findPool(*type.id, label, type.arity);
+  const bool is_new = pool == nullptr;
+  if (is_new) pool = addPool(type, label);
   const SlotRef ref = [&] {
     try {
-      return pool->insert(measurement, variables.data(), noise, loss);
-    } catch (const MeasurementThrew& event) {
-      raiseThrew(pool->nextName(), variables.data(), type.arity, event.exception);
+      try {
+        return pool->insert(measurement, variables.data(), noise, loss);
+      } catch (const MeasurementThrew& event) {
+        raiseThrew(pool->nextName(), variables.data(), type.arity, event.exception);
+      }
+    } catch (...) {
+      if (is_new) removeLastPool();
+      throw;
     }
   }();
   for (const int variable : variables) ++table_[at(variable)].uses;
   ++structure_revision_;
   noteUse(pool, ref, variables.data(), type.arity);
   return {pool, ref};
+}
+
+std::pair<MeasurementPool*, SlotRef> Problem::insertRuntime(RuntimeMeasurement* measurement,
+                                                            const NoiseView& noise, std::string_view label,
+                                                            const Loss& loss) {
+  OwnedMeasurement owned(measurement);
+  std::vector<VariableArgument*> arguments;
+  for (VariableView& view : measurement->views()) arguments.push_back(&view);
+  const MeasurementType type = runtimeType(measurement->kind(), measurement->arity());
+  return insertMeasurement(type, &owned, arguments.data(), noise, label, loss);
 }
 
 void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const {

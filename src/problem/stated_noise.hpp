@@ -9,7 +9,7 @@ namespace slom {
 
 /// Of the first measurement of a pool, which stands for all.
 inline bool statesNoise(const MeasurementPool& pool) {
-  return pool.size() > 0 && pool.whitening(0).first != WhiteningKind::unit;
+  return pool.size() > 0 && (pool.type().states_noise || pool.whitening(0).first != WhiteningKind::unit);
 }
 inline bool statesAllNoise(const Problem& problem) {
   return std::all_of(problem.pools().begin(), problem.pools().end(),
