@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <ostream>
 
 #include "base/classic_numbers.hpp"
@@ -126,9 +127,9 @@ class GroupExamination {
   double variance_factor_;
 };
 
-GroupCheck summarized(std::vector<GroupExamination::Result> results, const OutlierOptions& options,
-                      double significance) {
-  GroupCheck group;
+/// `group` has its name.
+GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck group,
+                      const OutlierOptions& options, double significance) {
   group.measurements = static_cast<int>(results.size());
   for (auto& [check, chi2, redundancy] : results) {
     group.chi2 += chi2;
@@ -177,13 +178,20 @@ OutlierReport checkResiduals(System& system, Linearizer& linearizer, const Outli
   for (const auto& pool : problem.pools()) count += pool->size();
   report.significance = options.significance / std::max(1, count);
   const auto inverse = inverseBlocks(system, linearizer, gauge);
-  for (std::size_t g = 0; g < problem.pools().size(); ++g) {
-    MeasurementPool& pool = *problem.pools()[g];
-    if (pool.size() == 0) continue;
-    report.groups.push_back(summarized(GroupExamination(system, *inverse, g, variance_factor).run(), options,
-                                       report.significance));
-    report.groups.back().name = pool.name();
-    report.groups.back().has_losses = pool.lossCount() > 0;
+  for (int g = 0; g < problem.groupCount(); ++g) {
+    GroupCheck group;
+    std::vector<GroupExamination::Result> results;
+    for (std::size_t p = 0; p < problem.pools().size(); ++p) {
+      const MeasurementPool& pool = *problem.pools()[p];
+      if (pool.group() != g || pool.size() == 0) continue;
+      std::vector<GroupExamination::Result> more =
+          GroupExamination(system, *inverse, p, variance_factor).run();
+      std::move(more.begin(), more.end(), std::back_inserter(results));
+      group.name = pool.name();
+      group.has_losses = group.has_losses || pool.lossCount() > 0;
+    }
+    if (results.empty()) continue;
+    report.groups.push_back(summarized(std::move(results), std::move(group), options, report.significance));
   }
   return report;
 }
