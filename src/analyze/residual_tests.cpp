@@ -36,7 +36,7 @@ class GroupExamination {
 
   struct Result {
     MeasurementCheck check;
-    double chi2, redundancy;
+    double chi2 = 0, redundancy = 0;
   };
 
   std::vector<Result> run() const {
@@ -96,6 +96,7 @@ class GroupExamination {
     check.measurement = pool_.measurementName(i);
     const double squared = w.squaredNorm();
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
+    if (w.size() == 0) return result;
     const MatrixXd H = leverage(i, J);
     const MatrixXd Q = MatrixXd::Identity(w.size(), w.size()) + (1 - 2 * check.weight) * H;
     const SymmetricEigen eigen = eigenOf(Q);

@@ -84,7 +84,7 @@ TEST(BoxminusDerivative, IsTheIdentityForVectorsAndAngles) {
 
 TEST(BoxminusDerivative, OfRotationsAtAllAngles) {
   constexpr double pi = 3.14159265358979323846;
-  EXPECT_EQ(derivative(turned(1), turned(1)), MatrixXd::Identity(3, 3));
+  EXPECT_LT((derivative(turned(1), turned(1)) - MatrixXd::Identity(3, 3)).norm(), 1e-15);
   for (const double angle :
        {1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 0.2999, 0.3001, 1.0, 2.0, 3.0, pi - 1e-3, pi - 1e-5}) {
     SCOPED_TRACE(angle);
@@ -97,7 +97,7 @@ TEST(BoxminusDerivative, OfRotationsAtAllAngles) {
 TEST(BoxminusDerivative, OfDirections) {
   const S2 y(0.3, -0.4, 1);
   EXPECT_LT((derivative(y, y) - MatrixXd::Identity(2, 2)).norm(), 1e-15);
-  for (const S2& x : {S2(0.3, -0.4, 1 + 1e-9), S2(0.2, 0, 1), S2(1, 1, -1), S2(-0.3, 0.4001, -1)})
+  for (const S2& x : {S2(0.3, -0.4, 1 + 1e-9), S2(0.2, 0, 1), S2(1, 1, -1), S2(-0.3, 1.5, -1)})
     expectDerivative(x, y, 1e-8);
 }
 
