@@ -305,7 +305,9 @@ TEST(GaussianPrior, RefusesWhatDoesNotFit) {
       messageOf([&] { est.insertMeasurement(stale); }),
       "[slom.stale-handle] the VarID<double> refers to a variable that has been removed; keep the VarID that "
       "insertRV returned last");
-  EXPECT_EQ(messageOf([&] { est.insertMeasurement(prior, StandardDeviation(-1)); }), "X");
+  EXPECT_EQ(
+      messageOf([&] { est.insertMeasurement(prior, StandardDeviation(-1)); }),
+      "[slom.not-positive-definite] standard deviation of measurement GaussianPrior #1 is -1; pass positive finite numbers");
   EXPECT_EQ(est.getM(), 0);
   EXPECT_TRUE(est.optimize().groups.empty());  // what failed left no group behind
 }
