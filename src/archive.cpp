@@ -1,6 +1,7 @@
 #include "slom/archive.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <iomanip>
 #include <istream>
@@ -187,7 +188,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     text << inQuotes(record.name)
          << (problem.activeSet().isOptimized(static_cast<int>(v)) ? " free " : " fixed ");
     VariableHandle unused;
-    writer.add([&](std::ostream& value) { kind->write(value, store, record.slot); },
+    writer.add([&](std::ostream& value) { kind->write(value, record.store->valueAt(record.slot)); },
                [&](std::istream& is) { return kind->read(is, nullptr, true, "", unused); },
                [&] { return "variable " + problem.variableName(static_cast<int>(v)); });
     text << '\n';
@@ -209,11 +210,17 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     for (int i = 0; i < pool->size(); ++i) {
       for (int k = 0; k < pool->arity(); ++k) text << number[at(pool->variables(i)[k])] << ' ';
       text << "| ";
+      std::vector<const detail::StoredVariable*> kinds;
+      for (int k = 0; kind->is_list && k < pool->arity(); ++k) {
+        const VariableStoreBase& store = *problem.variables()[at(pool->variables(i)[k])].store;
+        kinds.push_back(findVariable(typeid(store)));
+      }
+      const detail::StoredArguments arguments{nullptr, kinds.data(), pool->arity()};
       writeNoise(text, *pool, i);
       writeLoss(text, *pool, i);
       text << " | ";
-      writer.add([&](std::ostream& data) { kind->write(data, *pool, i); },
-                 [&](std::istream& is) { return kind->read(is, nullptr, nullptr, {}); },
+      writer.add([&](std::ostream& data) { kind->write(data, arguments, *pool, i); },
+                 [&](std::istream& is) { return kind->read(is, nullptr, arguments, {}); },
                  [&] { return "the data of measurement " + pool->measurementName(i); });
       text << '\n';
     }
@@ -377,6 +384,8 @@ class ArchiveReader {
     if (measurement_kind_ == nullptr)
       raise("a measurement stands before the first line that begins with measurements");
     handles_.clear();
+    kinds_.clear();
+    if (measurement_kind_->is_list) readList();
     for (const std::type_index type : measurement_kind_->variables) {
       const int number = readVariableNumber();
       const StoredProblem::Entry& entry = result_.entries_[at(number)];
@@ -389,11 +398,24 @@ class ArchiveReader {
     }
     expectBar("the numbers of " + counted(static_cast<int>(handles_.size()), "variable"));
     readOptions();
-    if (!measurement_kind_->read(rest(), nullptr, nullptr, {}) || !isAtEnd(rest_)) {
+    const int count = static_cast<int>(handles_.size());
+    if (!measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {}) || !isAtEnd(rest_)) {
       raise("what stands behind the second | is not the data of " + measurement_kind_->name + ":" +
             rest_.str() + commaIn(rest_.str()));
     }
-    withLine([&] { measurement_kind_->read(restAgain(), &problem(), handles_.data(), options_); });
+    withLine([&] {
+      measurement_kind_->read(restAgain(), &problem(), {handles_.data(), kinds_.data(), count}, options_);
+    });
+  }
+
+  /// The variables of a measurement over a list, up to the bar.
+  void readList() {
+    while ((line_ >> std::ws) && std::isdigit(line_.peek()) != 0) {
+      const StoredProblem::Entry& entry = result_.entries_[at(readVariableNumber())];
+      handles_.push_back(entry.handle);
+      kinds_.push_back(archive_.findVariable(entry.type));
+    }
+    line_.clear();
   }
 
   /// What of the line has not been read yet.
@@ -487,6 +509,7 @@ class ArchiveReader {
   const detail::StoredMeasurement* measurement_kind_ = nullptr;
   std::vector<int> indices_;  // in the problem, by number in the file
   std::vector<VariableHandle> handles_;
+  std::vector<const detail::StoredVariable*> kinds_;  // of these, for a list
   std::vector<double> noise_;
   detail::StoredOptions options_;
 };

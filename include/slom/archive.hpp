@@ -3,18 +3,18 @@
 ///     slom::Archive archive;  // is told which measurements there are
 ///     archive.measurement<slom::RelativePose, slom::VarID<Pose>, slom::VarID<Pose>, slom::Measured<Pose>>();
 ///     archive.measurement<Observation>();  // declared by SLOM_BUILD_MEASUREMENT
+///     archive.measurement<slom::GaussianPrior>();
 ///     archive.save(est, file);
 ///
 ///     slom::StoredProblem problem = archive.load(file);
 ///     std::cout << problem.estimator.optimize().report() << *problem.variable<Pose>("start");
 ///
 /// The types of a callable's arguments are those of the call of insertMeasurement: VarID<T> for variables, Measured<Z> for
-/// measured(z), the type itself for other data. Values and data go through their stream operators, with 17 digits, so that a
+/// measured(z), the type itself for other data; std::vector<AnyVarID> first for a list of variables. Values and data go through their stream operators, with 17 digits, so that a
 /// loaded problem is the saved one but for rounding in the last digit. docs/replay.md describes the format.
 #pragma once
 
 #include <concepts>
-#include <cstdint>
 #include <iosfwd>
 #include <string>
 #include <tuple>
@@ -25,75 +25,10 @@
 
 #include "slom/datum_stream.hpp"
 #include "slom/estimator.hpp"
+#include "slom/measurements/gaussian_prior.hpp"
+#include "slom/stored_problem.hpp"
 
 namespace slom {
-
-class ArchiveReader;
-
-/// A problem that was loaded.
-class StoredProblem {
- public:
-  Estimator estimator;
-
-  /// The first variable of this name. Throws [slom.no-variable], also when it is of another type.
-  template <class T>
-  VarID<T> variable(const std::string& name) const {
-    return VarID<T>(handle(name, typeid(VariableStore<T>), &typeName<T>));
-  }
-  /// All variables of a type, in the order of their insertion.
-  template <class T>
-  std::vector<VarID<T>> variables() const {
-    std::vector<VarID<T>> ids;
-    for (const Entry& entry : entries_) {
-      if (entry.type == typeid(VariableStore<T>)) ids.push_back(VarID<T>(entry.handle));
-    }
-    return ids;
-  }
-
- private:
-  friend class Archive;
-  friend class ArchiveReader;
-  struct Entry {
-    std::string name;
-    std::type_index type;  // of its store
-    VariableHandle handle;
-  };
-  VariableHandle handle(const std::string& name, std::type_index type, std::string (*type_name)()) const;
-  void sortNames();
-
-  std::vector<Entry> entries_;
-  std::vector<int> by_name_;  // numbers of entries, those of the same name in the order of insertion
-};
-
-namespace detail {
-
-/// How variables of one type are written and read.
-struct StoredVariable {
-  std::string name;
-  std::type_index type;  ///< of their store
-  void (*write)(std::ostream&, const VariableStoreBase&, std::uint32_t slot);
-  /// Whether the stream has a value, which is inserted unless there is no problem.
-  bool (*read)(std::istream&, Problem*, bool optimize, const std::string& name, VariableHandle& id);
-};
-
-/// What stands beside the data of a measurement.
-struct StoredOptions {
-  NoiseView noise;
-  std::string label;
-  Loss loss;
-};
-
-/// How measurements of one type are written and read.
-struct StoredMeasurement {
-  std::string name;
-  std::type_index type;
-  std::vector<std::type_index> variables;  ///< their stores
-  void (*write)(std::ostream&, const MeasurementPool&, int i);
-  /// Whether the stream has data, of which a measurement is made unless there is no problem.
-  bool (*read)(std::istream&, Problem*, const VariableHandle* variables, const StoredOptions& options);
-};
-
-}  // namespace detail
 
 class Archive {
  public:
@@ -116,6 +51,8 @@ class Archive {
  private:
   template <class F, class... Args>
   struct Kind;
+  template <class F, class... Data>
+  struct ListKind;
   template <class M>
   struct DeclaredKind;
   template <class T>
@@ -150,14 +87,18 @@ void Archive::knowVariable(std::string name) {
                 "slom: to be saved, this variable type or one of its parts needs an operator<<");
   const bool is_named = !name.empty();
   add({is_named ? std::move(name) : typeName<T>(), typeid(VariableStore<T>),
-       [](std::ostream& os, const VariableStoreBase& store, std::uint32_t slot) {
-         mtk::write(os, store.value<T>(slot));
-       },
+       [](std::ostream& os, const void* value) { mtk::write(os, *static_cast<const T*>(value)); },
        [](std::istream& is, Problem* problem, bool optimize, const std::string& own_name,
           VariableHandle& id) {
          T value{};
          if (!mtk::read(is, value)) return false;
          if (problem != nullptr) id = problem->insertVariable<T>(value, optimize, own_name);
+         return true;
+       },
+       [](std::istream& is, void* context, void (*take)(void*, const void*, int)) {
+         T value{};
+         if (!mtk::read(is, value)) return false;
+         take(context, &value, mtk::dof(value));
          return true;
        }},
       is_named);
@@ -218,7 +159,7 @@ struct Archive::Kind {
   static void know(Archive& archive, std::vector<std::type_index>& variables) {
     (Argument<Args>::know(archive, variables), ...);
   }
-  static void write(std::ostream& os, const MeasurementPool& pool, int i) {
+  static void write(std::ostream& os, const detail::StoredArguments&, const MeasurementPool& pool, int i) {
     const auto one = [&]<class Stored>(const Stored& stored) {
       if constexpr (!std::is_base_of_v<VariableArgument, Stored>)
         detail::writeDatum(os, detail::held(stored));
@@ -226,8 +167,9 @@ struct Archive::Kind {
     detail::applyTo(static_cast<const TypedPool<M>&>(pool)[i].arguments(),
                     [&](const auto&... stored) { (one(stored), ...); });
   }
-  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables,
+  static bool read(std::istream& is, Problem* problem, const detail::StoredArguments& stored,
                    const detail::StoredOptions& options) {
+    const VariableHandle* variables = stored.handles;
     std::tuple<Argument<Args>...> arguments;
     const bool good = std::apply([&](auto&... argument) { return (argument.read(is) && ...); }, arguments);
     if (good && problem != nullptr) {
@@ -241,6 +183,36 @@ struct Archive::Kind {
           arguments);
     }
     return good;
+  }
+};
+
+/// A callable over a list of variables.
+template <class F, class... Data>
+struct Archive::ListKind {
+  using M = ListMeasurement<F, Data...>;
+  static_assert(
+      std::is_empty_v<F> && std::is_default_constructible_v<F>,
+      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
+      "arguments of insertMeasurement, and put a function into a lambda");
+
+  static std::string name() {
+    return typeName<F>() + "(variables" + (std::string() + ... + (", datum " + typeName<Data>())) + ")";
+  }
+  static void write(std::ostream& os, const detail::StoredArguments&, const MeasurementPool& pool, int i) {
+    detail::applyTo(static_cast<const M*>(pool.runtimeMeasurement(i))->data(),
+                    [&](const auto&... datum) { (detail::writeDatum(os, datum), ...); });
+  }
+  static bool read(std::istream& is, Problem* problem, const detail::StoredArguments& stored,
+                   const detail::StoredOptions& options) {
+    std::tuple<Data...> data;
+    if (!std::apply([&](auto&... datum) { return (detail::readDatum(is, datum) && ...); }, data))
+      return false;
+    if (problem == nullptr) return true;
+    std::vector<AnyVarID> ids;
+    for (int k = 0; k < stored.count; ++k) ids.emplace_back(stored.handles[k]);
+    problem->insertMeasurement(std::apply([&](const auto&... datum) { return M(ids, F(), datum...); }, data),
+                               options.noise, options.label, options.loss);
+    return true;
   }
 };
 
@@ -258,12 +230,13 @@ struct Archive::DeclaredKind {
       (variables.push_back(typeid(VariableStore<T>)), ...);
     }(std::type_identity<Variables>{});
   }
-  static void write(std::ostream& os, const MeasurementPool& pool, int i) {
+  static void write(std::ostream& os, const detail::StoredArguments&, const MeasurementPool& pool, int i) {
     std::apply([&](const auto&... datum) { (detail::writeDatum(os, datum), ...); },
                static_cast<const TypedPool<M>&>(pool)[i].dataArgs());
   }
-  static bool read(std::istream& is, Problem* problem, const VariableHandle* variables,
+  static bool read(std::istream& is, Problem* problem, const detail::StoredArguments& stored,
                    const detail::StoredOptions& options) {
+    const VariableHandle* const variables = stored.handles;
     return [&]<class... T, class... D>(std::type_identity<detail::VariableList<T...>>,
                                        std::type_identity<std::tuple<const D&...>>) {
       std::tuple<D...> data;
@@ -286,9 +259,23 @@ void Archive::measurement(std::string name) {
     std::vector<std::type_index> variables;
     K::know(*this, variables);
     add(detail::StoredMeasurement{(name.empty() ? K::name() : std::move(name)) + K::suffix(), type,
-                                  std::move(variables), &K::write, &K::read});
+                                  std::move(variables), false, &K::write, &K::read});
   };
-  if constexpr (Measurement<F>) {
+  const auto addList = [&]<class K>(std::type_identity<K>, std::type_index type) {
+    add(detail::StoredMeasurement{
+        name.empty() ? K::name() : std::move(name), type, {}, true, &K::write, &K::read});
+  };
+  if constexpr (std::derived_from<F, RuntimeMeasurement>) {
+    static_assert(
+        std::is_same_v<F, GaussianPrior> && sizeof...(Args) == 0,
+        "slom: of the kinds that are classes over a list of variables, only slom::GaussianPrior can be saved, and without further types");
+    addList(std::type_identity<StoredPrior>{}, typeid(F));
+  } else if constexpr (detail::begins_with_list<Args...>) {
+    [&]<class... Data>(std::type_identity<std::tuple<std::vector<AnyVarID>, Data...>>) {
+      using Function = std::remove_const_t<F>;
+      addList(std::type_identity<ListKind<Function, Data...>>{}, typeid(ListMeasurement<Function, Data...>));
+    }(std::type_identity<std::tuple<Args...>>{});
+  } else if constexpr (Measurement<F>) {
     static_assert(sizeof...(Args) == 0,
                   "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
     addKind(std::type_identity<DeclaredKind<F>>{}, typeid(F));

@@ -34,6 +34,7 @@
 #include "slom/model/insertion.hpp"
 #include "slom/model/pimpl.hpp"
 #include "slom/model/prior.hpp"
+#include "slom/model/runtime_measurement.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
@@ -201,11 +202,33 @@ class Estimator {
   /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
   /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
   template <class F, class... Args>
-    requires(!Measurement<F> && sizeof...(Args) > 0)
+    requires(!Measurement<F> && !std::derived_from<F, RuntimeMeasurement> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
     return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
                           detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all));
+  }
+  /// Adds a measurement over a list of variables of any number and types: `f` gets a std::span<const VariableView>, the data and
+  /// options are as above. Derivatives are central differences.
+  template <class F, class... Args>
+  auto insertMeasurement(F f, const std::vector<AnyVarID>& variables, const Args&... args) {
+    const detail::Values<const Args&...> all{{args}...};
+    return insertList(std::move(f), variables, all, detail::DataIndices<Args...>{},
+                      detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
+                      detail::lossAmong<Args...>(all));
+  }
+  /// Adds a measurement of a kind that chooses its variables at run time, as GaussianPrior. Options as above.
+  template <std::derived_from<RuntimeMeasurement> M, class... Options>
+  MeasID<M> insertMeasurement(M measurement, const Options&... options) {
+    static_assert(
+        (detail::is_option<Options> && ...),
+        "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
+        "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
+        "(slom::named)");
+    const detail::Values<const Options&...> all{{options}...};
+    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
+                                       detail::labelAmong<Options...>(all),
+                                       detail::lossAmong<Options...>(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -246,7 +269,8 @@ class Estimator {
   /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
   double getRSS() const;
   /// Of all measurements of type M.
-  template <Measurement M>
+  template <class M>
+    requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   double getRSS() const {
     return rssOfPools(problem().template poolsOf<M>());
   }
@@ -419,6 +443,14 @@ class Estimator {
                       std::string_view label, const Loss& loss) {
     using M = CallableMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
     return problem().insertMeasurement(M(std::move(f), detail::valueAt<I>(args)...), noise, label, loss);
+  }
+  template <class F, class Arguments, std::size_t... I>
+  auto insertList(F f, const std::vector<AnyVarID>& variables, const Arguments& args,
+                  std::index_sequence<I...>, const NoiseView& noise, std::string_view label,
+                  const Loss& loss) {
+    using M = ListMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
+    return problem().insertMeasurement(M(variables, std::move(f), detail::valueAt<I>(args)...), noise, label,
+                                       loss);
   }
 
   template <class T>

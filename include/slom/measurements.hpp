@@ -5,6 +5,7 @@
 #pragma once
 
 #include "slom/measurements/bearing.hpp"
+#include "slom/measurements/gaussian_prior.hpp"
 #include "slom/measurements/gravity.hpp"
 #include "slom/measurements/intrinsics.hpp"
 #include "slom/measurements/landmark.hpp"

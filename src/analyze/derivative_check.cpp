@@ -158,6 +158,23 @@ class Comparison {
 
 }  // namespace
 
+namespace {
+
+/// Pools of one group have one entry, that of the worst of them.
+void add(GroupDerivativeCheck check, DerivativeCheck& result) {
+  const auto same = std::find_if(result.groups.begin(), result.groups.end(),
+                                 [&](const auto& known) { return known.group == check.group; });
+  if (same == result.groups.end()) {
+    result.groups.push_back(std::move(check));
+    return;
+  }
+  const int measurements = same->measurements + check.measurements;
+  if (check.error > same->error) *same = std::move(check);
+  same->measurements = measurements;
+}
+
+}  // namespace
+
 std::string GroupDerivativeCheck::sentence() const {
   return "the " + std::string(toString(source)) + " derivative of residual " + std::to_string(row) + " of " +
          measurement + " by " + component + " is " + number(used, 6) + ", differences give " +
@@ -189,7 +206,7 @@ DerivativeCheck compareDerivatives(const Problem& problem, int most_of_group) {
   for (const auto& pool : problem.pools()) {
     Comparison comparison(problem, *pool);
     GroupDerivativeCheck group = problem.naming(*pool, [&] { return comparison.run(most_of_group); });
-    if (comparison.hasEntries()) result.groups.push_back(std::move(group));
+    if (comparison.hasEntries()) add(std::move(group), result);
   }
   return result;
 }
@@ -203,8 +220,7 @@ DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group) 
     Comparison comparison(problem, *pool);
     comparison.beCautious();
     GroupDerivativeCheck group = problem.naming(*pool, [&] { return comparison.run(most_of_group); });
-    if (comparison.hasEntries() && group.error > DerivativeCheck::kDoubtful)
-      result.groups.push_back(std::move(group));
+    if (comparison.hasEntries() && group.error > DerivativeCheck::kDoubtful) add(std::move(group), result);
   }
   return result;
 }

@@ -79,17 +79,25 @@ class Examination {
   }
 
   void findIdleMeasurements() {
-    for (std::size_t g = 0; g < structure_.system.groups.size(); ++g) {
-      const MeasurementGroup& group = structure_.system.groups[g];
-      int idle = 0;
+    struct Count {
+      std::string name;
+      int idle = 0, all = 0;
+    };
+    std::vector<Count> counts(at(problem_.groupCount()));
+    for (std::size_t p = 0; p < problem_.pools().size(); ++p) {
+      const MeasurementGroup& group = structure_.system.groups[p];
+      Count& count = counts[at(problem_.pools()[p]->group())];
+      count.name = problem_.pools()[p]->name();
+      count.all += group.size();
       for (int m = 0; m < group.size(); ++m) {
         const auto first = group.blocks.begin() + m * group.arity;
-        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++idle;
+        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++count.idle;
       }
+    }
+    for (const auto& [name, idle, all] : counts) {
       if (idle == 0) continue;
-      const std::string& name = problem_.pools()[g]->name();
       add(Kind::idle_measurements, false,
-          std::to_string(idle) + " of " + counted(group.size(), "measurement") + " " + name + " depend" +
+          std::to_string(idle) + " of " + counted(all, "measurement") + " " + name + " depend" +
               (idle == 1 ? "s" : "") +
               " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
           {name});

@@ -12,19 +12,19 @@ namespace slom {
 
 void fillGroups(const Problem& problem, Linearizer& linearizer, Summary& summary, bool before) {
   const std::vector<double> rss = linearizer.rssPerPool(problem);
-  summary.groups.resize(problem.pools().size());
-  for (std::size_t g = 0; g < summary.groups.size(); ++g) {
-    MeasurementPool& pool = *problem.pools()[g];
-    GroupSummary& group = summary.groups[g];
+  summary.groups.resize(static_cast<std::size_t>(problem.groupCount()));
+  for (std::size_t p = 0; p < problem.pools().size(); ++p) {
+    MeasurementPool& pool = *problem.pools()[p];
+    GroupSummary& group = summary.groups[static_cast<std::size_t>(pool.group())];
     if (!before) {
-      group.final_rss = rss[g];
-      group.losses = problem.naming(pool, [&] { return summarizeLosses(pool); });
+      group.final_rss += rss[p];
+      addLosses(problem.naming(pool, [&] { return summarizeLosses(pool); }), group.losses);
       continue;
     }
     group.name = pool.name();
-    group.measurements = pool.size();
+    group.measurements += pool.size();
     for (int i = 0; i < pool.size(); ++i) group.residuals += pool.rows(i);
-    group.initial_rss = rss[g];
+    group.initial_rss += rss[p];
     group.derivatives = toString(pool.derivatives());
   }
 }

@@ -1,5 +1,6 @@
 #include "slom/analyze/losses.hpp"
 
+#include <algorithm>
 #include <map>
 
 namespace slom {
@@ -26,6 +27,20 @@ std::vector<LossSummary> summarizeLosses(MeasurementPool& pool) {
     result.push_back(std::move(summary));
   }
   return result;
+}
+
+void addLosses(const std::vector<LossSummary>& more, std::vector<LossSummary>& sum) {
+  for (const LossSummary& entry : more) {
+    const auto same = std::find_if(sum.begin(), sum.end(),
+                                   [&](const LossSummary& known) { return known.loss == entry.loss; });
+    if (same == sum.end()) {
+      sum.push_back(entry);
+      continue;
+    }
+    same->measurements += entry.measurements;
+    same->down_weighted += entry.down_weighted;
+    same->weightless += entry.weightless;
+  }
 }
 
 std::vector<std::string> weightlessMeasurements(const std::vector<GroupSummary>& groups) {

@@ -60,9 +60,9 @@ std::vector<std::string> misfits(const Problem& problem, const Summary& summary)
     result.push_back(sentence("chi-square / dof is ", summary.chi2PerDof()));
     return result;
   }
-  for (std::size_t g = 0; g < summary.groups.size() && g < problem.pools().size(); ++g) {
+  for (std::size_t g = 0; g < summary.groups.size(); ++g) {
     const GroupSummary& group = summary.groups[g];
-    if (!group.losses.empty() || !statesNoise(*problem.pools()[g])) continue;
+    if (!group.losses.empty() || !groupStatesNoise(problem, g)) continue;
     // Where the group's share of the redundancy was not computed, bounds of it will do.
     const bool is_known = group.redundancy >= 0;
     const double least = is_known ? group.redundancy : group.residuals - summary.unknowns;

@@ -24,7 +24,11 @@ class Inspection {
       : linearized_(linearized), problem_(linearized.problem()) {}
 
   Preflight run() {
-    for (const auto& pool : problem_.pools()) evaluate(*pool);
+    std::vector<PreflightGroup> groups(at(problem_.groupCount()));
+    for (const auto& pool : problem_.pools()) evaluate(*pool, groups[at(pool->group())]);
+    for (PreflightGroup& group : groups) {
+      if (group.measurements > 0) result_.groups.push_back(std::move(group));
+    }
     for (std::string& text : unmeasuredVariables(problem_)) result_.faults.push_back(std::move(text));
     const bool can_differentiate = result_.faults.empty();
     countResiduals();
@@ -38,10 +42,9 @@ class Inspection {
   }
 
  private:
-  void evaluate(MeasurementPool& pool) {
-    PreflightGroup group;
+  void evaluate(MeasurementPool& pool, PreflightGroup& group) {
     group.name = pool.name();
-    group.measurements = pool.size();
+    group.measurements += pool.size();
     int bad = 0;
     std::string first;
     std::vector<double> r;
@@ -75,7 +78,6 @@ class Inspection {
           (bad > 1 ? "; so are those of " + std::to_string(bad - 1) + " more of the group" : "") +
           "; check data, start values, and where the function divides, takes roots or logarithms");
     }
-    if (group.measurements > 0) result_.groups.push_back(std::move(group));
   }
 
   void checkDerivatives() {

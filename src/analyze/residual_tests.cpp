@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <ostream>
 
 #include "base/classic_numbers.hpp"
@@ -35,7 +36,7 @@ class GroupExamination {
 
   struct Result {
     MeasurementCheck check;
-    double chi2, redundancy;
+    double chi2 = 0, redundancy = 0;
   };
 
   std::vector<Result> run() const {
@@ -70,6 +71,7 @@ class GroupExamination {
     check.measurement = pool_.measurementName(i);
     const double squared = w.squaredNorm();
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
+    if (w.size() == 0) return result;
     const MatrixXd H = leverage(i);
     const MatrixXd Q = MatrixXd::Identity(w.size(), w.size()) + (1 - 2 * check.weight) * H;
     const SymmetricEigen eigen = eigenOf(Q);
@@ -101,9 +103,9 @@ class GroupExamination {
   double variance_factor_;
 };
 
-GroupCheck summarized(std::vector<GroupExamination::Result> results, const OutlierOptions& options,
-                      double significance) {
-  GroupCheck group;
+/// `group` has its name.
+GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck group,
+                      const OutlierOptions& options, double significance) {
   group.measurements = static_cast<int>(results.size());
   for (auto& [check, chi2, redundancy] : results) {
     group.chi2 += chi2;
@@ -152,13 +154,20 @@ OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierO
   for (const auto& pool : problem.pools()) count += pool->size();
   report.significance = options.significance / std::max(1, count);
   const InverseBlocks& inverse = linearized.inverse(gauge);
-  for (std::size_t g = 0; g < problem.pools().size(); ++g) {
-    const MeasurementPool& pool = *problem.pools()[g];
-    if (pool.size() == 0) continue;
-    report.groups.push_back(summarized(GroupExamination(linearized, inverse, g, variance_factor).run(),
-                                       options, report.significance));
-    report.groups.back().name = pool.name();
-    report.groups.back().has_losses = pool.lossCount() > 0;
+  for (int g = 0; g < problem.groupCount(); ++g) {
+    GroupCheck group;
+    std::vector<GroupExamination::Result> results;
+    for (std::size_t p = 0; p < problem.pools().size(); ++p) {
+      const MeasurementPool& pool = *problem.pools()[p];
+      if (pool.group() != g || pool.size() == 0) continue;
+      std::vector<GroupExamination::Result> more =
+          GroupExamination(linearized, inverse, p, variance_factor).run();
+      std::move(more.begin(), more.end(), std::back_inserter(results));
+      group.name = pool.name();
+      group.has_losses = group.has_losses || pool.lossCount() > 0;
+    }
+    if (results.empty()) continue;
+    report.groups.push_back(summarized(std::move(results), std::move(group), options, report.significance));
   }
   return report;
 }

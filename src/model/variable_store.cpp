@@ -15,9 +15,13 @@ std::string textOf(const void* value, void (*write)(std::ostream&, const void*))
 }
 
 void raiseStaleHandle(std::string (*type)(), bool was_valid) {
+  raiseStaleHandle("VarID<" + type() + ">", was_valid);
+}
+
+void raiseStaleHandle(const std::string& handle, bool was_valid) {
   throw Error(
       "slom.stale-handle",
-      "the VarID<" + type() + "> " +
+      "the " + handle + " " +
           (was_valid
                ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
                : "refers to no variable; assign it the result of insertRV first"));

@@ -41,6 +41,7 @@ int guarded(const int& i, const F& f) {
 
 /// Sum of the degrees of freedom of all variables, Dynamic unless all are known.
 int columnsOf(const MeasurementType& type) {
+  if (type.dof == nullptr) return Dynamic;
   int sum = 0;
   for (int k = 0; k < type.arity; ++k) {
     if (type.dof[k] == Dynamic) return Dynamic;
@@ -69,10 +70,12 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
 
 MeasurementPool::~MeasurementPool() = default;
 
+const RuntimeMeasurement* MeasurementPool::runtimeMeasurement(int) const { return nullptr; }
+
 std::string MeasurementPool::measurementName(int i) const {
   return name_ + " #" + std::to_string(serial_[at(i)]);
 }
-std::string MeasurementPool::nextName() const { return name_ + " #" + std::to_string(inserted_ + 1); }
+std::string MeasurementPool::nextName() const { return name_ + " #" + std::to_string(*inserted_ + 1); }
 
 int MeasurementPool::sumOfDof(int i) const {
   int sum = 0;
@@ -82,10 +85,11 @@ int MeasurementPool::sumOfDof(int i) const {
 
 void MeasurementPool::sizes(int first, int last, int* row, int* dof) const {
   const int* variable = variables(first);
+  const auto is_fixed = [&](int k) { return type_.dof != nullptr && type_.dof[k] != Dynamic; };
   for (int i = first; i < last; ++i) {
     *row++ = rows(i);
     for (int k = 0; k < arity_; ++k, ++variable)
-      *dof++ = type_.dof[k] != Dynamic ? type_.dof[k] : table_[at(*variable)].dof;
+      *dof++ = is_fixed(k) ? type_.dof[k] : table_[at(*variable)].dof;
   }
 }
 
@@ -230,7 +234,7 @@ SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::s
   noise_at_.push_back(noise_at);
   loss_.push_back(loss);
   if (loss != nullptr) ++loss_count_;
-  serial_.push_back(++inserted_);
+  serial_.push_back(++*inserted_);
   std::uint32_t slot = static_cast<std::uint32_t>(index_of_slot_.size());
   if (free_slots_.empty()) {
     index_of_slot_.push_back(index);

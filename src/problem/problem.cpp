@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 
 #include "base/index.hpp"
 #include "base/words.hpp"
+#include "problem/uses.hpp"
 
 namespace slom {
 
@@ -17,30 +17,6 @@ std::string intervalText(double lower, double upper) {
   return "[" + number(lower, 6) + ", " + number(upper, 6) + "]";
 }
 }  // namespace
-
-/// Measurements that depend on each variable. Handles of removed measurements stay until somebody asks, or until they are more than
-/// those that are left.
-struct Problem::Uses {
-  struct OfVariable {
-    std::vector<Use> all;
-    std::size_t longest = 16;  // with more, removed ones are looked for
-  };
-  std::vector<OfVariable> of;  // by table index
-
-  OfVariable& at(int variable) {
-    if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);
-    return of[static_cast<std::size_t>(variable)];
-  }
-  static void tidy(OfVariable& uses) {
-    std::erase_if(uses.all, [](const Use& use) { return !use.pool->has(use.ref); });
-    uses.longest = 2 * uses.all.size() + 16;
-  }
-  void add(int variable, const Use& use) {
-    OfVariable& uses = at(variable);
-    if (uses.all.size() >= uses.longest) tidy(uses);
-    uses.all.push_back(use);
-  }
-};
 
 Problem::Problem() : uses_(nullptr) {}
 Problem::~Problem() = default;
@@ -81,35 +57,16 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   return VariableHandle(store, ref);
 }
 
-MeasurementPool* Problem::findPool(std::type_index type, std::string_view label) const {
-  for (const auto& pool : pools_) {
-    if (type == *pool->type().id && pool->label() == label) return pool.get();
-  }
-  return nullptr;
-}
-
-std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
-  std::vector<const MeasurementPool*> result;
-  for (const auto& pool : pools_) {
-    if (type == *pool->type().id) result.push_back(pool.get());
-  }
-  return result;
-}
-
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
+  const auto name = [&] { return "VarID<" + (type != nullptr ? type() : store->typeName()) + ">"; };
   for (const TypedStore& own : stores_) {
     if (own.store.get() != store) continue;
     if (store->isCurrent(ref)) return store->variable(ref.slot);
-    throw Error("slom.stale-handle", "the VarID<" + type() +
-                                         "> refers to a variable that has been removed; keep the "
-                                         "VarID that insertRV returned last");
+    detail::raiseStaleHandle(name(), true);
   }
-  if (store == nullptr) {
-    throw Error("slom.stale-handle",
-                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
-  }
-  throw Error("slom.foreign-handle", "the VarID<" + type() +
-                                         "> belongs to another estimator; use it only with the "
+  if (store == nullptr) detail::raiseStaleHandle(name(), false);
+  throw Error("slom.foreign-handle", "the " + name() +
+                                         " belongs to another estimator; use it only with the "
                                          "estimator whose insertRV returned it");
 }
 
@@ -264,82 +221,6 @@ std::vector<std::string> Problem::componentNames(int variable) const {
   return record.store->componentNames(record.slot, variableName(variable));
 }
 
-std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const MeasurementType& type,
-                                                                void* measurement,
-                                                                VariableArgument* const* arguments,
-                                                                const NoiseView& noise,
-                                                                std::string_view label, const Loss& loss) {
-  MeasurementPool* pool = findPool(*type.id, label);
-  if (pool == nullptr) {
-    const std::string own_label(label);
-    const std::string name = nameForPool(label.empty() ? type.name() : own_label);
-    pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, table_, active_)));
-    pool = pools_.back().get();
-  }
-  std::vector<int>& variables = variables_of_new_;
-  variables.clear();
-  for (int k = 0; k < type.arity; ++k) {
-    variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(), type.variable_type[k]));
-  }
-  const SlotRef ref = [&] {
-    try {
-      return pool->insert(measurement, variables.data(), noise, loss);
-    } catch (const MeasurementThrew& event) {
-      raiseThrew(pool->nextName(), variables.data(), type.arity, event.exception);
-    }
-  }();
-  for (const int variable : variables) ++table_[at(variable)].uses;
-  ++structure_revision_;
-  noteUse(pool, ref, variables.data(), type.arity);
-  return {pool, ref};
-}
-
-void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const {
-  if (!uses_) return;
-  try {
-    for (int k = 0; k < arity; ++k) {
-      if (std::find(variables, variables + k, variables[k]) == variables + k)
-        uses_->add(variables[k], {pool, ref});
-    }
-  } catch (...) {
-    uses_ =
-        detail::Pimpl<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
-  }
-}
-
-const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
-  if (!uses_) {
-    uses_ = detail::Pimpl<Uses>(new Uses);
-    for (const auto& pool : pools_) {
-      for (int i = 0; i < pool->size(); ++i)
-        noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());
-    }
-  }
-  if (!uses_) throw std::bad_alloc();
-  Uses::OfVariable& uses = uses_->at(variable);
-  Uses::tidy(uses);
-  return uses.all;
-}
-
-std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {
-  for (const auto& own : pools_) {
-    if (own.get() == pool) return {own.get(), own->indexOf(ref)};
-  }
-  if (pool == nullptr) {
-    throw Error("slom.stale-handle",
-                "the MeasID refers to no measurement; assign it the result of insertMeasurement");
-  }
-  throw Error("slom.foreign-handle",
-              "the MeasID belongs to another estimator; use it only with the estimator whose "
-              "insertMeasurement returned it");
-}
-
-void Problem::removeMeasurement(MeasurementPool& pool, int i) {
-  for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
-  pool.remove(i);
-  ++structure_revision_;
-}
-
 std::string Problem::valuesText(const int* variables, int arity) const {
   std::string text;
   for (int k = 0; k < arity; ++k) {
@@ -348,37 +229,9 @@ std::string Problem::valuesText(const int* variables, int arity) const {
   return text;
 }
 
-void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,
-                         const std::exception_ptr& exception) const {
-  const auto error = [&](const std::string& what) {
-    return Error("slom.measurement-threw",
-                 "the function of measurement " + measurement + " threw " + what + " at " +
-                     valuesText(variables, arity) +
-                     "; let it return NaN where it has no value, steps there are taken back");
-  };
-  try {
-    std::rethrow_exception(exception);
-  } catch (const std::exception& e) {
-    std::throw_with_nested(error("an exception (" + std::string(e.what()) + ")"));
-  } catch (...) {
-    std::throw_with_nested(error("something that is no std::exception"));
-  }
-}
-
 bool Problem::hasNumericDerivatives() const {
   return std::any_of(pools_.begin(), pools_.end(),
                      [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });
-}
-
-std::string Problem::nameForPool(const std::string& name) const {
-  const auto taken = [&](const std::string& candidate) {
-    return std::any_of(pools_.begin(), pools_.end(),
-                       [&](const auto& pool) { return pool->name() == candidate; });
-  };
-  if (!taken(name)) return name;
-  int copy = 2;
-  while (taken(name + "-" + std::to_string(copy))) ++copy;
-  return name + "-" + std::to_string(copy);
 }
 
 void Problem::save() {

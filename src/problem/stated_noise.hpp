@@ -9,7 +9,14 @@ namespace slom {
 
 /// Of the first measurement of a pool, which stands for all.
 inline bool statesNoise(const MeasurementPool& pool) {
-  return pool.size() > 0 && pool.whitening(0).first != WhiteningKind::unit;
+  return pool.size() > 0 && (pool.type().states_noise || pool.whitening(0).first != WhiteningKind::unit);
+}
+/// Of the first measurement of a group.
+inline bool groupStatesNoise(const Problem& problem, std::size_t group) {
+  const auto first = std::find_if(problem.pools().begin(), problem.pools().end(), [&](const auto& pool) {
+    return pool->group() == static_cast<int>(group) && pool->size() > 0;
+  });
+  return first != problem.pools().end() && statesNoise(**first);
 }
 inline bool statesAllNoise(const Problem& problem) {
   return std::all_of(problem.pools().begin(), problem.pools().end(),

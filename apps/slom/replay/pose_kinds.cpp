@@ -1,3 +1,4 @@
+#include <slom/measurements/gaussian_prior.hpp>
 #include <slom/measurements/gravity.hpp>
 #include <slom/measurements/intrinsics.hpp>
 #include <slom/measurements/landmark.hpp>
@@ -37,6 +38,7 @@ void addPoseKinds(Archive& archive) {
                       Measured<vect<3>>>();
   addPriors<double, vect<1>, vect<2>, vect<3>, mtk::Scalar<>, SO2<>, SO3<>, S2<>, Pose2, Pose3,
             PinholeIntrinsics<>, OpenCv5Intrinsics<>, FisheyeIntrinsics<>>(archive);
+  archive.measurement<GaussianPrior>();
 }
 
 }  // namespace slom::app::replay

@@ -7,6 +7,7 @@
 
 namespace slom {
 
+class AnyVarID;
 class Archive;
 class Marginals;
 class Problem;
@@ -56,8 +57,9 @@ class VarID : public VariableHandle {
   friend bool operator==(const VarID& a, const VarID& b) { return a.equals(b); }
 
  private:
-  friend class Problem;
+  friend class AnyVarID;
   friend class Archive;
+  friend class Problem;
   friend class StoredProblem;
 
   explicit VarID(VariableHandle handle) : VariableHandle(std::move(handle)) {}

@@ -11,6 +11,7 @@
 #include "mtk/manifold.hpp"
 #include "mtk/rebind.hpp"
 #include "mtk/stream.hpp"
+#include "slom/model/boxminus_derivative.hpp"
 #include "slom/model/component.hpp"
 #include "slom/model/gauge_generators.hpp"
 #include "slom/model/type_name.hpp"
@@ -30,6 +31,8 @@ namespace detail {
 /// What `write(stream, value)` writes, as a string. Compiled once: streams are dear to every file that makes one.
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
 [[noreturn]] void raiseStaleHandle(std::string (*type)(), bool was_valid);
+/// The same for a handle that is not a VarID: `handle` names it.
+[[noreturn]] void raiseStaleHandle(const std::string& handle, bool was_valid);
 }  // namespace detail
 
 /// The values of all variables of one type. What does not depend on the type is compiled once; the type's part is how one
@@ -53,6 +56,10 @@ class VariableStoreBase {
   virtual int dofOf(const void* value) const = 0;
   /// value := value [+] d, d of dofOf(value) entries.
   virtual void boxplus(void* value, const double* d) const = 0;
+  /// Writes x [-] y, dofOf(y) entries, to out.
+  virtual void boxminus(double* out, const void* x, const void* y) const = 0;
+  /// Writes the derivative of (x [+] d) [-] y by d at d = 0 (dof x dof, column-major).
+  virtual void boxminusDerivative(const void* x, const void* y, double* D) const = 0;
   /// Writes |x_i| of every component (1 for angles) to out.
   virtual void typicalSizesOf(const void* value, double* out) const = 0;
   /// Writes A (dof x dof, column-major): the perturbation A d on the right does what d does on the left of rotations.
@@ -123,6 +130,8 @@ class VariableStore final : public VariableStoreBase {
   void assign(void* to, const void* from) const override;
   int dofOf(const void* value) const override;
   void boxplus(void* value, const double* d) const override;
+  void boxminus(double* out, const void* x, const void* y) const override;
+  void boxminusDerivative(const void* x, const void* y, double* D) const override;
   void typicalSizesOf(const void* value, double* out) const override;
   void leftPerturbation(const void* value, double* A) const override;
   void coordinates(const void* value, double* out) const override;
@@ -173,6 +182,20 @@ template <class T>
 void VariableStore<T>::boxplus(void* value, const double* d) const {
   T& x = *static_cast<T*>(value);
   mtk::boxplus<T>(x, mtk::vectview<const double, mtk::DOF_v<T>>(d, mtk::dof(x)));
+}
+template <class T>
+void VariableStore<T>::boxminus(double* out, const void* x, const void* y) const {
+  const T& origin = *static_cast<const T*>(y);
+  mtk::boxminus<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(origin)), *static_cast<const T*>(x),
+                   origin);
+}
+template <class T>
+void VariableStore<T>::boxminusDerivative(const void* x, const void* y, double* D) const {
+  const int n = dofOf(x);
+  for (int i = 0; i < n * n; ++i) D[i] = i % (n + 1) == 0 ? 1 : 0;
+  mtk::detail::forEachBasicPart(
+      *static_cast<const T*>(y), *static_cast<const T*>(x), 0,
+      [&](const auto& from, const auto& to, int at) { detail::writePart(to, from, D + at * n + at, n); });
 }
 template <class T>
 void VariableStore<T>::leftPerturbation(const void* value, double* A) const {

@@ -44,19 +44,22 @@ struct MeasurementThrew {
 };
 
 class MeasurementPool;
+class RuntimeMeasurement;
 
 /// What all measurements of a type have in common.
 struct MeasurementType {
   const std::type_info* id;
   int arity;       ///< number of variables that each measurement depends on
   int rows;        ///< length of the residual, Dynamic when each has its own
-  const int* dof;  ///< of each variable, Dynamic when known only at run time
+  const int* dof;  ///< of each variable, Dynamic when known only at run time; null: of all
   DerivativeSource derivatives;
-  std::string (*const* variable_type)();  ///< name of the type of each variable
+  std::string (*const* variable_type)();  ///< name of the type of each variable; null: the stores know it
   std::string (*name)();                  ///< of the measurements
   /// The caller owns the pool.
   MeasurementPool* (*make_pool)(const std::string& name, const std::string& label,
-                                const std::vector<VariableRecord>& table, const ActiveSet& active);
+                                const MeasurementType& type, const std::vector<VariableRecord>& table,
+                                const ActiveSet& active);
+  bool states_noise = false;  ///< residuals are in units of their standard deviations
 };
 
 class MeasurementPool {
@@ -71,7 +74,10 @@ class MeasurementPool {
   /// The user's label of the measurements; empty: none, `name` is made of their type's.
   const std::string& label() const { return label_; }
   const MeasurementType& type() const { return type_; }
-  /// `Gravity #12`: the name and the running number of insertion into this pool, from 1.
+  /// Number of the pool's group. A table has a row for each group; pools of one run-time kind and one label, which differ in arity
+  /// alone, are one group with one name.
+  int group() const { return group_; }
+  /// `Gravity #12`: the name and the running number of insertion into this group, from 1.
   std::string measurementName(int i) const;
   /// The name that the measurement inserted next will have.
   std::string nextName() const;
@@ -99,6 +105,8 @@ class MeasurementPool {
 
   /// Where derivatives come from.
   DerivativeSource derivatives() const { return type_.derivatives; }
+  /// Measurement i of a pool whose kind is known at run time; null for others.
+  virtual const RuntimeMeasurement* runtimeMeasurement(int i) const;
 
   /// Whitened residuals of [first, last), one after the other. Returns the first measurement whose residual is not
   /// finite, -1 when all are.
@@ -127,6 +135,11 @@ class MeasurementPool {
   SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
   /// Removes measurement i; the last one takes its place.
   void remove(int i);
+  /// Makes this pool, which is empty, one of the group with this number: its first one, or another when `first` is not null.
+  void joinGroup(int group, MeasurementPool* first) {
+    group_ = group;
+    inserted_ = first != nullptr ? first->inserted_ : &own_inserted_;
+  }
 
  protected:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -190,7 +203,9 @@ class MeasurementPool {
   std::vector<int> index_of_slot_;         // -1: free
   std::vector<std::uint32_t> generation_;  // of each slot
   std::vector<std::uint32_t> free_slots_;
-  long inserted_ = 0;
+  int group_ = 0;
+  long own_inserted_ = 0;
+  long* inserted_ = &own_inserted_;  // into the group: that of its first pool, which lives as long
   int removed_since_compaction_ = 0;
 };
 
@@ -228,7 +243,7 @@ class TypedPool final : public MeasurementPool {
       return slom::typeName<M>();
     }
   }
-  static MeasurementPool* make(const std::string& name, const std::string& label,
+  static MeasurementPool* make(const std::string& name, const std::string& label, const MeasurementType&,
                                const std::vector<VariableRecord>& table, const ActiveSet& active) {
     return new TypedPool(name, label, table, active);
   }

@@ -1,6 +1,7 @@
 /// The variable and measurement table: values and measurements by type, who depends on whom, what is optimised.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -77,6 +78,13 @@ class Problem {
         insertMeasurement(TypedPool<M>::type, &measurement, variables.all.data(), noise, label, loss);
     return MeasID<M>(pool, ref);
   }
+  /// The same of a run-time kind.
+  template <std::derived_from<RuntimeMeasurement> M>
+  MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
+                              const Loss& loss = {}) {
+    const auto [pool, ref] = insertRuntime(new M(std::move(measurement)), noise, label, loss);
+    return MeasID<M>(pool, ref);
+  }
   template <class M>
   std::pair<MeasurementPool*, int> locate(const MeasID<M>& id) const {
     return locate(id.pool_, id.ref_);
@@ -106,7 +114,7 @@ class Problem {
       raiseThrew(pool, event);
     }
   }
-  /// The pools of measurements of type M: one for each label, none when none was ever inserted.
+  /// The pools of measurements of type M: one for each label (and arity, of run-time kinds), none when none was ever inserted.
   template <class M>
   std::vector<const MeasurementPool*> poolsOf() const {
     return findPools(typeid(M));
@@ -114,6 +122,8 @@ class Problem {
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
+  /// Number of groups of pools; see MeasurementPool::group.
+  int groupCount() const { return group_count_; }
 
   // Values as a whole.
 
@@ -140,6 +150,9 @@ class Problem {
                                                          VariableArgument* const* arguments,
                                                          const NoiseView& noise, std::string_view label,
                                                          const Loss& loss);
+  /// Owns the measurement from the start.
+  std::pair<MeasurementPool*, SlotRef> insertRuntime(RuntimeMeasurement* measurement, const NoiseView& noise,
+                                                     std::string_view label, const Loss& loss);
   /// A measurement, wherever it lies.
   struct Use {
     MeasurementPool* pool;
@@ -149,7 +162,10 @@ class Problem {
   /// Of a variable, in no order that is to be relied on.
   const std::vector<Use>& usesOf(int variable) const;
   void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
-  MeasurementPool* findPool(std::type_index type, std::string_view label) const;
+  /// Pools of run-time kinds differ in arity, too; 0: the first of any arity.
+  MeasurementPool* findPool(std::type_index type, std::string_view label, int arity) const;
+  MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
+  void removeLastPool();
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
   void bookConstraint();
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
@@ -167,6 +183,7 @@ class Problem {
   std::vector<int> variables_of_new_;  // of the measurement that is being inserted
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
+  int group_count_ = 0;
   long inserted_ = 0;
   std::uint64_t structure_revision_ = 0;
   mutable std::uint64_t counted_at_ = ~std::uint64_t{0};  // structure revision of free_count_

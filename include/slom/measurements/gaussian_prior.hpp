@@ -1,0 +1,70 @@
+/// A Gaussian over any set of variables, in square-root information form.
+///
+///     est.insertMeasurement(slom::GaussianPrior({pose, scale, landmark}, R));
+///
+///   variables  x_k   n of them, of any types; in the list a variable may be twice
+///   matrix     R     rows x (sum of the degrees of freedom), any number of rows, of any rank; R^T R is the information
+///   point      x0_k  linearisation point: the current values at construction, or linearizedAt(x_k, value)
+///   offset     b     one number for each row; 0 without one
+///   residual   R (x_1 [-] x0_1, ..., x_n [-] x0_n) + b, in units of its standard deviation
+/// Derivatives are exact: R times those of x [-] x0, which are the identity for vectors and inverse right Jacobians for rotations.
+/// Only parts of a user's own type, whose [-] the library cannot differentiate, take differences.
+#pragma once
+
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slom/model/pimpl.hpp"
+#include "slom/model/runtime_measurement.hpp"
+
+namespace slom {
+
+class StoredPrior;
+
+class GaussianPrior final : public RuntimeMeasurement {
+ public:
+  /// Throws [slom.no-variables], [slom.stale-handle], [slom.prior-size] or [slom.prior-not-finite].
+  GaussianPrior(std::vector<AnyVarID> variables, const Eigen::MatrixXd& R)
+      : GaussianPrior(std::move(variables), R.data(), {R.rows(), R.cols()}, nullptr, R.rows()) {}
+  GaussianPrior(std::vector<AnyVarID> variables, const Eigen::MatrixXd& R, const Eigen::VectorXd& b)
+      : GaussianPrior(std::move(variables), R.data(), {R.rows(), R.cols()}, b.data(), b.size()) {}
+  GaussianPrior(const GaussianPrior&);
+  GaussianPrior(GaussianPrior&&) noexcept;
+  GaussianPrior& operator=(const GaussianPrior&);
+  GaussianPrior& operator=(GaussianPrior&&) noexcept;
+  ~GaussianPrior() override;
+
+  /// Takes `value` for the linearisation point of this variable. Throws [slom.not-in-list] for a variable that the prior does not
+  /// have, [slom.size-change] for a value with other degrees of freedom than the variable.
+  template <class T>
+  GaussianPrior& linearizedAt(const VarID<T>& id, const std::type_identity_t<T>& value) {
+    setPoint(id, &value);
+    return *this;
+  }
+
+  Eigen::Map<const Eigen::MatrixXd> R() const;
+  Eigen::Map<const Eigen::VectorXd> b() const;
+
+  const RuntimeKind& kind() const override;
+  int evaluate(int rows, double* r) const override;
+  int linearize(int rows, double* r, double* J) const override;
+
+ private:
+  friend class StoredPrior;
+  struct Size {
+    Eigen::Index rows, columns;
+  };
+  GaussianPrior(std::vector<AnyVarID> variables, const double* R, Size size, const double* b,
+                Eigen::Index length);
+  void setPoint(const AnyVarID& id, const void* value);
+  /// Of variable k, which has this type.
+  void setPoint(int k, const void* value);
+  const void* point(int k) const;
+
+  struct State;
+  detail::Pimpl<State> state_;
+};
+
+}  // namespace slom

@@ -1,0 +1,161 @@
+/// The measurements of a problem: which pool they go to, who depends on whom, what they are called.
+#include <algorithm>
+#include <new>
+
+#include "base/index.hpp"
+#include "problem/runtime_pool.hpp"
+#include "problem/uses.hpp"
+
+namespace slom {
+
+MeasurementPool* Problem::findPool(std::type_index type, std::string_view label, int arity) const {
+  for (const auto& pool : pools_) {
+    if (type == *pool->type().id && pool->label() == label && (arity == 0 || pool->arity() == arity))
+      return pool.get();
+  }
+  return nullptr;
+}
+
+MeasurementPool* Problem::addPool(const MeasurementType& type, std::string_view label) {
+  const std::string own_label(label);
+  MeasurementPool* const first = findPool(*type.id, label, 0);
+  const std::string name =
+      first != nullptr ? first->name() : nameForPool(label.empty() ? type.name() : own_label);
+  pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, type, table_, active_)));
+  pools_.back()->joinGroup(first != nullptr ? first->group() : group_count_++, first);
+  return pools_.back().get();
+}
+
+void Problem::removeLastPool() {
+  if (pools_.back()->group() == group_count_ - 1 &&
+      std::none_of(pools_.begin(), pools_.end() - 1,
+                   [&](const auto& pool) { return pool->group() == pools_.back()->group(); }))
+    --group_count_;
+  pools_.pop_back();
+}
+
+std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
+  std::vector<const MeasurementPool*> result;
+  for (const auto& pool : pools_) {
+    if (type == *pool->type().id) result.push_back(pool.get());
+  }
+  return result;
+}
+
+std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const MeasurementType& type,
+                                                                void* measurement,
+                                                                VariableArgument* const* arguments,
+                                                                const NoiseView& noise,
+                                                                std::string_view label, const Loss& loss) {
+  std::vector<int>& variables = variables_of_new_;
+  variables.clear();
+  for (int k = 0; k < type.arity; ++k) {
+    variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(),
+                                     type.variable_type != nullptr ? type.variable_type[k] : nullptr));
+  }
+  MeasurementPool* pool = findPool(*type.id, label, type.arity);
+  const bool is_new = pool == nullptr;
+  if (is_new) pool = addPool(type, label);
+  const SlotRef ref = [&] {
+    try {
+      try {
+        return pool->insert(measurement, variables.data(), noise, loss);
+      } catch (const MeasurementThrew& event) {
+        raiseThrew(pool->nextName(), variables.data(), type.arity, event.exception);
+      }
+    } catch (...) {
+      if (is_new) removeLastPool();
+      throw;
+    }
+  }();
+  for (const int variable : variables) ++table_[at(variable)].uses;
+  ++structure_revision_;
+  noteUse(pool, ref, variables.data(), type.arity);
+  return {pool, ref};
+}
+
+std::pair<MeasurementPool*, SlotRef> Problem::insertRuntime(RuntimeMeasurement* measurement,
+                                                            const NoiseView& noise, std::string_view label,
+                                                            const Loss& loss) {
+  OwnedMeasurement owned(measurement);
+  std::vector<VariableArgument*> arguments;
+  for (VariableView& view : measurement->views()) arguments.push_back(&view);
+  const MeasurementType type = runtimeType(measurement->kind(), measurement->arity());
+  return insertMeasurement(type, &owned, arguments.data(), noise, label, loss);
+}
+
+void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const {
+  if (!uses_) return;
+  try {
+    for (int k = 0; k < arity; ++k) {
+      if (std::find(variables, variables + k, variables[k]) == variables + k)
+        uses_->add(variables[k], {pool, ref});
+    }
+  } catch (...) {
+    uses_ =
+        detail::Pimpl<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
+  }
+}
+
+const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
+  if (!uses_) {
+    uses_ = detail::Pimpl<Uses>(new Uses);
+    for (const auto& pool : pools_) {
+      for (int i = 0; i < pool->size(); ++i)
+        noteUse(pool.get(), pool->handleOf(i), pool->variables(i), pool->arity());
+    }
+  }
+  if (!uses_) throw std::bad_alloc();
+  Uses::OfVariable& uses = uses_->at(variable);
+  Uses::tidy(uses);
+  return uses.all;
+}
+
+std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {
+  for (const auto& own : pools_) {
+    if (own.get() == pool) return {own.get(), own->indexOf(ref)};
+  }
+  if (pool == nullptr) {
+    throw Error("slom.stale-handle",
+                "the MeasID refers to no measurement; assign it the result of insertMeasurement");
+  }
+  throw Error("slom.foreign-handle",
+              "the MeasID belongs to another estimator; use it only with the estimator whose "
+              "insertMeasurement returned it");
+}
+
+void Problem::removeMeasurement(MeasurementPool& pool, int i) {
+  for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
+  pool.remove(i);
+  ++structure_revision_;
+}
+
+void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,
+                         const std::exception_ptr& exception) const {
+  const auto error = [&](const std::string& what) {
+    return Error("slom.measurement-threw",
+                 "the function of measurement " + measurement + " threw " + what + " at " +
+                     valuesText(variables, arity) +
+                     "; let it return NaN where it has no value, steps there are taken back");
+  };
+  try {
+    std::rethrow_exception(exception);
+  } catch (const std::exception& e) {
+    std::throw_with_nested(error("an exception (" + std::string(e.what()) + ")"));
+  } catch (...) {
+    std::throw_with_nested(error("something that is no std::exception"));
+  }
+}
+
+std::string Problem::nameForPool(const std::string& name) const {
+  const auto taken = [&](const std::string& candidate) {
+    return std::any_of(pools_.begin(), pools_.end(),
+                       [&](const auto& pool) { return pool->name() == candidate; });
+  };
+  if (!taken(name)) return name;
+  int copy = 2;
+  while (taken(name + "-" + std::to_string(copy))) ++copy;
+  return name + "-" + std::to_string(copy);
+}
+
+}  // namespace slom

@@ -1,0 +1,32 @@
+/// Which measurements depend on a variable.
+#pragma once
+
+#include "slom/problem/problem.hpp"
+
+namespace slom {
+
+/// Measurements that depend on each variable. Handles of removed measurements stay until somebody asks, or until they are more than
+/// those that are left.
+struct Problem::Uses {
+  struct OfVariable {
+    std::vector<Use> all;
+    std::size_t longest = 16;  // with more, removed ones are looked for
+  };
+  std::vector<OfVariable> of;  // by table index
+
+  OfVariable& at(int variable) {
+    if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);
+    return of[static_cast<std::size_t>(variable)];
+  }
+  static void tidy(OfVariable& uses) {
+    std::erase_if(uses.all, [](const Use& use) { return !use.pool->has(use.ref); });
+    uses.longest = 2 * uses.all.size() + 16;
+  }
+  void add(int variable, const Use& use) {
+    OfVariable& uses = at(variable);
+    if (uses.all.size() >= uses.longest) tidy(uses);
+    uses.all.push_back(use);
+  }
+};
+
+}  // namespace slom

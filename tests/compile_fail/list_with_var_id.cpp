@@ -1,0 +1,13 @@
+// expect: slom: all variables of a measurement over a list are in the list: put this VarID into it
+#include <slom/slom.hpp>
+
+void f(slom::Estimator& est, slom::VarID<double> x, slom::VarID<double> y) {
+  const auto difference = [](std::span<const slom::VariableView> v) {
+    return v[0].as<double>() - v[1].as<double>();
+  };
+#ifdef MUST_FAIL
+  est.insertMeasurement(difference, {x}, y);
+#else
+  est.insertMeasurement(difference, {x, y});
+#endif
+}

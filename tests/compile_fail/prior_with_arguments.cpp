@@ -1,0 +1,10 @@
+// expect: slom: of the kinds that are classes over a list of variables, only slom::GaussianPrior can be saved, and without further types
+#include <slom/archive.hpp>
+
+void f(slom::Archive& archive) {
+#ifdef MUST_FAIL
+  archive.measurement<slom::GaussianPrior, slom::VarID<double>>();
+#else
+  archive.measurement<slom::GaussianPrior>();
+#endif
+}
