@@ -10,362 +10,20 @@
 #include <utility>
 
 #include "mtk/rebind.hpp"
+#include "slom/model/accepted_call.hpp"
+#include "slom/model/argument.hpp"
+#include "slom/model/dual_argument.hpp"
 #include "slom/model/function.hpp"
+#include "slom/model/given_jacobian.hpp"
 #include "slom/model/indices.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/prediction.hpp"
+#include "slom/model/returned.hpp"
 #include "slom/model/values.hpp"
 #include "slom/model/vectorized.hpp"
 
 namespace slom {
-
-/// Marks the datum: the callable then predicts a Z, and the library forms the residual f(Y) [-] z.
-template <class Z>
-Measured<Z> measured(const Z& z) {
-  mtk::requireManifold<Z>();
-  if constexpr (requires { typename mtk::scalar_t<Z>; }) {
-    static_assert(
-        std::is_same_v<mtk::scalar_t<Z>, double>,
-        "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
-        "round the residual so that it has no derivatives");
-  }
-  return {z};
-}
-
-namespace detail {
-
-/// How an argument of insertMeasurement is stored, and what the callable gets of it.
-template <class A>
-struct Argument {
-  using Stored = A;
-  using Passed = std::tuple<const A&>;
-};
-template <class T>
-struct Argument<VarID<T>> {
-  using Stored = VarArg<T>;
-  using Passed = std::tuple<const T&>;
-};
-template <class Z>
-struct Argument<Measured<Z>> {
-  using Stored = Measured<Z>;
-  using Passed = std::tuple<>;
-};
-
-template <class A>
-inline constexpr bool is_var_id = false;
-template <class T>
-inline constexpr bool is_var_id<VarID<T>> = true;
-
-/// The types of several tuples in a row.
-template <class... Tuples>
-struct Join;
-template <class... A>
-struct Join<std::tuple<A...>> {
-  using type = std::tuple<A...>;
-};
-template <class... A, class... B, class... More>
-struct Join<std::tuple<A...>, std::tuple<B...>, More...> : Join<std::tuple<A..., B...>, More...> {};
-
-/// Whether F can be called with these arguments, and what it returns. Does not compile F's body where its return type is
-/// written out.
-template <class F, class Passed>
-struct Call {
-  static constexpr bool is_possible = false;
-  using Result = double;
-};
-template <class F, class... P>
-  requires requires(const F& f) { f(std::declval<P>()...); }
-struct Call<F, std::tuple<P...>> {
-  static constexpr bool is_possible = true;
-  using Result = std::remove_cvref_t<decltype(std::declval<const F&>()(std::declval<P>()...))>;
-};
-template <class F, class... P>
-  requires(std::is_member_pointer_v<F> && std::is_invocable_v<const F&, P...>)
-struct Call<F, std::tuple<P...>> {
-  static constexpr bool is_possible = true;
-  using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
-};
-
-/// The parameters of a function that is no template.
-template <class F>
-struct Parameters {
-  static constexpr bool known = false;
-};
-template <class... P>
-struct ParameterList {
-  static constexpr bool known = true;
-  using type = std::tuple<P...>;
-};
-template <class R, class... P>
-struct Parameters<R (*)(P...)> : ParameterList<P...> {};
-template <class R, class... P>
-struct Parameters<R (*)(P...) noexcept> : ParameterList<P...> {};
-template <class R, class C, class... P>
-struct Parameters<R (C::*)(P...) const> : ParameterList<P...> {};
-template <class R, class C, class... P>
-struct Parameters<R (C::*)(P...) const noexcept> : ParameterList<P...> {};
-template <class F>
-  requires requires { &F::operator(); }
-struct Parameters<F> : Parameters<decltype(&F::operator())> {};
-
-/// One line for the first argument that does not fit, with both types in the line that says where.
-template <int Number, class Given, class Wanted>
-constexpr void requireArgument() {
-  constexpr bool fits = std::is_convertible_v<Given, Wanted>;
-  static_assert(Number != 1 || fits,
-                "slom: argument 1 of the measurement function is not of the type that it takes");
-  static_assert(Number != 2 || fits,
-                "slom: argument 2 of the measurement function is not of the type that it takes");
-  static_assert(Number != 3 || fits,
-                "slom: argument 3 of the measurement function is not of the type that it takes");
-  static_assert(Number != 4 || fits,
-                "slom: argument 4 of the measurement function is not of the type that it takes");
-  static_assert(Number != 5 || fits,
-                "slom: argument 5 of the measurement function is not of the type that it takes");
-  static_assert(Number != 6 || fits,
-                "slom: argument 6 of the measurement function is not of the type that it takes");
-  static_assert(
-      Number <= 6 || fits,
-      "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
-}
-/// Fails to compile, naming the argument where the function is no template.
-template <class F, class... Given>
-constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
-  if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
-    constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
-    static_assert(
-        !is_mutable,
-        "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
-        "write `const` behind the parameters of operator()");
-    if constexpr (is_mutable) {
-    } else if constexpr (Parameters<F>::known) {
-      using Wanted = typename Parameters<F>::type;
-      constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
-      static_assert(right_number,
-                    "slom: the measurement function takes another number of arguments: it gets one for each "
-                    "VarID and each datum, none for noise, loss, name and slom::measured");
-      if constexpr (right_number) {
-        [&]<std::size_t... I>(std::index_sequence<I...>) {
-          (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
-        }(std::index_sequence_for<Given...>{});
-      }
-    } else {
-      static_assert(
-          Call<F, std::tuple<Given...>>::is_possible,
-          "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
-          "and `const D&` for each datum of type D, in the order of the call");
-    }
-  }
-}
-
-/// The residual that a callable's return value stands for.
-template <class R>
-struct Returned {
-  static_assert(
-      std::is_convertible_v<R, double>,
-      "slom: a measurement function must return a number, a std::array or an Eigen column vector of doubles; "
-      "one that predicts another manifold value needs slom::measured(z) among the arguments");
-  static_assert(
-      !std::is_arithmetic_v<R> || std::is_same_v<R, double> || std::is_same_v<R, long double>,
-      "slom: a measurement function must return double; this one returns float, an integer or bool, which rounds the "
-      "residual so that it has no derivatives: compute with double, as in 1.0 and not 1 or 1.f");
-  static constexpr int rows = 1;
-  static int size(const R&) { return 1; }
-  static void write(const R& value, double* r) { *r = static_cast<double>(value); }
-};
-template <class R>
-  requires requires { typename R::PlainObject; }
-struct Returned<R> {
-  static_assert(
-      requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
-      "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
-      "that are gone; return its value, as eval of Eigen gives it, or give the function a return type");
-  static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
-  static_assert(std::is_same_v<typename R::Scalar, double>,
-                "slom: a measurement function must return a vector of doubles");
-  static constexpr int rows = R::RowsAtCompileTime;
-  static int size(const R& value) { return static_cast<int>(value.size()); }
-  static void write(const R& value, double* r) {
-    for (int i = 0; i < size(value); ++i) r[i] = value.data()[i];
-  }
-};
-template <std::size_t N>
-struct Returned<std::array<double, N>> {
-  static constexpr int rows = static_cast<int>(N);
-  static int size(const std::array<double, N>&) { return rows; }
-  static void write(const std::array<double, N>& value, double* r) {
-    for (std::size_t i = 0; i < N; ++i) r[i] = value[i];
-  }
-};
-
-/// The datum z of `measured(z)` among the stored arguments, or a null pointer.
-inline constexpr std::nullptr_t findDatum() { return nullptr; }
-template <class First, class... Rest>
-constexpr auto findDatum(const First& first, const Rest&... rest) {
-  if constexpr (requires { []<class Z>(const Measured<Z>&) {}(first); }) {
-    return &first.value;
-  } else {
-    return findDatum(rest...);
-  }
-}
-
-/// J[c * stride] := d[c] for c < N
-template <int N, class Partials>
-void storeStrided(const Partials& d, double* J, int stride) {
-  [&]<int... C>(std::integer_sequence<int, C...>) {
-    ((J[C * stride] = d.get(C)), ...);
-  }(std::make_integer_sequence<int, N>{});
-}
-
-/// Stands for the number of a first unknown that is known only at run time.
-inline constexpr int kRuntimeOffset = -1;
-
-/// What the function gets of a stored argument when derivatives are wanted: variables over the dual number D.
-template <class Stored, class D, int Offset>
-struct DualArgument {
-  const Stored& value;
-  DualArgument(const Stored& datum, int) : value(datum) {}
-};
-template <class T, class D, int Offset>
-struct DualArgument<VarArg<T>, D, Offset> {
-  mtk::rebind_t<T, D> value;
-  /// first: the number of its first unknown.
-  DualArgument(const VarArg<T>& variable, int first)
-      : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(*variable, Offset == kRuntimeOffset ? first : Offset,
-                                                         D::size)) {}
-  DualArgument(const DualArgument&) = delete;
-};
-
-template <class A>
-inline constexpr int argument_dof = 0;
-template <class T>
-inline constexpr int argument_dof<VarArg<T>> = mtk::DOF_v<T>;
-template <class A>
-inline constexpr bool is_rebindable_argument = true;
-template <class T>
-inline constexpr bool is_rebindable_argument<VarArg<T>> = mtk::is_rebindable_v<T>;
-
-template <class T>
-constexpr bool hasFixedSize() {
-  if constexpr (requires { T::SizeAtCompileTime; }) {
-    return T::SizeAtCompileTime != mtk::Dynamic;
-  } else if constexpr (mtk::Manifold<T>) {
-    return mtk::DOF_v<T> != mtk::Dynamic;
-  } else {
-    return true;
-  }
-}
-
-template <class A>
-int runtimeDof(const A&) {
-  return 0;
-}
-template <class T>
-int runtimeDof(const VarArg<T>& variable) {
-  return mtk::dof(*variable);
-}
-
-/// Whether a function's result is made of dual numbers. One that returns doubles whatever it gets is no function of them.
-template <class R>
-constexpr bool carriesDerivatives() {
-  if constexpr (mtk::detail::is_std_array<R>) {
-    return carriesDerivatives<typename R::value_type>();
-  } else if constexpr (mtk::Manifold<R>) {  // first: to mtk::Scalar, R::Scalar is its own name
-    return mtk::detail::is_dual<mtk::scalar_t<R>>;
-  } else if constexpr (requires { typename R::Scalar; }) {
-    return mtk::detail::is_dual<typename R::Scalar>;
-  } else {
-    return requires(const R& x) { x.partials(); };
-  }
-}
-/// What the function gets of a DualArgument, without the class around it.
-template <class Stored, class D>
-struct DualPassed {
-  using type = std::tuple<const Stored&>;
-};
-template <class T, class D>
-struct DualPassed<VarArg<T>, D> {
-  using type = std::tuple<const mtk::rebind_t<T, D>&>;
-};
-template <class Z, class D>
-struct DualPassed<Measured<Z>, D> {
-  using type = std::tuple<>;
-};
-/// Whether F accepts variables over the dual number D in place of doubles.
-template <class F, class D, class... Stored>
-constexpr bool acceptsDuals() {
-  if constexpr ((is_rebindable_argument<Stored> && ...)) {
-    using Passed = typename Join<typename DualPassed<Stored, D>::type...>::type;
-    if constexpr (Call<F, Passed>::is_possible) {
-      return carriesDerivatives<typename Call<F, Passed>::Result>();
-    } else {
-      return false;
-    }
-  } else {
-    return false;
-  }
-}
-
-/// Whether a parameter would round the value of a variable that is a number.
-template <class Arg, class Parameter>
-constexpr bool roundsVariable() {
-  using P = std::remove_cvref_t<Parameter>;
-  return std::is_same_v<Arg, VarID<double>> && (std::is_integral_v<P> || std::is_same_v<P, float>);
-}
-/// `Wanted`: the parameters; of `Args` the function gets those that are not marked by slom::measured.
-template <class Wanted, class... Args>
-constexpr bool roundsVariables() {
-  constexpr std::size_t count = (std::size_t{!is_measured<Args>} + ... + 0);
-  if constexpr (std::tuple_size_v<Wanted> == count) {
-    bool any = false;
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      std::size_t next = 0;
-      const auto check = [&]<class Arg>(std::type_identity<Arg>) {
-        const std::size_t here = is_measured<Arg> ? count : next++;
-        ((I == here ? any = any || roundsVariable<Arg, std::tuple_element_t<I, Wanted>>() : false), ...);
-      };
-      (check(std::type_identity<Args>()), ...);
-    }(std::make_index_sequence<count>());
-    return any;
-  } else {
-    return false;
-  }
-}
-template <class F, class... Args>
-constexpr bool parametersRoundVariables() {
-  if constexpr (Parameters<F>::known) {
-    return roundsVariables<typename Parameters<F>::type, Args...>();
-  } else {
-    return false;
-  }
-}
-
-/// One block of a hand-written Jacobian: rows x dof, filled with NaN before.
-template <int Rows, int Dof>
-using JacobianBlock =
-    Eigen::Matrix<double, Rows, Dof,
-                  Eigen::DontAlign |
-                      (Rows == 1 && Dof != 1 ? Eigen::RowMajor
-                                             : Eigen::ColMajor)>;  // rows are row-major to Eigen
-template <int Rows, class A>
-struct BlockFor {
-  using type = std::tuple<>;
-};
-template <int Rows, class T>
-struct BlockFor<Rows, VarArg<T>> {
-  using type = std::tuple<JacobianBlock<Rows, mtk::DOF_v<T>>>;
-};
-template <int Rows, class... Stored>
-using BlockTuple = typename Join<typename BlockFor<Rows, Stored>::type...>::type;
-
-template <class F, class Passed, class Blocks>
-inline constexpr bool has_jacobian = false;
-template <class F, class... P, class... B>
-inline constexpr bool has_jacobian<F, std::tuple<P...>, std::tuple<B...>> =
-    requires(const F& f, B&... block) { f.jacobian(std::declval<P>()..., block...); };
-
-}  // namespace detail
 
 /// Holds a callable and its arguments; fulfils `Measurement`.
 ///
@@ -567,13 +225,10 @@ class CallableMeasurement {
     return detail::applyTo(args_, [](const auto&... stored) { return detail::findDatum(stored...); });
   }
 
-  template <std::size_t... I>
-  Value predict(std::index_sequence<I...>) const {
-    return detail::call(function(), detail::held(detail::valueAt<I>(args_))...);
-  }
-  template <class Seeds, std::size_t... I>
-  auto predictFrom(const Seeds& seeds, std::index_sequence<I...>) const {
-    return detail::call(function(), detail::valueAt<I>(seeds).value...);
+  /// The function's value for these arguments: the stored ones, or the same over dual numbers.
+  template <class Arguments, std::size_t... I>
+  auto evaluateWith(const Arguments& arguments, std::index_sequence<I...>) const {
+    return detail::call(function(), detail::held(detail::valueAt<I>(arguments))...);
   }
   /// The blocks of f.jacobian, one after the other.
   template <std::size_t... P, std::size_t... V>
@@ -596,9 +251,9 @@ class CallableMeasurement {
       using Z = std::remove_cvref_t<decltype(*datum())>;
       const auto difference = [&] {
         if constexpr (requires(const Z& z) { Function::residualFromDatum(z, z); }) {
-          return Function::residualFromDatum(predict(PassedIndices{}), *datum());
+          return Function::residualFromDatum(evaluateWith(args_, PassedIndices{}), *datum());
         } else {
-          return mtk::difference<Z>(predict(PassedIndices{}), *datum());
+          return mtk::difference<Z>(evaluateWith(args_, PassedIndices{}), *datum());
         }
       }();
       const int size = static_cast<int>(difference.size());
@@ -607,7 +262,7 @@ class CallableMeasurement {
       return size;
     } else {
       using Returned = detail::Returned<Value>;
-      const Value value = predict(PassedIndices{});
+      const Value value = evaluateWith(args_, PassedIndices{});
       const int size = Returned::size(value);
       if (double* const r = target(size)) Returned::write(value, r);
       return size;
@@ -631,7 +286,7 @@ class CallableMeasurement {
          one_pass ? fixedOffsets()[I] : detail::kRuntimeOffset > (detail::valueAt<I>(args_), offset[I])}...};
     if constexpr (one_pass) width = columns;
     if constexpr (residual_dim != mtk::Dynamic) rows = residual_dim;
-    return write(predictFrom(seeds, PassedIndices{}), rows, r, J, width);
+    return write(evaluateWith(seeds, PassedIndices{}), rows, r, J, width);
   }
   template <class Result>
   int write(const Result& result, int rows, double* r, double* J, int width) const {

@@ -1,0 +1,143 @@
+/// Whether a callable accepts its arguments and, where it does not, which one, as a compile-time message.
+#pragma once
+
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "slom/model/argument.hpp"
+
+namespace slom {
+
+namespace detail {
+
+/// Whether F can be called with these arguments, and what it returns. Does not compile F's body where its return type is
+/// written out.
+template <class F, class Passed>
+struct Call {
+  static constexpr bool is_possible = false;
+  using Result = double;
+};
+template <class F, class... P>
+  requires requires(const F& f) { f(std::declval<P>()...); }
+struct Call<F, std::tuple<P...>> {
+  static constexpr bool is_possible = true;
+  using Result = std::remove_cvref_t<decltype(std::declval<const F&>()(std::declval<P>()...))>;
+};
+template <class F, class... P>
+  requires(std::is_member_pointer_v<F> && std::is_invocable_v<const F&, P...>)
+struct Call<F, std::tuple<P...>> {
+  static constexpr bool is_possible = true;
+  using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
+};
+
+/// The parameters of a function that is no template.
+template <class F>
+struct Parameters {
+  static constexpr bool known = false;
+};
+template <class... P>
+struct ParameterList {
+  static constexpr bool known = true;
+  using type = std::tuple<P...>;
+};
+template <class R, class... P>
+struct Parameters<R (*)(P...)> : ParameterList<P...> {};
+template <class R, class... P>
+struct Parameters<R (*)(P...) noexcept> : ParameterList<P...> {};
+template <class R, class C, class... P>
+struct Parameters<R (C::*)(P...) const> : ParameterList<P...> {};
+template <class R, class C, class... P>
+struct Parameters<R (C::*)(P...) const noexcept> : ParameterList<P...> {};
+template <class F>
+  requires requires { &F::operator(); }
+struct Parameters<F> : Parameters<decltype(&F::operator())> {};
+
+/// One line for the first argument that does not fit, with both types in the line that says where.
+template <int Number, class Given, class Wanted>
+constexpr void requireArgument() {
+  constexpr bool fits = std::is_convertible_v<Given, Wanted>;
+  static_assert(Number != 1 || fits,
+                "slom: argument 1 of the measurement function is not of the type that it takes");
+  static_assert(Number != 2 || fits,
+                "slom: argument 2 of the measurement function is not of the type that it takes");
+  static_assert(Number != 3 || fits,
+                "slom: argument 3 of the measurement function is not of the type that it takes");
+  static_assert(Number != 4 || fits,
+                "slom: argument 4 of the measurement function is not of the type that it takes");
+  static_assert(Number != 5 || fits,
+                "slom: argument 5 of the measurement function is not of the type that it takes");
+  static_assert(Number != 6 || fits,
+                "slom: argument 6 of the measurement function is not of the type that it takes");
+  static_assert(
+      Number <= 6 || fits,
+      "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
+}
+/// Fails to compile, naming the argument where the function is no template.
+template <class F, class... Given>
+constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
+  if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
+    constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
+    static_assert(
+        !is_mutable,
+        "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
+        "write `const` behind the parameters of operator()");
+    if constexpr (is_mutable) {
+    } else if constexpr (Parameters<F>::known) {
+      using Wanted = typename Parameters<F>::type;
+      constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
+      static_assert(right_number,
+                    "slom: the measurement function takes another number of arguments: it gets one for each "
+                    "VarID and each datum, none for noise, loss, name and slom::measured");
+      if constexpr (right_number) {
+        [&]<std::size_t... I>(std::index_sequence<I...>) {
+          (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
+        }(std::index_sequence_for<Given...>{});
+      }
+    } else {
+      static_assert(
+          Call<F, std::tuple<Given...>>::is_possible,
+          "slom: the measurement function does not accept these arguments: it gets `const T&` for each VarID<T> "
+          "and `const D&` for each datum of type D, in the order of the call");
+    }
+  }
+}
+
+/// Whether a parameter would round the value of a variable that is a number.
+template <class Arg, class Parameter>
+constexpr bool roundsVariable() {
+  using P = std::remove_cvref_t<Parameter>;
+  return std::is_same_v<Arg, VarID<double>> && (std::is_integral_v<P> || std::is_same_v<P, float>);
+}
+/// `Wanted`: the parameters; of `Args` the function gets those that are not marked by slom::measured.
+template <class Wanted, class... Args>
+constexpr bool roundsVariables() {
+  constexpr std::size_t count = (std::size_t{!is_measured<Args>} + ... + 0);
+  if constexpr (std::tuple_size_v<Wanted> == count) {
+    bool any = false;
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      std::size_t next = 0;
+      const auto check = [&]<class Arg>(std::type_identity<Arg>) {
+        const std::size_t here = is_measured<Arg> ? count : next++;
+        ((I == here ? any = any || roundsVariable<Arg, std::tuple_element_t<I, Wanted>>() : false), ...);
+      };
+      (check(std::type_identity<Args>()), ...);
+    }(std::make_index_sequence<count>());
+    return any;
+  } else {
+    return false;
+  }
+}
+template <class F, class... Args>
+constexpr bool parametersRoundVariables() {
+  if constexpr (Parameters<F>::known) {
+    return roundsVariables<typename Parameters<F>::type, Args...>();
+  } else {
+    return false;
+  }
+}
+
+}  // namespace detail
+
+}  // namespace slom
