@@ -32,15 +32,30 @@ class Error : public std::runtime_error {
 
 namespace detail {
 
+/// The number as printf writes it, with a decimal point whatever the locale of C.
+[[gnu::noinline, gnu::cold]] inline std::string classicText(const char* format, double x) {
+  if (x != x) return "nan";
+  char number[400];
+  std::snprintf(number, sizeof number, format, x);
+  std::string text;
+  for (const char* c = number; *c != 0; ++c) {
+    const bool is_plain = (*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || *c == '-' || *c == '+';
+    if (is_plain) {
+      text += *c;
+    } else if (text.empty() || text.back() != '.') {  // a decimal sign may have several bytes
+      text += '.';
+    }
+  }
+  return text;
+}
+
 /// Throws an error whose sentence has numbers in its middle: `before`(1, 2.5, 0)`after`.
 [[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before,
                                                                    std::initializer_list<double> numbers,
                                                                    const char* after) {
   std::string text = before;
   for (const double& x : numbers) {
-    char number[40];
-    std::snprintf(number, sizeof number, "%.6g", x);
-    text += (&x == numbers.begin() ? "(" : ", ") + std::string(x != x ? "nan" : number);
+    text += (&x == numbers.begin() ? "(" : ", ") + classicText("%.6g", x);
   }
   throw Error(id, text + ")" + after);
 }

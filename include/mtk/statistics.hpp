@@ -27,7 +27,8 @@ S checkedWeightSum(std::size_t samples, std::span<const S> weights) {
   S sum(0);
   for (std::size_t i = 0; i < samples; ++i) {
     if (!(weights[i] >= S(0)) || !(weights[i] <= std::numeric_limits<S>::max())) {
-      throw Error("mtk.bad-weight", "weight " + std::to_string(i) + " is " + std::to_string(weights[i]) +
+      throw Error("mtk.bad-weight", "weight " + std::to_string(i) + " is " +
+                                        classicText("%f", static_cast<double>(weights[i])) +
                                         "; weights must be finite and not negative");
     }
     sum += weights[i];

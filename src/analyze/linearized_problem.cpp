@@ -1,5 +1,6 @@
 #include "analyze/linearized_problem.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "analyze/diagnose.hpp"
@@ -17,6 +18,10 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr int kMostActiveSets = 10;  // as in a step of the fit
+/// Of a variance by the other unknowns, (H^-1)_ii H_ii. The normal equations lose as many digits; beyond this, variances would have
+/// fewer than six left, and come from a factorisation of J itself.
+constexpr double kMostInflation = 1e10;
+constexpr int kMostCarefulUnknowns = 20'000;  // above, factorising J takes long
 
 }  // namespace
 
@@ -147,6 +152,28 @@ SolveStatus LinearizedProblem::solveFor(const MatrixXd& B, MatrixXd& X) const {
   return has_changed ? solver().solveFor(B, X) : status;
 }
 
+/// Whether a solver that keeps more digits takes over.
+bool LinearizedProblem::becomeCareful() const {
+  if (!isExact() || structure_.system.unknowns() > kMostCarefulUnknowns) return false;
+  bool has_changed = false;
+  static_cast<void>(lookAgain(SolveStatus{false, 0, 0, 0}, has_changed));
+  return has_changed;
+}
+
+double LinearizedProblem::largestInflation(const InverseBlocks& inverse) const {
+  const BlockStructure& blocks = structure_.system;
+  const Eigen::VectorXd diagonal = rows().diagonal();
+  double largest = 0;
+  MatrixXd C;
+  for (int b = 0; b < blocks.blockCount(); ++b) {
+    C.resize(blocks.dof(b), blocks.dof(b));
+    inverse.block(b, b, C.data());
+    largest = std::max(
+        largest, C.diagonal().cwiseProduct(diagonal.segment(blocks.offset[at(b)], blocks.dof(b))).maxCoeff());
+  }
+  return largest;
+}
+
 const FreeNetwork& LinearizedProblem::freeNetwork() const {
   if (results_->free_network == nullptr) results_->free_network = std::make_unique<FreeNetwork>(*this);
   return *results_->free_network;
@@ -158,6 +185,10 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
   unit.middleRows(first, count).setIdentity();
   const SolveStatus status = solveFor(unit, columns);
   if (!status.ok) throw undetermined(status);
+  const auto inflation =
+      columns.middleRows(first, count).diagonal().cwiseProduct(rows().diagonal().segment(first, count));
+  if (count > 0 && inflation.maxCoeff() > kMostInflation && becomeCareful())
+    static_cast<void>(solveFor(unit, columns));
   for (int i = 0; i < count; ++i) {  // conjugate gradients do not notice a loss of rank
     if (!(columns(first + i, i) >= 0)) throw undetermined(SolveStatus{false, first + i, 0, 0});
   }
@@ -172,6 +203,8 @@ const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
   SolveStatus status = lookAgain(solver().invertBlocks(structure_.system, inverse), has_changed);
   if (has_changed) status = solver().invertBlocks(structure_.system, inverse);
   if (!status.ok) throw undetermined(status);
+  if (largestInflation(*inverse) > kMostInflation && becomeCareful())
+    static_cast<void>(solver().invertBlocks(structure_.system, inverse));
   return *inverse;
 }
 

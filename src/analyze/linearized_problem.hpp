@@ -70,6 +70,8 @@ class LinearizedProblem {
   void linearize() const;
   LinearSolver& solver() const;
   SolveStatus lookAgain(SolveStatus status, bool& has_changed) const;
+  bool becomeCareful() const;
+  double largestInflation(const InverseBlocks& inverse) const;
   const FreeNetwork& freeNetwork() const;
 
   const Problem& problem_;

@@ -163,7 +163,8 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
       if (all_determined) break;
     }
     sortByInfluence(linearized, result);
-    if (all_determined || count == dimension || !(result.influence[count - 1] < std::max(limit, kSeparated)))
+    if (all_determined || count == dimension ||
+        !(result.influence[count - 1] < std::max(limit, inverse.shift() > 0 ? kSeparated : 0)))
       return result;
     const Index next = std::min(4 * count, dimension);
     if (count >= kMostCount || static_cast<double>(diagonal.size() * next * next) > kMostWork) {

@@ -185,8 +185,10 @@ class Run {
     system_.linearize();
     const double gradient = system_.orthogonality();
     // A system without full rank is reported even when the RSS could not be smaller; the step finds out.
-    const StepOutcome outcome = algorithm_->step(system_, step_limits_);
+    StepOutcome outcome = algorithm_->step(system_, step_limits_);
     if (outcome.kind == StepOutcome::Kind::stopped) return interruption();
+    if (outcome.kind == StepOutcome::Kind::taken && !hasDerivatives(outcome))
+      outcome.kind = StepOutcome::Kind::not_finite;
     ++summary_.iterations;
     summary_.final_rss = outcome.rss_after;
     if (!outcome.event.empty())
@@ -203,6 +205,33 @@ class Run {
       default:
         return whenStuck(outcome, gradient);
     }
+  }
+
+  /// Where derivatives at the end of a step are not finite, as those of sqrt(limit - x) at its bound, goes a part of it. Returns whether
+  /// there are derivatives now; if not, the values are those before the step.
+  bool hasDerivatives(StepOutcome& outcome) {
+    constexpr double part = 0.9, smaller = 0.5;  // of the way to a bound, at first and from there on
+    constexpr int most = 20;
+    const auto isLinearized = [&] {
+      try {
+        system_.linearize();
+        return true;
+      } catch (const Error& error) {
+        if (error.id() != "slom.not-finite") throw;
+        return false;
+      }
+    };
+    if (!system_.problem().activeSet().hasBounds() || isLinearized()) return true;
+    system_.undo();
+    outcome.step = part * system_.withinBounds(outcome.step);
+    outcome.is_undamped = false;
+    for (int i = 0; i < most; ++i, outcome.step *= smaller) {
+      outcome.rss_after = system_.tryStep(outcome.step);
+      if (outcome.rss_after < outcome.rss_before && isLinearized()) return true;
+      system_.undo();
+    }
+    outcome.rss_after = outcome.rss_before;
+    return false;
   }
 
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient) {

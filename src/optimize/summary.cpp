@@ -22,7 +22,7 @@ const char* toString(StopReason reason) {
     case StopReason::rank_deficient:
       return "rank deficient";
     case StopReason::not_finite:
-      return "a residual became not finite";
+      return "a residual or a derivative became not finite";
     case StopReason::time_limit:
       return "time limit reached";
     case StopReason::interrupted:

@@ -8,6 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "optimize/active_bounds.hpp"
 #include "optimize/second_look.hpp"
+#include "problem/value_snapshot.hpp"
 
 namespace slom {
 
@@ -91,6 +92,10 @@ void System::move(const Eigen::VectorXd& d) {
   } else {
     problem_.applyStep(structure_.offset_of_variable, d.data());
   }
+}
+
+Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) const {
+  return clampedToBounds(problem_, structure_, d);
 }
 
 double System::tryStep(const Eigen::VectorXd& d) {
@@ -184,6 +189,45 @@ Eigen::VectorXd System::typicalSizes() {
   return magnitude;
 }
 
+/// Whether moving the unknown, by `step` or a small part of it, changes the residuals by what its column of J says. A column of rounding
+/// errors is as long wherever the unknown is, and residuals do not follow it.
+bool System::isTrueColumn(int unknown, double step) {
+  const auto& offset = structure_.system.offset;
+  const int block =
+      static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+  const int variable = structure_.variable_of_block[static_cast<std::size_t>(block)];
+  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
+  ValueSnapshot before(problem_, variable);
+  const bool was_linearized = linearized_at_ == problem_.valueRevision();
+  const auto residuals = [&] {
+    std::vector<double> all;
+    problem_.forEachUse(variable, [&](MeasurementPool& pool, int i) {
+      const std::size_t first = all.size();
+      all.resize(first + static_cast<std::size_t>(pool.rows(i)));
+      problem_.naming(pool, [&] { pool.evaluate(i, i + 1, all.data() + first); });
+    });
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size())));
+  };
+  const Eigen::VectorXd r = residuals();
+  const double length = std::sqrt(solver_->diagonal()[unknown]);
+  std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
+  bool is_true = false;
+  for (const double part : {1.0, 1e-3, 1e-6}) {
+    d[static_cast<std::size_t>(unknown - offset[static_cast<std::size_t>(block)])] = part * step;
+    record.store->boxplus(record.store->valueAt(record.slot), d.data());
+    const double expected = length * std::abs(part * step);
+    try {
+      const double change = (residuals() - r).norm();
+      is_true = is_true || (change >= expected / 2 && change <= 2 * expected);
+    } catch (const Error&) {  // the user's function throws there
+    }
+    before.restore();
+  }
+  if (was_linearized) linearized_at_ = problem_.valueRevision();
+  return is_true;
+}
+
 /// The unknowns that d moves though they are not seen.
 std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
@@ -193,8 +237,10 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   const double rounding =
       std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    if (magnitude[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= magnitude[i]))
-      unseen.push_back(static_cast<int>(i));
+    const int unknown = static_cast<int>(i);
+    if (magnitude[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= magnitude[i]) &&
+        !isTrueColumn(unknown, d[i]))
+      unseen.push_back(unknown);
   }
   return unseen;
 }

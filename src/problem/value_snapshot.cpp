@@ -23,11 +23,14 @@ struct ValueSnapshot::Copy {
 };
 
 ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
-  for (std::size_t v = 0; v < problem.variables().size(); ++v) {
-    const VariableRecord& record = problem.variables()[v];
-    if (record.store != nullptr)
-      copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, static_cast<int>(v)));
-  }
+  for (int v = 0; v < static_cast<int>(problem.variables().size()); ++v) keep(v);
+}
+ValueSnapshot::ValueSnapshot(Problem& problem, int variable) : problem_(problem) { keep(variable); }
+
+void ValueSnapshot::keep(int variable) {
+  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
+  if (record.store != nullptr)
+    copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, variable));
 }
 ValueSnapshot::~ValueSnapshot() = default;
 

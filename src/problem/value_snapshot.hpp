@@ -12,11 +12,14 @@ namespace slom {
 class ValueSnapshot {
  public:
   explicit ValueSnapshot(Problem& problem);
+  /// Of one variable alone.
+  ValueSnapshot(Problem& problem, int variable);
   ~ValueSnapshot();
   void restore();
 
  private:
   struct Copy;
+  void keep(int variable);
   Problem& problem_;
   std::vector<std::unique_ptr<Copy>> copies_;
 };

@@ -307,6 +307,54 @@ TEST(Held, ValuesStayWithinTheirBoundToTheLastDigit) {
   EXPECT_GT(at_bound, 100);
 }
 
+/// sqrt(limit - x) has a value at the limit, but no derivative.
+TEST(Held, DerivativesThatEndAtABoundEndNoFitByAnException) {
+  for (const auto& algorithm : algorithms()) {
+    for (const bool is_numeric : {false, true}) {
+      slom::Estimator est;
+      est.changeAlgorithm(algorithm->clone().release());
+      const auto x = est.insertRV(0.5, "x");
+      est.bound(x, -10, 2);
+      const auto root = [](const auto& v) { return sqrt(2.0 - v); };
+      if (is_numeric) {
+        est.insertMeasurement(slom::numeric(root), x, slom::StandardDeviation(0.1));
+      } else {
+        est.insertMeasurement(root, x, slom::StandardDeviation(0.1));
+      }
+      est.insertMeasurement([](const auto& v) { return v - 2.5; }, x, slom::StandardDeviation(0.3));
+      slom::Summary summary;
+      ASSERT_NO_THROW(summary = est.optimize()) << algorithm->name();
+      EXPECT_LE(*x, 2);
+      EXPECT_NEAR(*x, 2, 1e-3) << algorithm->name() << summary;
+      EXPECT_EQ(summary.final_rss, est.getRSS());
+    }
+  }
+}
+
+/// A start such as sin(pi) says nothing of how far its unknown may go.
+TEST(Unseen, IsNoUnknownWhoseStartIsTiny) {
+  for (const auto& algorithm : algorithms()) {
+    for (const double start : {0.0, 1e-300, 1e-30, 1.2246e-16, -1e-12}) {
+      for (const double scale : {1e-9, 1e-6, 1e-3}) {
+        slom::Estimator est;
+        est.changeAlgorithm(algorithm->clone().release());
+        const auto x = est.insertRV(Eigen::Vector3d(start, 0, scale), "x");
+        for (int i = 0; i < 10; ++i) {
+          const double u = std::sin(1.7 * i), z = 300 + 500 * u + 0.8 * std::cos(5.0 * i);
+          est.insertMeasurement(
+              [](const auto& v, double at, double measured) { return (v[0] + v[1] * at) * v[2] - measured; },
+              x, u, z);
+        }
+        est.insertMeasurement([](const auto& v, double s) { return v[2] - s; }, x, scale,
+                              slom::StandardDeviation(1e-3 * scale));
+        const slom::Summary summary = est.optimize();
+        EXPECT_TRUE(summary.converged) << algorithm->name() << start << " " << scale << summary;
+        EXPECT_LT(summary.final_rss, 10) << algorithm->name() << start << " " << scale;
+      }
+    }
+  }
+}
+
 /// Columns that are the same but for 1e-7: the normal equations lose what tells them apart, the data do not.
 TEST(Rank, IsFoundByTheCarefulSolverWhereTheNormalEquationsLoseIt) {
   const auto make = [](slom::Estimator& est) {

@@ -83,6 +83,30 @@ TEST(NearlyDependent, SolverAndDiagnosisAgree) {
   }
 }
 
+/// Standard deviations have five digits wherever there are any, whichever way they are asked for.
+TEST(NearlyDependent, StandardDeviationsHold) {
+  for (const double apart : {1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8}) {
+    for (int k = 0; k < 20; ++k) {
+      const Linear problem(apart, k);
+      slom::Estimator est;
+      est.setThreads(1);
+      const auto x = problem.insert(est);
+      ASSERT_TRUE(est.optimize().converged) << apart << ", " << k;
+      LongMatrix A(12, 3);  // with the numbers that the measurements got
+      for (int i = 0; i < 12; ++i) A.row(i) = problem.A.row(i).cast<double>().cast<long double>();
+      const LongMatrix R =
+          Eigen::HouseholderQR<LongMatrix>(A).matrixQR().topRows(3).triangularView<Eigen::Upper>();
+      const LongMatrix inverse = R.triangularView<Eigen::Upper>().solve(LongMatrix::Identity(3, 3));
+      const Eigen::VectorXd expected = inverse.rowwise().norm().cast<double>();
+      const Eigen::VectorXd one = est.standardDeviation(x), all = est.marginals().standardDeviation(x);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(one[c] / expected[c], 1, 1e-5) << apart << ", " << k;
+        EXPECT_NEAR(all[c] / expected[c], 1, 1e-5) << apart << ", " << k;
+      }
+    }
+  }
+}
+
 /// From where a Gaussian is flat to all digits.
 TEST(OutOfSight, AFlatStartIsNoOptimum) {
   for (double start = 9; start <= 27; start += 0.5) {

@@ -44,6 +44,8 @@ class System {
   /// that the solver finds with this damping promises less than `promised`, a predictedDecrease from before. Throws as
   /// linearize, with the step taken back.
   bool cameCloser(const Eigen::VectorXd& damping, double promised);
+  /// `d`, shortened in each component that it would take beyond a bound.
+  Eigen::VectorXd withinBounds(const Eigen::VectorXd& d) const;
   /// Takes the last tried step back; the linearisation is valid again.
   void undo();
 
@@ -90,8 +92,9 @@ class System {
   /// Whether the fit is to end: an algorithm that tries several steps asks before each.
   bool mustStop() const { return must_stop_ && must_stop_(); }
 
-  /// The Gauss-Newton step. Fails also at an unknown that it would move by more than its magnitude though such a move changes
-  /// the residuals by less than rounding does: then its column of J is rounding error, and no residual depends on it.
+  /// The Gauss-Newton step. Fails also at an unknown whose column of J is rounding error, so that no residual depends on it: one that
+  /// the step would move by more than its magnitude, though such a move changes the residuals by less than rounding does, and
+  /// whose moves do not change the residuals as the column says.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// The step with this damping, in which such unknowns stay where they are.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
@@ -120,6 +123,7 @@ class System {
  private:
   void move(const Eigen::VectorXd& d);
   std::vector<int> unseenUnknowns(const Eigen::VectorXd& d);
+  bool isTrueColumn(int unknown, double step);
   bool hasRunAway(int unknown);
   void lookDeeper(const std::vector<int>& out_of_sight, Promise& promise);
   void clearHeld(Eigen::VectorXd& d) const;
