@@ -1,0 +1,31 @@
+#pragma once
+// Random values for the tests of priors, the same on every machine up to rounding.
+
+#include <random>
+
+#include <slom/slom.hpp>
+
+namespace slom::testing {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using SO3 = mtk::SO3<>;
+using SE3 = mtk::trafo<SO3>;
+using Vec3 = mtk::vect<3>;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double operator()() { return normal_(engine_); }
+  Vec3 vector(double size) { return Vec3(size * (*this)(), size * (*this)(), size * (*this)()); }
+  SE3 pose(double size) { return SE3(SO3::exp(vector(size)), vector(5 * size)); }
+  MatrixXd matrix(int rows, int columns) {
+    return MatrixXd::NullaryExpr(rows, columns, [this] { return (*this)(); });
+  }
+
+ private:
+  std::mt19937 engine_;
+  std::normal_distribution<double> normal_;
+};
+
+}  // namespace slom::testing
