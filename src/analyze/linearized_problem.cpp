@@ -42,6 +42,7 @@ struct LinearizedProblem::Results {
 
   RowKeeper kept;
   ActiveSet active;
+  Eigen::VectorXd gradient, diagonal;
   double rss = 0, squared_norm = 0;
   bool is_linearized = false;
 
@@ -79,13 +80,14 @@ void LinearizedProblem::linearize() const {
   Linearizer linearizer;
   for (int i = 0; i <= kMostActiveSets; ++i) {
     own.rss = linearizer.linearize(problem_, own.active, own.kept);
+    own.gradient = own.kept.rows.gradient();
     if (!own.active.hasBounds() ||
-        !updateActiveBounds(problem_, structure_, linearizer, own.kept.rows.gradient(), own.active))
+        !updateActiveBounds(problem_, structure_, linearizer, own.gradient, own.active))
       break;
   }
   own.squared_norm = linearizer.squaredNormSent();
-  if (!(own.rss <= Linearizer::kLargestRss) || !own.kept.rows.gradient().allFinite() ||
-      !own.kept.rows.diagonal().allFinite())
+  own.diagonal = own.kept.rows.diagonal();
+  if (!(own.rss <= Linearizer::kLargestRss) || !own.gradient.allFinite() || !own.diagonal.allFinite())
     linearizer.raiseOverflow(problem_);
   own.is_linearized = true;
 }
@@ -112,10 +114,20 @@ const JacobianRows& LinearizedProblem::unweightedRows() const {
   return results_->kept.unweighted;
 }
 
+const Eigen::VectorXd& LinearizedProblem::gradient() const {
+  linearize();
+  return results_->gradient;
+}
+
+const Eigen::VectorXd& LinearizedProblem::diagonal() const {
+  linearize();
+  return results_->diagonal;
+}
+
 MatrixXd LinearizedProblem::times(const MatrixXd& V) const { return rows().times(V); }
 
 double LinearizedProblem::orthogonality() const {
-  return System::orthogonality(rows().gradient(), rows().diagonal(), results_->squared_norm);
+  return System::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
 /// With these rows in it.
@@ -162,14 +174,14 @@ bool LinearizedProblem::becomeCareful() const {
 
 double LinearizedProblem::largestInflation(const InverseBlocks& inverse) const {
   const BlockStructure& blocks = structure_.system;
-  const Eigen::VectorXd diagonal = rows().diagonal();
   double largest = 0;
   MatrixXd C;
   for (int b = 0; b < blocks.blockCount(); ++b) {
     C.resize(blocks.dof(b), blocks.dof(b));
     inverse.block(b, b, C.data());
     largest = std::max(
-        largest, C.diagonal().cwiseProduct(diagonal.segment(blocks.offset[at(b)], blocks.dof(b))).maxCoeff());
+        largest,
+        C.diagonal().cwiseProduct(diagonal().segment(blocks.offset[at(b)], blocks.dof(b))).maxCoeff());
   }
   return largest;
 }
@@ -186,7 +198,7 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
   const SolveStatus status = solveFor(unit, columns);
   if (!status.ok) throw undetermined(status);
   const auto inflation =
-      columns.middleRows(first, count).diagonal().cwiseProduct(rows().diagonal().segment(first, count));
+      columns.middleRows(first, count).diagonal().cwiseProduct(diagonal().segment(first, count));
   if (count > 0 && inflation.maxCoeff() > kMostInflation && becomeCareful())
     static_cast<void>(solveFor(unit, columns));
   for (int i = 0; i < count; ++i) {  // conjugate gradients do not notice a loss of rank

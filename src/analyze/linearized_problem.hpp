@@ -42,6 +42,10 @@ class LinearizedProblem {
   const JacobianRows& rows() const;
   /// Of groups with losses: as they were before.
   const JacobianRows& unweightedRows() const;
+  /// g = J^T r
+  const Eigen::VectorXd& gradient() const;
+  /// Diagonal of H.
+  const Eigen::VectorXd& diagonal() const;
   /// J V, the rows of the group that holds components included.
   Eigen::MatrixXd times(const Eigen::MatrixXd& V) const;
   /// See System::orthogonality.

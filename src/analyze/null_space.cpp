@@ -135,7 +135,7 @@ class InverseIteration {
 NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limit) {
   NearNullSpace result;
   const BlockStructure& structure = linearized.structure().system;
-  const VectorXd diagonal = withoutRounding(linearized.rows().diagonal(), structure);
+  const VectorXd diagonal = withoutRounding(linearized.diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));
