@@ -183,9 +183,11 @@ class Estimator {
 
   // Measurements.
 
-  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT. Options, in any order: its uncertainty (none: unit
-  /// covariance), its loss (none: least squares), slom::named("label").
-  template <Measurement M, class... Options>
+  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, or one of a kind that chooses its variables at run time, as
+  /// GaussianPrior. Options, in any order: its uncertainty (none: unit covariance), its loss (none: least squares),
+  /// slom::named("label").
+  template <class M, class... Options>
+    requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
     static_assert(
         (detail::is_option<Options> && ...),
@@ -216,19 +218,6 @@ class Estimator {
     return insertList(std::move(f), variables, all, detail::DataIndices<Args...>{},
                       detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
                       detail::lossAmong<Args...>(all));
-  }
-  /// Adds a measurement of a kind that chooses its variables at run time, as GaussianPrior. Options as above.
-  template <std::derived_from<RuntimeMeasurement> M, class... Options>
-  MeasID<M> insertMeasurement(M measurement, const Options&... options) {
-    static_assert(
-        (detail::is_option<Options> && ...),
-        "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
-        "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
-        "(slom::named)");
-    const detail::Values<const Options&...> all{{options}...};
-    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
-                                       detail::labelAmong<Options...>(all),
-                                       detail::lossAmong<Options...>(all));
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
@@ -393,8 +382,8 @@ class Estimator {
   }
 
   /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
-  /// and what to do about it. Takes about as long as five to fifteen iterations of the fit
-  /// (bench_growth) where all is determined, more where much is hardly so.
+  /// and what to do about it. Takes as long as 10 to 30 iterations of the fit (bench_growth) where all is determined, more where much is
+  /// hardly so.
   Diagnosis diagnose() const;
 
   /// Before solving: evaluates every measurement once at the current values, compares derivatives of some of each group, counts
