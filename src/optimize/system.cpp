@@ -15,6 +15,7 @@ namespace slom {
 namespace {
 constexpr int kMostActiveSets = 10;    // in one linearisation
 constexpr int kMostHoldings = 10;      // of unseen unknowns, in one step
+constexpr double kAgreement = 1e-2;    // of a column of J and what residuals do
 constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
 
 /// Whether the largest of some products of squares is right: none of those that matter has left the range of
@@ -189,8 +190,8 @@ Eigen::VectorXd System::typicalSizes() {
   return magnitude;
 }
 
-/// Whether moving the unknown, by `step` or a small part of it, changes the residuals by what its column of J says. A column of rounding
-/// errors is as long wherever the unknown is, and residuals do not follow it.
+/// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
+/// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
 bool System::isTrueColumn(int unknown, double step) {
   const auto& offset = structure_.system.offset;
   const int block =
@@ -212,20 +213,20 @@ bool System::isTrueColumn(int unknown, double step) {
   const Eigen::VectorXd r = residuals();
   const double length = std::sqrt(solver_->diagonal()[unknown]);
   std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
-  bool is_true = false;
-  for (const double part : {1.0, 1e-3, 1e-6}) {
+  int agreements = 0;
+  for (const double part : {1.0, 0.7e-3, 0.3e-6, 0.9e-8}) {
     d[static_cast<std::size_t>(unknown - offset[static_cast<std::size_t>(block)])] = part * step;
     record.store->boxplus(record.store->valueAt(record.slot), d.data());
     const double expected = length * std::abs(part * step);
     try {
       const double change = (residuals() - r).norm();
-      is_true = is_true || (change >= expected / 2 && change <= 2 * expected);
+      if (std::abs(change - expected) <= kAgreement * expected) ++agreements;
     } catch (const Error&) {  // the user's function throws there
     }
     before.restore();
   }
   if (was_linearized) linearized_at_ = problem_.valueRevision();
-  return is_true;
+  return agreements >= 2;
 }
 
 /// The unknowns that d moves though they are not seen.
