@@ -197,10 +197,9 @@ TEST(RunTimeKinds, AreRemoved) {
       "[slom.stale-handle] the MeasID<Distances> refers to a measurement that has been removed; keep the MeasID that "
       "insertMeasurement returned last");
   EXPECT_EQ(with.est.getRSS(), without.est.getRSS());
-  EXPECT_EQ(
-      messageOf([&] { with.est.removeRV(with.numbers); }),
-      "[slom.variable-in-use] variable Matrix<double, -1, 1> #16 cannot be removed: 7 measurements depend on it; "
-      "remove them first");
+  EXPECT_EQ(messageOf([&] { with.est.removeRV(with.numbers); }),
+            "[slom.variable-in-use] variable " + with.est.nameOf(with.numbers) +
+                " cannot be removed: 7 measurements depend on it; remove them first");
 }
 
 TEST(AnyVarID, KnowsItsType) {
