@@ -156,10 +156,6 @@ class Comparison {
   std::vector<double> residual_, used_, reference_, central_, forward_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Pools of one group have one entry, that of the worst of them.
 void add(GroupDerivativeCheck check, DerivativeCheck& result) {
   const auto same = std::find_if(result.groups.begin(), result.groups.end(),

@@ -17,7 +17,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr int kMostActiveSets = 10;  // as in a step of the fit
 /// Of a variance by the other unknowns, (H^-1)_ii H_ii. The normal equations lose as many digits; beyond this, variances would have
 /// fewer than six left, and come from a factorisation of J itself.
 constexpr double kMostInflation = 1e10;
@@ -78,13 +77,9 @@ void LinearizedProblem::linearize() const {
   own.kept.unweighted.analyze(structure_.system);
   own.active = problem_.activeSet();
   Linearizer linearizer;
-  for (int i = 0; i <= kMostActiveSets; ++i) {
-    own.rss = linearizer.linearize(problem_, own.active, own.kept);
-    own.gradient = own.kept.rows.gradient();
-    if (!own.active.hasBounds() ||
-        !updateActiveBounds(problem_, structure_, linearizer, own.gradient, own.active))
-      break;
-  }
+  own.rss = linearizeAtBounds(problem_, structure_, linearizer, own.active, own.kept,
+                              [&own] { return own.kept.rows.gradient(); });
+  own.gradient = own.kept.rows.gradient();
   own.squared_norm = linearizer.squaredNormSent();
   own.diagonal = own.kept.rows.diagonal();
   if (!(own.rss <= Linearizer::kLargestRss) || !own.gradient.allFinite() || !own.diagonal.allFinite())

@@ -1,16 +1,9 @@
 #include "analyze/singular.hpp"
 
-#include <algorithm>
-
 #include "base/words.hpp"
 #include "slom/solve/block_qr.hpp"
 
 namespace slom {
-
-int blockOf(const ProblemStructure& structure, int unknown) {
-  const auto& offset = structure.system.offset;
-  return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
-}
 
 std::string unmeasured(const std::string& name) {
   return "no measurement depends on variable " + name +

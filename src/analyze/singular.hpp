@@ -4,12 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "linearize/block_of.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {
-
-/// The block of an unknown.
-int blockOf(const ProblemStructure& structure, int unknown);
 
 /// `left2world #3.orient.z`: the component of a variable that an unknown of the linear system is.
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown);

@@ -10,7 +10,8 @@ namespace slom {
 
 namespace {
 
-constexpr double kAtBound = 1e-14;  // relative: rounding errors of a step that ends at a bound
+constexpr int kMostActiveSets = 10;  // in one linearisation
+constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
 
 /// Calls f(variable, i, bound, x, component) for bound i of each optimised variable, x its coordinate.
 template <class F>
@@ -27,8 +28,8 @@ void forEachBound(const Problem& problem, const F& f) {
   }
 }
 
-}  // namespace
-
+/// Brings `active` up to date with the last linearisation of `linearizer`, whose gradient is g. Returns whether anything changed, so that
+/// columns of J are others.
 bool updateActiveBounds(const Problem& problem, const ProblemStructure& structure,
                         const Linearizer& linearizer, const Eigen::VectorXd& g, ActiveSet& active) {
   bool has_changed = false;
@@ -43,6 +44,19 @@ bool updateActiveBounds(const Problem& problem, const ProblemStructure& structur
     active.activate(v, i, is_active);
   });
   return has_changed;
+}
+
+}  // namespace
+
+double linearizeAtBounds(const Problem& problem, const ProblemStructure& structure, Linearizer& linearizer,
+                         ActiveSet& active, JacobianSink& sink,
+                         const std::function<Eigen::VectorXd()>& gradient) {
+  double rss = linearizer.linearize(problem, active, sink);
+  for (int i = 0; i < kMostActiveSets && active.hasBounds(); ++i) {
+    if (!updateActiveBounds(problem, structure, linearizer, gradient(), active)) break;
+    rss = linearizer.linearize(problem, active, sink);
+  }
+  return rss;
 }
 
 Eigen::VectorXd clampedToBounds(const Problem& problem, const ProblemStructure& structure,

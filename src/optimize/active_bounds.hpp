@@ -2,16 +2,19 @@
 ///   source   Bertsekas, "Projected Newton methods for optimization problems with simple constraints", 1982
 #pragma once
 
+#include <functional>
+
 #include <Eigen/Core>
 
 #include "slom/linearize/linearize.hpp"
 
 namespace slom {
 
-/// A bound is active where a component is at its limit and the RSS falls beyond it. Brings `active` up to date with the last
-/// linearisation of `linearizer`, whose gradient is g; returns whether anything changed, so that columns of J are others.
-bool updateActiveBounds(const Problem& problem, const ProblemStructure& structure,
-                        const Linearizer& linearizer, const Eigen::VectorXd& g, ActiveSet& active);
+/// Linearises into `sink`, and again as long as that changes which bounds are active: those where a component is at its limit and the RSS
+/// falls beyond it. Brings `active` up to date; returns the RSS. `gradient` gives J^T r of what the sink got.
+double linearizeAtBounds(const Problem& problem, const ProblemStructure& structure, Linearizer& linearizer,
+                         ActiveSet& active, JacobianSink& sink,
+                         const std::function<Eigen::VectorXd()>& gradient);
 
 /// `d`, shortened in each component that it would take beyond a bound.
 Eigen::VectorXd clampedToBounds(const Problem& problem, const ProblemStructure& structure,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "linearize/block_of.hpp"
 #include "optimize/active_bounds.hpp"
 #include "optimize/second_look.hpp"
 #include "problem/value_snapshot.hpp"
@@ -13,7 +14,6 @@
 namespace slom {
 
 namespace {
-constexpr int kMostActiveSets = 10;    // in one linearisation
 constexpr int kMostHoldings = 10;      // of unseen unknowns, in one step
 constexpr double kAgreement = 1e-2;    // of a column of J and what residuals do
 constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
@@ -67,11 +67,8 @@ double System::linearize() {
   linearized_at_ = ~std::uint64_t{0};
   ++content_of_solver_;
   ActiveSet& active = problem_.activeSet();
-  rss_ = linearizer_.linearize(problem_, active, *solver_);
-  for (int i = 0; i < kMostActiveSets && active.hasBounds(); ++i) {
-    if (!updateActiveBounds(problem_, structure_, linearizer_, solver_->gradient(), active)) break;
-    rss_ = linearizer_.linearize(problem_, active, *solver_);
-  }
+  rss_ = linearizeAtBounds(problem_, structure_, linearizer_, active, *solver_,
+                           [this] { return solver_->gradient(); });
   squared_norm_ = linearizer_.squaredNormSent();
   requireRange();
   linearized_at_ = problem_.valueRevision();
@@ -193,9 +190,8 @@ Eigen::VectorXd System::typicalSizes() {
 /// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
 /// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
 bool System::isTrueColumn(int unknown, double step) {
-  const auto& offset = structure_.system.offset;
-  const int block =
-      static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+  const int block = blockOf(structure_, unknown);
+  const int component = unknown - structure_.system.offset[static_cast<std::size_t>(block)];
   const int variable = structure_.variable_of_block[static_cast<std::size_t>(block)];
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
   ValueSnapshot before(problem_, variable);
@@ -215,7 +211,7 @@ bool System::isTrueColumn(int unknown, double step) {
   std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
   int agreements = 0;
   for (const double part : {1.0, 0.7e-3, 0.3e-6, 0.9e-8}) {
-    d[static_cast<std::size_t>(unknown - offset[static_cast<std::size_t>(block)])] = part * step;
+    d[static_cast<std::size_t>(component)] = part * step;
     record.store->boxplus(record.store->valueAt(record.slot), d.data());
     const double expected = length * std::abs(part * step);
     try {

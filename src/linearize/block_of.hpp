@@ -1,0 +1,15 @@
+/// From an unknown to the block that it is in.
+#pragma once
+
+#include <algorithm>
+
+#include "slom/linearize/structure.hpp"
+
+namespace slom {
+
+inline int blockOf(const ProblemStructure& structure, int unknown) {
+  const auto& offset = structure.system.offset;
+  return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
+}
+
+}  // namespace slom
