@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "mtk/detail/state.hpp"
 #include "mtk/detail/transpose.hpp"
 #include "mtk/dual.hpp"
 #include "mtk/manifold.hpp"
@@ -100,44 +101,6 @@ inline constexpr bool is_rebindable_v = !std::is_void_v<rebind_t<T, Dual<double,
 
 namespace detail {
 
-/// The numbers that a basic manifold is stored as, as an Eigen vector or as one number.
-struct State {
-  template <class S>
-    requires is_scalar_v<S>
-  static S& of(S& x) {
-    return x;
-  }
-  template <class S>
-    requires(!is_dual<S>)
-  static S& of(Scalar<S>& x) {
-    return x.value_;
-  }
-  template <class S, std::uint64_t C>
-  static SparseDual<S, C>& of(Scalar<SparseDual<S, C>>& x) {
-    return x;
-  }
-  template <class S>
-  static S& of(SO2<S>& x) {
-    return x.angle_;
-  }
-  template <class S>
-  static auto& of(SO3<S>& x) {
-    return x.q_;
-  }
-  template <class S>
-  static auto& of(S2<S>& x) {
-    return x.v_;
-  }
-  template <class D>
-  static D& of(Eigen::PlainObjectBase<D>& x) {
-    return x.derived();
-  }
-  template <class X>
-  static const auto& read(const X& x) {
-    return of(const_cast<X&>(x));
-  }
-};
-
 template <class M>
 concept Compound = NamedCompound<M> || AggregateOfManifolds<M>;
 template <class T>
@@ -176,19 +139,14 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
   }
 }
 
-template <class X>
-concept HasState = requires(X& x) { State::of(x); };
-template <class X>
-concept EigenState = requires(X& x) { State::of(x).size(); };
-
 /// y := x for a basic part over a type that loses nothing.
 template <class Y, class X>
 void liftPart(Y& y, const X& x) {
   if constexpr (requires { y = Y(x); }) {
     y = Y(x);
   } else {
-    auto& to = State::of(y);
-    const auto& from = State::read(x);
+    auto& to = stateOf(y);
+    const auto& from = stateOf(x);
     if constexpr (EigenState<X>) {
       using D = std::remove_cvref_t<decltype(to[0])>;
       to.resize(from.rows(), from.cols());
@@ -203,19 +161,11 @@ void liftPart(Y& y, const X& x) {
 template <class Y, class X>
 void seedPart(Y& y, const X& x, int offset, int width) {
   const auto column = [&](int i) { return offset + i < width ? offset + i : -1; };
-  if constexpr (requires {
-                  y.partials();
-                  y.value().coeffs();
-                }) {  // SO3
-    y.value() = x;
-    for (int i = 0; i < 3; ++i) {
-      typename Y::scalar row;
-      row.seed(0.0, column(i));
-      y.partials()[static_cast<std::size_t>(i)] = row.partials();
-    }
-  } else if constexpr (HasState<X> && !requires { y.vector(); }) {
-    auto& state = State::of(y);
-    const auto& value = State::read(x);
+  if constexpr (requires { state_t<Y>::seed(y, x, column); }) {
+    state_t<Y>::seed(y, x, column);
+  } else if constexpr (AddsToState<X>) {
+    auto& state = stateOf(y);
+    const auto& value = stateOf(x);
     if constexpr (EigenState<X>) {
       if constexpr (DOF_v<X> == Dynamic) state.resize(value.size());
       if constexpr (DOF_v<X> != Dynamic && DOF_v<X> <= 32) {
@@ -270,10 +220,10 @@ Y seededAs(const X& x, int offset, int width) {
 /// The basic part y over packs from one measurement's x per lane.
 template <class Y, class X, std::size_t W>
 void gatherPart(Y& y, const std::array<const X*, W>& x) {
-  auto& to = State::of(y);
+  auto& to = stateOf(y);
   constexpr int width = static_cast<int>(W);
   using Number = Pack<width>;
-  const auto from = [&](int lane) -> const auto& { return State::read(*x[static_cast<std::size_t>(lane)]); };
+  const auto from = [&](int lane) -> const auto& { return stateOf(*x[static_cast<std::size_t>(lane)]); };
   if constexpr (EigenState<X>) {
     constexpr int size = std::remove_cvref_t<decltype(from(0))>::SizeAtCompileTime;
     std::array<const double*, W> data;

@@ -26,9 +26,6 @@ class Pack;
 
 namespace detail {
 
-/// Gives the library the numbers that a basic manifold is stored as.
-struct State;
-
 /// The built-in number that S is made of.
 template <class S>
 struct BuiltIn {

@@ -92,8 +92,12 @@ class S2 {
     out << select(opposite, S(detail::two_pi<S> / 2), S(factor * a)), select(opposite, S(0), S(factor * b));
   }
 
+  struct MtkState {
+    static constexpr bool adds = false;
+    static auto& of(S2& x) { return x.v_; }
+  };
+
  private:
-  friend struct detail::State;
   /// Two unit vectors that complete v to a right-handed orthonormal frame.
   struct Axes {
     Vector a, b;

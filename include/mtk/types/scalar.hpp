@@ -28,8 +28,12 @@ class Scalar {
   void boxminus(vectview<S, 1> out, const Scalar& y) const { out[0] = value_ - y.value_; }
   void typicalSizes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
 
+  struct MtkState {
+    static constexpr bool adds = true;
+    static S& of(Scalar& x) { return x.value_; }
+  };
+
  private:
-  friend struct detail::State;
   S value_ = S(0);
 };
 
@@ -43,6 +47,11 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   Scalar() = default;
   Scalar(const scalar& x) : scalar(x) {}  // NOLINT(google-explicit-constructor): it is that number
   const scalar& value() const { return *this; }
+
+  struct MtkState {
+    static constexpr bool adds = true;
+    static scalar& of(Scalar& x) { return x; }
+  };
 
   void boxplus(vectview<const scalar, 1> d, scalar scale = scalar(1)) {
     *this = Scalar(*this + scale * d[0]);

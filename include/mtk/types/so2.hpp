@@ -119,8 +119,13 @@ class SO2 {
   }
   void boxminus(vectview<S, 1> out, const SO2& y) const { out[0] = detail::wrapAngle(S(angle_ - y.angle_)); }
 
+  struct MtkState {
+    static constexpr bool adds = true;
+    static S& of(SO2& x) { return x.angle_; }
+    static auto difference(const auto& x, const SO2& z) { return detail::wrapAngle(x.angle() - z.angle()); }
+  };
+
  private:
-  friend struct detail::State;
   S angle_ = S(0);
 };
 

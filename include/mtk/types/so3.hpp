@@ -167,9 +167,17 @@ class SO3 {
   void boxplus(vectview<const S, 3> d, S scale = S(1)) { *this = *this * exp(d, scale); }
   void boxminus(vectview<S, 3> out, const SO3& y) const { out = log(y.inverse() * *this); }
 
- private:
-  friend struct detail::State;
+  struct MtkState {
+    static constexpr bool adds = false;
+    static auto& of(SO3& x) { return x.q_; }
+    template <class X>
+    static auto difference(const X& x, const SO3& z) {
+      const auto from_z = z.inverse() * x;
+      return decltype(z.inverse() * x)::log(from_z);
+    }
+  };
 
+ private:
   /// Entries of R^T R may differ by so much from those of the identity.
   static constexpr double kRough = 0.5;
   static void requireRotation(const Matrix& R) {

@@ -225,6 +225,17 @@ class SO3<SparseDual<S, C>> {
   }
   void boxminus(vectview<scalar, 3> out, const SO3& y) const { out = log(y.inverse() * *this); }
 
+  struct MtkState {
+    static void seed(SO3& y, const Value& x, const auto& column) {
+      y.R_ = x;
+      for (int i = 0; i < 3; ++i) {
+        scalar row;
+        row.seed(0.0, column(i));
+        y.d_[static_cast<std::size_t>(i)] = row.partials();
+      }
+    }
+  };
+
  private:
   /// The coefficient with value `value` and derivative (a, b, c) / 2 by d: dq = q (0, d) / 2.
   scalar coefficient(const S& value, const S& a, const S& b, const S& c) const {

@@ -27,9 +27,9 @@ void writeDifferences(const OwnPart& part, double* D, int stride);
 /// Writes the block of one basic part; the diagonal of D is 1 and everything else 0 beforehand.
 template <class P>
 void writePart(const P& x, const P& y, double* D, int stride) {
-  if constexpr (std::is_base_of_v<mtk::SO3<>, P> || std::is_base_of_v<mtk::S2<>, P>) {
+  if constexpr (requires { writeBoxminusDerivative(x, y, D, stride); }) {
     writeBoxminusDerivative(x, y, D, stride);
-  } else if constexpr (!mtk::detail::HasState<P>) {
+  } else if constexpr (!mtk::detail::AddsToState<P>) {
     mtk::tangent_t<P> sizes(mtk::dof(x));
     mtk::typicalSizes<P>(sizes, x);
     const auto difference = [](const void* from, const void* to, const double* d, double* out) {

@@ -75,18 +75,20 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
       eachDifference(x[i], z[i], row, sink);
       row += mtk::dof(z[i]);
     }
-  } else if constexpr (requires { x.angle(); }) {  // SO2
-    sink(row, mtk::detail::wrapAngle(x.angle() - z.angle()));
-  } else if constexpr (requires { x.toRotationMatrix(); }) {  // SO3
-    const auto from_z = z.inverse() * x;
-    entries(decltype(z.inverse() * x)::log(from_z));
-  } else if constexpr (mtk::detail::EigenState<Z> && !requires { z.vector(); }) {
+  } else if constexpr (requires { mtk::detail::state_t<Z>::difference(x, z); }) {
+    const auto difference = mtk::detail::state_t<Z>::difference(x, z);
+    if constexpr (mtk::is_scalar_v<std::remove_cvref_t<decltype(difference)>>) {
+      sink(row, difference);
+    } else {
+      entries(difference);
+    }
+  } else if constexpr (mtk::detail::EigenState<Z> && mtk::detail::AddsToState<Z>) {
     mtk::detail::requireSameSize(x, z, "x [-] y");
     eachIndex(x, [&](int i) { sink(row + i, x[i] - z[i]); });
-  } else if constexpr (mtk::is_scalar_v<Z> || requires { z.value(); }) {
-    using N = std::remove_cvref_t<decltype(mtk::detail::State::read(z))>;
-    sink(row, x - static_cast<const N&>(mtk::detail::State::read(z)));
-  } else {  // S2, the user's own types
+  } else if constexpr (mtk::detail::AddsToState<Z>) {
+    using N = std::remove_cvref_t<decltype(mtk::detail::stateOf(z))>;
+    sink(row, x - static_cast<const N&>(mtk::detail::stateOf(z)));
+  } else {  // by its [-]
     using D = mtk::scalar_t<X>;
     mtk::PlainVector<D, mtk::DOF_v<X>> out(mtk::dof(x));
     mtk::boxminus<X>(out, x, mtk::lifted<D>(z));
