@@ -52,6 +52,10 @@ class MultifrontalCholesky {
     double value = 0;
   };
 
+  /// Less work than this [flops] is not worth being handed to another thread.
+  static constexpr double kSmallestTask = 1e6;
+  static double work(const Front& front);
+
   void layOut();
   void relate();
   void findEntries(const BlockLower& H);
