@@ -133,7 +133,7 @@ void Estimator::State::fillSizes(Summary& summary) {
   run([&] { fillGroups(problem, linearizer, summary, false); });
   const ProblemStructure& structure = system.structure();
   summary.solver = system.solver().description();
-  summary.variables = structure.system.blockCount();
+  summary.variables = structure.system.filledCount();
   summary.measurements = structure.residuals;
   summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
@@ -278,6 +278,14 @@ void Estimator::writeCovariance(int variable_a, int variable_b, double* block) c
     return covarianceBlock(linearized, state_->gauge, variable_a, variable_b);
   });
   std::copy(result.data(), result.data() + result.size(), block);
+}
+
+void Estimator::writeJointCovariance(const int* variables, int count, double* out) const {
+  const double factor = state_->varianceFactor();
+  const Eigen::MatrixXd result = factor * state_->analyze([&](const LinearizedProblem& linearized) {
+    return slom::jointCovariance(linearized, state_->gauge, {variables, variables + count});
+  });
+  std::copy(result.data(), result.data() + result.size(), out);
 }
 
 void Estimator::writeDeviations(int variable, double* deviations) const {

@@ -5,6 +5,10 @@
 // Chains of points, each measured from its neighbour. Prints nanoseconds a call for each size, and for diagnose() how many
 // iterations of the fit it takes, all in processor time. Ends with status 1 when a call takes more than eight times as long in the largest problem as
 // in one of 10^4 variables; caches account for some of that.
+//
+// A second table is of a walk to and fro over a square of points, each measured from the one before and from its neighbour in the row
+// before: what the next step of the fit takes for setup (structure, order of elimination, layout) after one change.
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -113,6 +117,77 @@ std::pair<double, double> diagnosis(int size) {
   return {iteration, seconds([&] { chain.est.diagnose(); })};
 }
 
+/// A walk to and fro over a square of points, of about this size.
+class Walk {
+ public:
+  explicit Walk(int size) : width_(static_cast<int>(std::sqrt(size))) {
+    while (static_cast<int>(points_.size()) < size) insertPoint();
+    est_.prior(points_[0], Point(), 1);
+    step();
+  }
+
+  void insertPoint() {
+    const int i = static_cast<int>(points_.size()), row = i / width_, column = i % width_;
+    points_.push_back(est_.insertRV(Point(row, column)));
+    if (i > 0) insertStep(i - 1, i);
+    if (row > 0 && column > 0) insertStep(row * width_ - 1 - column, i);
+  }
+  StepId insertStep(int from, int to) {
+    return est_.insertMeasurement(Step(), points_[std::size_t(from)], points_[std::size_t(to)],
+                                  slom::measured(Point(1, 0.1)));
+  }
+  slom::Estimator& est() { return est_; }
+  const std::vector<Id>& points() const { return points_; }
+
+  struct Seconds {
+    double setup, rest;
+  };
+  Seconds step() {
+    slom::Options options;
+    options.max_iterations = 1;
+    const slom::PhaseSeconds phases = est_.optimize(options).phases;
+    return {phases.setup, phases.linearize + phases.factorize + phases.solve};
+  }
+
+ private:
+  int width_;
+  slom::Estimator est_;
+  std::vector<Id> points_;
+};
+
+/// Milliseconds of setup in the step after a change, the least of some, with the part of the rest of the step that this is.
+std::vector<std::pair<std::string, std::string>> setups(int size) {
+  Walk walk(size);
+  slom::Estimator& est = walk.est();
+  std::vector<std::pair<std::string, std::string>> result;
+  const auto add = [&](const char* name, const auto& change) {
+    Walk::Seconds best{1e300, 0};
+    for (int i = 0; i < 5; ++i) {
+      change(i);
+      const Walk::Seconds now = walk.step();
+      if (now.setup < best.setup) best = now;
+    }
+    char text[64];
+    std::snprintf(text, sizeof text, "%.3g (%.2g)", 1e3 * best.setup, best.setup / best.rest);
+    result.emplace_back(name, text);
+  };
+  const int middle = size / 2;
+  const StepId extra = walk.insertStep(middle, middle + 1);
+  add("a value is set", [&](int i) { est.reinitRV(walk.points()[1], Point(i, 1)); });
+  add("one more prior", [&](int) { est.prior(walk.points()[std::size_t(middle)], Point(), 1); });
+  add("one more step between neighbours", [&](int) { walk.insertStep(middle, middle + 1); });
+  add("a step removed, another left", [&](int i) {
+    if (i == 0)
+      est.removeMeasurement(extra);
+    else
+      est.removeMeasurement(walk.insertStep(middle, middle + 1));
+  });
+  add("fix(id, \"x\")", [&](int i) { est.fix(walk.points()[std::size_t(i)], "x"); });
+  add("the next point, two steps", [&](int) { walk.insertPoint(); });
+  add("fix(id)", [&](int i) { est.fix(walk.points()[std::size_t(i + 10)]); });
+  return result;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -140,6 +215,18 @@ int main(int argc, char** argv) {
   for (const int size : sizes) {
     const auto [iteration, diagnose] = diagnosis(size);
     std::printf(" %.1f (of %.3g s) |", diagnose / iteration, iteration);
+  }
+  std::printf("\n\n| setup in ms after (of the rest of the step) |");
+  std::vector<std::vector<std::pair<std::string, std::string>>> steps;
+  for (const int size : sizes) {
+    steps.push_back(setups(size));
+    std::printf(" %d |", size);
+  }
+  std::printf("\n| --- |");
+  for (std::size_t i = 0; i < sizes.size(); ++i) std::printf(" --- |");
+  for (std::size_t row = 0; !steps.empty() && row < steps[0].size(); ++row) {
+    std::printf("\n| %s |", steps[0][row].first.c_str());
+    for (const auto& column : steps) std::printf(" %s |", column[row].second.c_str());
   }
   std::printf("\n");
   return grows ? 1 : 0;

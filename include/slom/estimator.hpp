@@ -321,6 +321,16 @@ class Estimator {
     writeCovariance(i, j, block.data());
     return block;
   }
+  /// Covariance of several variables together, in their order: n x n, n the sum of their degrees of freedom. Throws as covariance does.
+  template <class... T>
+  Eigen::MatrixXd jointCovariance(const VarID<T>&... ids) const {
+    const int variables[] = {problem().indexOf(ids)...};
+    int n = 0;
+    ((n += mtk::dof(*ids)), ...);
+    Eigen::MatrixXd C(n, n);
+    writeJointCovariance(variables, static_cast<int>(sizeof...(T)), C.data());
+    return C;
+  }
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
@@ -350,18 +360,7 @@ class Estimator {
     std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
     Eigen::MatrixXd J(scratch.getM(), scratch.getN());
     scratch.writeJacobian(J.data());
-    Eigen::MatrixXd C(J.cols(), J.cols());
-    int row = 0;
-    const auto fillRow = [&](const auto& a) {
-      int column = 0;
-      const auto fill = [&](const auto& b) {
-        C.block(row, column, mtk::dof(*a), mtk::dof(*b)) = covariance(a, b);
-        column += mtk::dof(*b);
-      };
-      (fill(ids), ...);
-      row += mtk::dof(*a);
-    };
-    (fillRow(ids), ...);
+    const Eigen::MatrixXd C = jointCovariance(ids...);
     Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
     detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
                       result.covariance.data());
@@ -477,6 +476,8 @@ class Estimator {
   void writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const;
   void writeResiduals(double* r) const;
   void writeJacobian(double* J) const;
+  /// Of all these variables together.
+  void writeJointCovariance(const int* variables, int count, double* out) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
   void writeDeviations(int variable, double* deviations) const;
 

@@ -21,13 +21,40 @@ MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, i
                          int variable_b) {
   const auto& table = linearized.problem().variables();
   const int dof_a = table[at(variable_a)].dof, dof_b = table[at(variable_b)].dof;
-  const auto& offset = linearized.structure().offset_of_variable;
-  const int a = offset[at(variable_a)], b = offset[at(variable_b)];
-  if (a < 0 || b < 0) return MatrixXd::Zero(dof_a, dof_b);
+  const ProblemStructure& structure = linearized.structure();
+  if (structure.system.isEmpty(variable_a) || structure.system.isEmpty(variable_b))
+    return MatrixXd::Zero(dof_a, dof_b);
+  const int a = structure.offsetOf(variable_a), b = structure.offsetOf(variable_b);
   MatrixXd block = linearized.covarianceColumns(gauge, b, dof_b).middleRows(a, dof_a);
   if (variable_a == variable_b) block = ((block + block.transpose()) / 2).eval();
   clearHeld(linearized, variable_a, variable_b, block.data());
   return block;
+}
+
+MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
+                         const std::vector<int>& variables) {
+  const auto& table = linearized.problem().variables();
+  const ProblemStructure& structure = linearized.structure();
+  int n = 0;
+  for (const int v : variables) n += table[at(v)].dof;
+  MatrixXd C = MatrixXd::Zero(n, n), block;
+  int column = 0;
+  for (const int b : variables) {
+    MatrixXd columns;
+    if (!structure.system.isEmpty(b))
+      columns = linearized.covarianceColumns(gauge, structure.offsetOf(b), table[at(b)].dof);
+    int row = 0;
+    for (const int a : variables) {
+      if (!structure.system.isEmpty(a) && !structure.system.isEmpty(b)) {
+        block = columns.middleRows(structure.offsetOf(a), table[at(a)].dof);
+        clearHeld(linearized, a, b, block.data());
+        C.block(row, column, block.rows(), block.cols()) = block;
+      }
+      row += table[at(a)].dof;
+    }
+    column += table[at(b)].dof;
+  }
+  return (C + C.transpose()) / 2;
 }
 
 void detail::propagate(const double* J, const double* C, int m, int n, double* out) {

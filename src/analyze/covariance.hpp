@@ -1,6 +1,8 @@
 /// How sure the estimated values are: blocks of (J^T J)^-1, for the stated uncertainties.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "analyze/linearized_problem.hpp"
@@ -11,6 +13,10 @@ namespace slom {
 /// those at a bound. Throws [slom.free-gauge], [slom.rank-deficient] or [slom.unmeasured-variable].
 Eigen::MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, int variable_a,
                                 int variable_b);
+
+/// The same of several variables together, one after the other.
+Eigen::MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
+                                const std::vector<int>& variables);
 
 /// Makes the rows and columns of fixed components, and of those at a bound, 0 in the covariance of two variables.
 void clearHeld(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block);

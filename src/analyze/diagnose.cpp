@@ -67,16 +67,14 @@ class Examination {
     result_.findings.push_back({kind, is_fault, std::move(text), std::move(names), dimension});
   }
   bool isHeld(int unknown) const {
-    const int block = blockOf(structure_, unknown);
-    return isHeld(block, unknown - structure_.system.offset[at(block)]);
+    const int variable = variableOf(structure_, unknown);
+    return isHeld(variable, unknown - structure_.offsetOf(variable));
   }
-  bool isHeld(int block, int component) const {
-    return linearized_.activeSet().isHeld(structure_.variable_of_block[at(block)], component);
+  bool isHeld(int variable, int component) const {
+    return linearized_.activeSet().isHeld(variable, component);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
-  const VariableRecord& recordOf(int block) const {
-    return problem_.variables()[at(structure_.variable_of_block[at(block)])];
-  }
+  const VariableRecord& recordOf(int variable) const { return problem_.variables()[at(variable)]; }
 
   void findIdleMeasurements() {
     struct Count {
@@ -105,13 +103,12 @@ class Examination {
   }
 
   void findIdle(const NearNullSpace& least) {
-    std::map<int, std::vector<std::string>> components_of;  // by block
+    std::map<int, std::vector<std::string>> components_of;  // by variable
     for (const int unknown : least.idle) {
-      components_of[blockOf(structure_, unknown)].push_back(nameOf(unknown));
+      components_of[variableOf(structure_, unknown)].push_back(nameOf(unknown));
     }
-    for (const auto& [block, names] : components_of) {
-      const int variable = structure_.variable_of_block[at(block)];
-      if (recordOf(block).uses == 0) {
+    for (const auto& [variable, names] : components_of) {
+      if (recordOf(variable).uses == 0) {
         add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)),
             {problem_.variableName(variable)}, static_cast<int>(names.size()));
       } else {
@@ -129,7 +126,8 @@ class Examination {
     if (own.norm() < 0.5) return;  // a direction of this part would be of unit length
     const SVD svd = svdOf(own, Eigen::ComputeThinU);
     own = svd.matrixU().leftCols((svd.singularValues().array() > 0.5).count());
-    const Gauge gauge = part.blocks.size() > 1 ? findGauge(problem_, structure_, part, own, scale) : Gauge();
+    const Gauge gauge =
+        part.variables.size() > 1 ? findGauge(problem_, structure_, part, own, scale) : Gauge();
     if (gauge.count() > 0) {
       result_.findings.push_back(findingOf(gauge, part, problem_, structure_));
       const MatrixXd rest = own - gauge.directions * (gauge.directions.transpose() * own);
@@ -199,8 +197,7 @@ class Examination {
     std::vector<std::string> who;
     for (const Part& part : parts) {
       std::vector<std::string> names;
-      for (const int block : part.blocks)
-        names.push_back(problem_.variableName(structure_.variable_of_block[at(block)]));
+      for (const int variable : part.variables) names.push_back(problem_.variableName(variable));
       who.push_back(abridged(names));
     }
     std::string text =
@@ -236,13 +233,13 @@ class Examination {
 
   void findCorrelations() {
     std::map<const VariableStoreBase*, int> count_of;
-    const int blocks = structure_.system.blockCount();
-    for (int b = 0; b < blocks; ++b) ++count_of[recordOf(b).store];
+    const int table = structure_.system.blockCount();
+    for (int v = 0; v < table; ++v) count_of[recordOf(v).store] += structure_.system.isEmpty(v) ? 0 : 1;
     std::vector<int> unknowns;
-    for (int b = 0; b < blocks; ++b) {
-      if (count_of[recordOf(b).store] > kFew) continue;
-      for (int c = 0; c < structure_.system.dof(b); ++c) {
-        if (!isHeld(b, c)) unknowns.push_back(structure_.system.offset[at(b)] + c);
+    for (int v = 0; v < table; ++v) {
+      if (count_of[recordOf(v).store] > kFew) continue;
+      for (int c = 0; c < structure_.system.dof(v); ++c) {
+        if (!isHeld(v, c)) unknowns.push_back(structure_.offsetOf(v) + c);
       }
     }
     const Index n = static_cast<Index>(unknowns.size());

@@ -76,8 +76,8 @@ Finding findingOf(const Gauge& gauge, const Part& part, const Problem& problem,
   std::map<std::string, Members> members_of;  // by noun
   int row = 0;
   std::vector<std::string> names;
-  for (const int block : part.blocks) {
-    const int variable = structure.variable_of_block[at(block)], dof = structure.system.dof(block);
+  for (const int variable : part.variables) {
+    const int dof = structure.system.dof(variable);
     Members& members = members_of[nounOf(problem.variables()[at(variable)].store->typeName())];
     ++members.of;
     if (gauge.directions.middleRows(row, dof).norm() > kNegligibleEntry) {

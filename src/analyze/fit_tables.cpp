@@ -39,15 +39,15 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
       variance_factor * linearized.covarianceColumns(gauge, 0, structure.system.unknowns());
   const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, gauge);
   std::vector<int> unknowns;
-  for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
-    const VariableRecord& record =
-        problem.variables()[static_cast<std::size_t>(structure.variable_of_block[b])];
-    const std::vector<std::string> names = problem.componentNames(structure.variable_of_block[b]);
+  for (int v = 0; v < structure.system.blockCount(); ++v) {
+    if (structure.system.isEmpty(v)) continue;
+    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
+    const std::vector<std::string> names = problem.componentNames(v);
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
     for (int c = 0; c < record.dof; ++c) {
-      if (linearized.activeSet().isHeld(structure.variable_of_block[b], c)) continue;
-      const int unknown = structure.system.offset[b] + c;
+      if (linearized.activeSet().isHeld(v, c)) continue;
+      const int unknown = structure.offsetOf(v) + c;
       unknowns.push_back(unknown);
       summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
                                     std::sqrt(C(unknown, unknown))});

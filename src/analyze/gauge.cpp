@@ -40,8 +40,8 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
                                                     const Part& part, const MatrixXd& null_space) {
   std::map<const VariableStoreBase*, Class> classes;
   int row = 0;
-  for (const int block : part.blocks) {
-    const int dof = structure.system.dof(block), variable = structure.variable_of_block[at(block)];
+  for (const int variable : part.variables) {
+    const int dof = structure.system.dof(variable);
     if (null_space.middleRows(row, dof).norm() > kSame) {
       Class& own = classes[problem.variables()[at(variable)].store];
       own.variables.push_back(variable);
@@ -90,12 +90,11 @@ MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
 }
 
 /// The rows of unknowns that no motion of the world changes.
-MatrixXd rowsElsewhere(const Problem& problem, const ProblemStructure& structure, const Part& part,
-                       const MatrixXd& null_space) {
+MatrixXd rowsElsewhere(const Problem& problem, const Part& part, const MatrixXd& null_space) {
   std::vector<int> rows;
   int row = 0;
-  for (const int block : part.blocks) {
-    const VariableRecord& record = problem.variables()[at(structure.variable_of_block[at(block)])];
+  for (const int variable : part.variables) {
+    const VariableRecord& record = problem.variables()[at(variable)];
     MatrixXd motions(record.dof, kGaugeGenerators);
     record.store->gaugeGenerators(record.store->valueAt(record.slot), WorldRole::in_world, motions.data());
     for (int c = 0; c < record.dof; ++c) {
@@ -203,12 +202,13 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
   std::vector<int> part_of(root.size(), -1);
   std::vector<Part> parts;
   for (int b = 0; b < structure.blockCount(); ++b) {
+    if (structure.isEmpty(b)) continue;
     int& part = part_of[at(find(b))];
     if (part < 0) {
       part = static_cast<int>(parts.size());
       parts.emplace_back();
     }
-    parts[at(part)].blocks.push_back(b);
+    parts[at(part)].variables.push_back(b);
     for (int c = 0; c < structure.dof(b); ++c)
       parts[at(part)].unknowns.push_back(structure.offset[at(b)] + c);
   }
@@ -218,7 +218,7 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
 Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part,
                 const MatrixXd& null_space, const VectorXd& scale) {
   Gauge best;
-  const MatrixXd elsewhere = rowsElsewhere(problem, structure, part, null_space);
+  const MatrixXd elsewhere = rowsElsewhere(problem, part, null_space);
   for (const auto& [store, own] : classesOf(problem, structure, part, null_space)) {
     const MatrixXd null_rows = rowsOf(null_space, problem, own);
     for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {

@@ -12,8 +12,8 @@ namespace slom {
 
 /// A part of the problem that no measurement connects with the rest.
 struct Part {
-  std::vector<int> blocks;
-  std::vector<int> unknowns;  // of these blocks
+  std::vector<int> variables;  // whose blocks are not empty
+  std::vector<int> unknowns;   // of these blocks
 };
 
 /// The connected parts of a structure, in the order of their first blocks.

@@ -172,6 +172,7 @@ double LinearizedProblem::largestInflation(const InverseBlocks& inverse) const {
   double largest = 0;
   MatrixXd C;
   for (int b = 0; b < blocks.blockCount(); ++b) {
+    if (blocks.isEmpty(b)) continue;
     C.resize(blocks.dof(b), blocks.dof(b));
     inverse.block(b, b, C.data());
     largest = std::max(

@@ -20,16 +20,16 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
     while (result.stores_[place.store].get() != record.store) ++place.store;
     place.ref = record.store->refTo(record.slot);
     place.dof = record.dof;
-    const int block = structure.block_of_variable[v];
-    if (block >= 0) {
+    const int block = static_cast<int>(v);
+    if (!structure.system.isEmpty(block)) {
       place.start = result.numbers_.size();
       result.numbers_.resize(place.start + static_cast<std::size_t>(place.dof * place.dof));
       double* const numbers = result.numbers_.data() + place.start;
       inverse.block(block, block, numbers);
-      clearHeld(linearized, static_cast<int>(v), static_cast<int>(v), numbers);
+      clearHeld(linearized, block, block, numbers);
       for (int i = 0; i < place.dof; ++i) {  // conjugate gradients do not notice a loss of rank
         if (numbers[i * (place.dof + 1)] >= 0) continue;
-        const int unknown = structure.offset_of_variable[v] + i;
+        const int unknown = structure.offsetOf(block) + i;
         throw linearized.undetermined(SolveStatus{false, unknown, 0, 0});
       }
     }

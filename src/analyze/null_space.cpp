@@ -34,6 +34,7 @@ constexpr double kMostWork = 1e9;
 VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   constexpr double rounding = 1e-14;
   for (int b = 0; b < structure.blockCount(); ++b) {
+    if (structure.isEmpty(b)) continue;
     auto own = diagonal.segment(structure.offset[static_cast<std::size_t>(b)], structure.dof(b));
     const double limit = rounding * rounding * own.maxCoeff();
     for (double& h : own) h = h < limit ? 0 : h;

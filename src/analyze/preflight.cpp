@@ -107,7 +107,8 @@ class Inspection {
       }
     }
     std::vector<std::string> lacking;
-    for (const int v : structure.variable_of_block) {
+    for (int v = 0; v < structure.system.blockCount(); ++v) {
+      if (structure.system.isEmpty(v)) continue;
       const VariableRecord& record = problem_.variables()[at(v)];
       int free = 0;
       for (int c = 0; c < record.dof; ++c) free += problem_.activeSet().isHeld(v, c) ? 0 : 1;

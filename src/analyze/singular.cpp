@@ -11,15 +11,12 @@ std::string unmeasured(const std::string& name) {
 }
 
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
-  const int block = blockOf(structure, unknown);
-  const int variable = structure.variable_of_block[static_cast<std::size_t>(block)];
-  const int component = unknown - structure.system.offset[static_cast<std::size_t>(block)];
+  const int variable = variableOf(structure, unknown), component = unknown - structure.offsetOf(variable);
   return problem.componentNames(variable)[static_cast<std::size_t>(component)];
 }
 
 Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status) {
-  const int variable =
-      structure.variable_of_block[static_cast<std::size_t>(blockOf(structure, status.unknown))];
+  const int variable = variableOf(structure, status.unknown);
   if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {
     return {"slom.unmeasured-variable", unmeasured(problem.variableName(variable))};
   }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "linearize/block_of.hpp"
+#include "linearize/variable_of.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {

@@ -1,45 +1,187 @@
 #include "slom/linearize/structure.hpp"
 
+#include <algorithm>
+#include <iterator>
+
+#include "base/index.hpp"
+
 namespace slom {
+
+namespace {
+
+int dofOf(const Problem& problem, int variable) {
+  const VariableRecord& record = problem.variables()[at(variable)];
+  return record.store != nullptr && problem.activeSet().isOptimized(variable) ? record.dof : 0;
+}
+
+int blockOf(const Problem& problem, int variable) { return dofOf(problem, variable) > 0 ? variable : -1; }
+
+int tableSize(const Problem& problem) { return static_cast<int>(problem.variables().size()); }
+
+/// The blocks from `first` on.
+void layOutBlocks(const Problem& problem, int first, std::vector<int>& offset) {
+  offset.resize(at(tableSize(problem)) + 1);
+  for (int v = first; v < tableSize(problem); ++v) offset[at(v) + 1] = offset[at(v)] + dofOf(problem, v);
+}
+
+void writeBlocks(const Problem& problem, const MeasurementPool& pool, int i, int* blocks) {
+  for (int k = 0; k < pool.arity(); ++k) blocks[k] = blockOf(problem, pool.variables(i)[k]);
+}
+
+/// The group after those of the pools, where there is one.
+void writeHeld(const Problem& problem, std::vector<MeasurementGroup>& groups) {
+  groups.resize(problem.pools().size());
+  const IndexSet& constrained = problem.activeSet().constrained();
+  if (constrained.empty()) return;
+  MeasurementGroup held{1, {}};
+  for (const int v : constrained) {
+    if (blockOf(problem, v) >= 0) held.blocks.push_back(v);
+  }
+  groups.push_back(std::move(held));
+}
+
+int countResiduals(const Problem& problem) {
+  int sum = 0;
+  for (const auto& pool : problem.pools()) sum += pool->totalRows();
+  return sum;
+}
+
+/// Whether two of the blocks are different ones.
+bool doMeet(std::span<const int> blocks) {
+  int one = -1;
+  for (const int block : blocks) {
+    if (block >= 0 && one >= 0 && block != one) return true;
+    if (block >= 0) one = block;
+  }
+  return false;
+}
+
+/// Brings a structure up to date. What a pool holds does not depend on how it came there: changes only say where to look.
+class Update {
+ public:
+  Update(const Problem& problem, ProblemStructure& structure)
+      : problem_(problem), structure_(structure), touched_(problem.pools().size()) {}
+
+  StructureChanges run(std::span<const Change> changes) {
+    for (const Change& change : changes) note(change);
+    resizeBlocks();
+    addPools();
+    for (std::size_t p = 0; p < touched_.size(); ++p) updateGroup(p);
+    if (has_other_held_) {
+      writeHeld(problem_, structure_.system.groups);
+      result_.measurements = true;
+    }
+    structure_.residuals = countResiduals(problem_);
+    return result_;
+  }
+
+ private:
+  void note(const Change& change) {
+    using Kind = Change::Kind;
+    if (change.pool >= 0) {
+      touched_[at(change.pool)].push_back(change.index);
+      return;
+    }
+    const int variable = change.index;
+    has_other_held_ = has_other_held_ || change.kind == Kind::constraint || isOrWasHeld(variable);
+    if (change.kind != Kind::constraint) variables_.push_back(variable);
+    if (change.kind == Kind::variable_fixed || change.kind == Kind::variable_freed) {
+      problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
+        touched_[at(problem_.indexOfPool(pool))].push_back(i);
+      });
+    }
+  }
+
+  bool isOrWasHeld(int variable) const {
+    if (problem_.activeSet().isConstrained(variable)) return true;
+    if (static_cast<int>(structure_.system.groups.size()) == structure_.pools) return false;
+    const std::vector<int>& held = structure_.system.groups.back().blocks;
+    return std::binary_search(held.begin(), held.end(), variable);
+  }
+
+  void resizeBlocks() {
+    const int before = structure_.system.blockCount();
+    int first = before;
+    for (const int v : variables_) {
+      const int dof = v < before ? structure_.system.dof(v) : 0;
+      if (dof == dofOf(problem_, v)) continue;
+      first = std::min(first, v);
+      result_.blocks = true;
+    }
+    if (first == tableSize(problem_)) return;
+    layOutBlocks(problem_, first, structure_.system.offset);
+    result_.measurements = true;
+  }
+
+  /// Before the group of what is held, if there is one.
+  void addPools() {
+    const auto end = structure_.system.groups.begin() + structure_.pools;
+    std::vector<MeasurementGroup> added;
+    for (std::size_t p = at(structure_.pools); p < touched_.size(); ++p)
+      added.push_back({problem_.pools()[p]->arity(), {}});
+    result_.measurements = result_.measurements || !added.empty();
+    structure_.system.groups.insert(end, std::move_iterator(added.begin()), std::move_iterator(added.end()));
+    structure_.pools = static_cast<int>(touched_.size());
+  }
+
+  void updateGroup(std::size_t p) {
+    const MeasurementPool& pool = *problem_.pools()[p];
+    std::vector<int>& blocks = structure_.system.groups[p].blocks;
+    const std::size_t arity = at(pool.arity()), size = at(pool.size()) * arity;
+    const auto measurement = [&](std::size_t start) {
+      return std::span<const int>(blocks).subspan(start, arity);
+    };
+    if (touched_[p].empty()) return;
+    const std::size_t before = blocks.size();
+    for (std::size_t start = size; start < before; start += arity) noteDifference(measurement(start));
+    blocks.resize(size, -1);
+    std::vector<int> now(arity);
+    for (const int i : touched_[p]) {
+      const std::size_t start = at(i) * arity;
+      if (start >= size) continue;
+      writeBlocks(problem_, pool, i, now.data());
+      const std::span<const int> was = measurement(start);
+      if (start < before && std::equal(now.begin(), now.end(), was.begin())) continue;
+      noteDifference(was);
+      noteDifference(now);
+      std::copy(now.begin(), now.end(), blocks.begin() + static_cast<std::ptrdiff_t>(start));
+    }
+  }
+
+  void noteDifference(std::span<const int> blocks) {
+    result_.measurements = true;
+    result_.meetings = result_.meetings || doMeet(blocks);
+  }
+
+  const Problem& problem_;
+  ProblemStructure& structure_;
+  std::vector<std::vector<int>> touched_;  // measurements of each pool
+  std::vector<int> variables_;             // that may have got another size
+  bool has_other_held_ = false;
+  StructureChanges result_;
+};
+
+}  // namespace
 
 ProblemStructure makeStructure(const Problem& problem) {
   ProblemStructure result;
-  const auto& table = problem.variables();
-  result.block_of_variable.assign(table.size(), -1);
-  result.offset_of_variable.assign(table.size(), -1);
-  int unknowns = 0;
-  for (std::size_t v = 0; v < table.size(); ++v) {
-    if (table[v].store == nullptr || !problem.activeSet().isOptimized(static_cast<int>(v)) ||
-        table[v].dof == 0)
-      continue;
-    result.block_of_variable[v] = static_cast<int>(result.variable_of_block.size());
-    result.offset_of_variable[v] = unknowns;
-    result.variable_of_block.push_back(static_cast<int>(v));
-    result.system.offset.push_back(unknowns);
-    unknowns += table[v].dof;
-  }
-  result.system.offset.push_back(unknowns);
-
+  result.system.offset.assign(1, 0);
+  layOutBlocks(problem, 0, result.system.offset);
   for (const auto& pool : problem.pools()) {
-    MeasurementGroup group{pool->arity(), {}};
-    group.blocks.reserve(static_cast<std::size_t>(pool->size()) * static_cast<std::size_t>(pool->arity()));
-    for (int i = 0; i < pool->size(); ++i) {
-      for (int k = 0; k < pool->arity(); ++k) {
-        group.blocks.push_back(result.block_of_variable[static_cast<std::size_t>(pool->variables(i)[k])]);
-      }
-      result.residuals += pool->rows(i);
-    }
+    MeasurementGroup group{pool->arity(), std::vector<int>(at(pool->size()) * at(pool->arity()))};
+    for (int i = 0; i < pool->size(); ++i)
+      writeBlocks(problem, *pool, i, group.blocks.data() + at(i) * at(pool->arity()));
     result.system.groups.push_back(std::move(group));
   }
-  if (!problem.activeSet().constrained().empty()) {
-    MeasurementGroup held{1, {}};
-    for (const int v : problem.activeSet().constrained()) {
-      const int block = result.block_of_variable[static_cast<std::size_t>(v)];
-      if (block >= 0) held.blocks.push_back(block);
-    }
-    result.system.groups.push_back(std::move(held));
-  }
+  writeHeld(problem, result.system.groups);
+  result.pools = static_cast<int>(problem.pools().size());
+  result.residuals = countResiduals(problem);
   return result;
+}
+
+StructureChanges updateStructure(const Problem& problem, std::span<const Change> changes,
+                                 ProblemStructure& structure) {
+  return Update(problem, structure).run(changes);
 }
 
 }  // namespace slom

@@ -80,11 +80,11 @@ void VariableStoreBase::restore() {
   for (std::size_t i = 0; i < saved_.size(); ++i) assign(values_[i], saved_[i]);
 }
 
-void VariableStoreBase::applyStep(const std::vector<int>& offset_of_variable, const double* step) {
+void VariableStoreBase::applyStep(const std::vector<int>& offset, const double* step) {
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    const int v = variable_[i];
-    if (v < 0 || offset_of_variable[static_cast<std::size_t>(v)] < 0) continue;
-    boxplus(values_[i], step + offset_of_variable[static_cast<std::size_t>(v)]);
+    if (variable_[i] < 0) continue;
+    const auto v = static_cast<std::size_t>(variable_[i]);
+    if (offset[v] < offset[v + 1]) boxplus(values_[i], step + offset[v]);
   }
 }
 

@@ -36,7 +36,7 @@ bool updateActiveBounds(const Problem& problem, const ProblemStructure& structur
   forEachBound(problem, [&](int v, std::size_t i, const ComponentBound& bound, double x) {
     const bool was_active = active.bounds(v)[i].is_active;
     const double slope = was_active ? linearizer.gradientOfHeld(v, bound.component)
-                                    : g[structure.offset_of_variable[at(v)] + bound.component];
+                                    : g[structure.offsetOf(v) + bound.component];
     const double margin = kAtBound * std::max(std::abs(x), 1e-300);
     const bool is_active =
         (x >= bound.upper - margin && slope < 0) || (x <= bound.lower + margin && slope > 0);
@@ -63,7 +63,7 @@ Eigen::VectorXd clampedToBounds(const Problem& problem, const ProblemStructure& 
                                 const Eigen::VectorXd& d) {
   Eigen::VectorXd clamped = d;
   forEachBound(problem, [&](int v, std::size_t, const ComponentBound& bound, double x) {
-    const int unknown = structure.offset_of_variable[at(v)] + bound.component;
+    const int unknown = structure.offsetOf(v) + bound.component;
     clamped[unknown] = std::clamp(d[unknown], std::min(bound.lower - x, 0.0), std::max(bound.upper - x, 0.0));
   });
   return clamped;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "linearize/block_of.hpp"
+#include "linearize/variable_of.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {
@@ -83,12 +83,11 @@ void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) 
 /// would gain. A column of rounding errors stays one everywhere.
 bool System::hasRunAway(int unknown) {
   constexpr int decades = 40;
-  const auto block = static_cast<std::size_t>(blockOf(structure_, unknown));
-  const VariableRecord& record =
-      problem_.variables()[static_cast<std::size_t>(structure_.variable_of_block[block])];
+  const int variable = variableOf(structure_, unknown);
+  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
   std::vector<double> x(static_cast<std::size_t>(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
-  const double coordinate = x[static_cast<std::size_t>(unknown - structure_.system.offset[block])];
+  const double coordinate = x[static_cast<std::size_t>(unknown - structure_.offsetOf(variable))];
   if (!std::isfinite(coordinate)) return false;  // an angle, which comes back by itself
   Eigen::VectorXd d = Eigen::VectorXd::Zero(structure_.system.unknowns());
   for (int k = 1; k <= decades; ++k) {

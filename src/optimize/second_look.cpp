@@ -14,11 +14,12 @@ bool hasFreeGauge(const Problem& problem, const ProblemStructure& structure, con
   std::vector<double> motions;
   for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
     MatrixXd moved = MatrixXd::Zero(H.size(), kGaugeGenerators);
-    for (std::size_t b = 0; b < structure.variable_of_block.size(); ++b) {
-      const VariableRecord& record = problem.variables()[at(structure.variable_of_block[b])];
+    for (int v = 0; v < structure.system.blockCount(); ++v) {
+      if (structure.system.isEmpty(v)) continue;
+      const VariableRecord& record = problem.variables()[at(v)];
       motions.resize(at(record.dof * kGaugeGenerators));
       record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
-      moved.middleRows(structure.system.offset[b], record.dof) =
+      moved.middleRows(structure.offsetOf(v), record.dof) =
           Eigen::Map<const MatrixXd>(motions.data(), record.dof, kGaugeGenerators);
     }
     for (int k = 0; k < kGaugeGenerators; ++k) {

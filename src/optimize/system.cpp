@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
-#include "linearize/block_of.hpp"
+#include "linearize/variable_of.hpp"
 #include "optimize/active_bounds.hpp"
 #include "optimize/second_look.hpp"
 #include "problem/value_snapshot.hpp"
@@ -28,13 +28,20 @@ System::~System() = default;
 void System::setSolver(LinearSolver& solver) {
   given_ = solver_ = &solver;
   careful_.reset();
+  changes_ = StructureChanges::all();
   analyzed_at_ = linearized_at_ = ~std::uint64_t{0};
 }
 
 const ProblemStructure& System::structure() {
   if (structured_at_ != problem_.structureRevision()) {
     const detail::Stopwatch watch(setup_seconds_);
-    structure_ = makeStructure(problem_);
+    const std::uint64_t before = std::exchange(structured_at_, ~std::uint64_t{0});
+    if (const auto changes = problem_.changesSince(before)) {
+      changes_.add(updateStructure(problem_, *changes, structure_));
+    } else {
+      structure_ = makeStructure(problem_);
+      changes_ = StructureChanges::all();
+    }
     structured_at_ = problem_.structureRevision();
     linearized_at_ = ~std::uint64_t{0};
   }
@@ -48,7 +55,9 @@ void System::analyze() {
   solver_ = given_;
   careful_.reset();
   ++content_of_solver_;
-  solver_->analyze(structure_.system);
+  const StructureChanges changes = std::exchange(changes_, StructureChanges::all());
+  if (changes.any()) solver_->update(structure_.system, changes);
+  changes_ = {};
   analyzed_at_ = structured_at_;
 }
 
@@ -85,10 +94,10 @@ void System::requireRange() {
 void System::move(const Eigen::VectorXd& d) {
   problem_.save();
   if (problem_.activeSet().hasBounds()) {
-    problem_.applyStep(structure_.offset_of_variable, clampedToBounds(problem_, structure_, d).data());
+    problem_.applyStep(structure_.system.offset, clampedToBounds(problem_, structure_, d).data());
     roundToBounds(problem_);
   } else {
-    problem_.applyStep(structure_.offset_of_variable, d.data());
+    problem_.applyStep(structure_.system.offset, d.data());
   }
 }
 
@@ -180,9 +189,10 @@ double System::stepInDeviations(const Eigen::VectorXd& d) const {
 Eigen::VectorXd System::typicalSizes() {
   Eigen::VectorXd magnitude(structure_.system.unknowns());
   const auto& table = problem_.variables();
-  for (std::size_t b = 0; b < structure_.variable_of_block.size(); ++b) {
-    const VariableRecord& record = table[static_cast<std::size_t>(structure_.variable_of_block[b])];
-    record.store->typicalSizes(record.slot, magnitude.data() + structure_.system.offset[b]);
+  for (int b = 0; b < structure_.system.blockCount(); ++b) {
+    if (structure_.system.isEmpty(b)) continue;
+    const VariableRecord& record = table[static_cast<std::size_t>(b)];
+    record.store->typicalSizes(record.slot, magnitude.data() + structure_.offsetOf(b));
   }
   return magnitude;
 }
@@ -190,9 +200,8 @@ Eigen::VectorXd System::typicalSizes() {
 /// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
 /// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
 bool System::isTrueColumn(int unknown, double step) {
-  const int block = blockOf(structure_, unknown);
-  const int component = unknown - structure_.system.offset[static_cast<std::size_t>(block)];
-  const int variable = structure_.variable_of_block[static_cast<std::size_t>(block)];
+  const int variable = variableOf(structure_, unknown);
+  const int component = unknown - structure_.offsetOf(variable);
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
   ValueSnapshot before(problem_, variable);
   const bool was_linearized = linearized_at_ == problem_.valueRevision();
@@ -299,21 +308,20 @@ void System::clearHeld(Eigen::VectorXd& d) const {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
     if (!problem_.activeSet().isOptimized(v)) continue;
     for (int c = 0; c < record.dof; ++c) {
-      if (problem_.activeSet().isHeld(v, c))
-        d[structure_.offset_of_variable[static_cast<std::size_t>(v)] + c] = 0;
+      if (problem_.activeSet().isHeld(v, c)) d[structure_.offsetOf(v) + c] = 0;
     }
   }
 }
 
 bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
   std::vector<double> magnitude;
-  const auto& variable = structure_.variable_of_block;
-  for (std::size_t b = 0; b < variable.size(); ++b) {  // seldom beyond the first
-    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable[b])];
+  for (int v = 0; v < structure_.system.blockCount(); ++v) {  // seldom beyond the first
+    if (structure_.system.isEmpty(v)) continue;
+    const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
     magnitude.resize(static_cast<std::size_t>(record.dof));
     record.store->typicalSizes(record.slot, magnitude.data());
     for (int c = 0; c < record.dof; ++c) {
-      const int i = structure_.system.offset[b] + c;
+      const int i = structure_.offsetOf(v) + c;
       const double column = std::sqrt(solver_->diagonal()[i]);
       const double limit =
           tolerance * (magnitude[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));

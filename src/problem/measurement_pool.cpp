@@ -177,6 +177,7 @@ SlotRef MeasurementPool::insert(void* measurement, const int* variables, const N
   const std::size_t noise_at = appendNoise(noise, rows, kind);
   push(measurement);
   if (type_.rows == Dynamic) rows_.push_back(rows);
+  total_rows_ += rows;
   return append(variables, kind, noise_at, kept_loss);
 }
 
@@ -250,6 +251,7 @@ SlotRef MeasurementPool::append(const int* variables, WhiteningKind kind, std::s
 
 void MeasurementPool::remove(int i) {
   const std::size_t hole = at(i), last = slot_.size() - 1;
+  total_rows_ -= rows(i);
   moveLastTo(i);
   if (type_.rows == Dynamic) {
     rows_[hole] = rows_[last];

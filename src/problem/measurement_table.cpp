@@ -34,6 +34,12 @@ void Problem::removeLastPool() {
   pools_.pop_back();
 }
 
+int Problem::indexOfPool(const MeasurementPool& pool) const {
+  const auto found =
+      std::find_if(pools_.begin(), pools_.end(), [&](const auto& own) { return own.get() == &pool; });
+  return static_cast<int>(found - pools_.begin());
+}
+
 std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
   std::vector<const MeasurementPool*> result;
   for (const auto& pool : pools_) {
@@ -69,7 +75,8 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
     }
   }();
   for (const int variable : variables) ++table_[at(variable)].uses;
-  ++structure_revision_;
+  ++measurement_count_;
+  changes_.add({Change::Kind::measurement_inserted, pool->size() - 1, indexOfPool(*pool)}, size());
   noteUse(pool, ref, variables.data(), type.arity);
   return {pool, ref};
 }
@@ -127,7 +134,8 @@ std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, Sl
 void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
   pool.remove(i);
-  ++structure_revision_;
+  --measurement_count_;
+  changes_.add({Change::Kind::measurement_removed, i, indexOfPool(pool)}, size());
 }
 
 void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Core>
+
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "problem/uses.hpp"
@@ -26,6 +28,7 @@ int Problem::reserveVariable() {
   if (table_.size() == table_.capacity()) table_.reserve(std::max<std::size_t>(64, 2 * table_.size()));
   if (free_.capacity() < table_.capacity()) free_.reserve(table_.capacity());
   active_.reserve(table_.capacity());
+  travelled_.reserve(table_.capacity());
   return static_cast<int>(table_.size());
 }
 
@@ -34,12 +37,14 @@ void Problem::bookVariable(int index, VariableRecord record, bool optimize) {
   record.serial = ++inserted_;
   if (at(index) == table_.size()) {
     table_.push_back(std::move(record));
+    travelled_.push_back(0);
   } else {
     free_.pop_back();
     table_[at(index)] = std::move(record);
+    travelled_[at(index)] = 0;
   }
-  ++structure_revision_;
-  ++value_revision_;
+  changes_.add({Change::Kind::variable_inserted, index}, size());
+  moves_.add(index, size());
 }
 
 VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
@@ -80,14 +85,29 @@ void Problem::setValue(int variable, const void* value) {
                                         "; insert a new variable instead");
   }
   checkBounds(variable, active_.bounds(variable), value);
-  record.store->assign(record.store->valueAt(record.slot), value);
-  ++value_revision_;
+  overwrite(variable, value);
 }
 
 void Problem::overwrite(int variable, const void* value) {
   const VariableRecord& record = table_[at(variable)];
+  const double distance = distanceTo(variable, value);
   record.store->assign(record.store->valueAt(record.slot), value);
-  ++value_revision_;
+  travelled_[at(variable)] += distance;
+  moves_.add(variable, size());
+}
+
+/// The largest component of value [-] the variable; infinite where that is no number.
+double Problem::distanceTo(int variable, const void* value) const {
+  const VariableRecord& record = table_[at(variable)];
+  double most = 0;
+  try {
+    Eigen::VectorXd difference(record.dof);
+    record.store->boxminus(difference.data(), value, record.store->valueAt(record.slot));
+    for (const double d : difference) most = std::max(most, std::isnan(d) ? kInfinity : std::abs(d));
+  } catch (...) {  // a [-] of the user's own, for values that it does not like
+    most = kInfinity;
+  }
+  return most;
 }
 
 void Problem::checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const {
@@ -126,7 +146,7 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
   fixed.resize(at(table_[at(variable)].dof), 0);
   for (const int c : components) fixed[at(c)] = is_fixed ? 1 : 0;
   active_.setFixed(variable, std::move(fixed));
-  bookConstraint();
+  bookConstraint(variable);
 }
 
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
@@ -159,28 +179,28 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
             [](const auto& a, const auto& b) { return a.component < b.component; });
   checkBounds(variable, bounds, record.store->valueAt(record.slot));
   active_.setBounds(variable, std::move(bounds));
-  bookConstraint();
+  bookConstraint(variable);
 }
 
-void Problem::bookConstraint() {
-  ++structure_revision_;
-  ++value_revision_;
+void Problem::bookConstraint(int variable) {
+  changes_.add({Change::Kind::constraint, variable}, size());
+  moves_.add(variable, size());
 }
 
 int Problem::freeCount() const {
-  if (counted_at_ == structure_revision_) return free_count_;
+  if (counted_at_ == structureRevision()) return free_count_;
   int count = -active_.fixedCount();
   for (std::size_t v = 0; v < table_.size(); ++v) {
     if (table_[v].store != nullptr && active_.isOptimized(static_cast<int>(v))) count += table_[v].dof;
   }
-  counted_at_ = structure_revision_;
+  counted_at_ = structureRevision();
   return free_count_ = count;
 }
 
 void Problem::setOptimized(int variable, bool optimize) {
   if (active_.isOptimized(variable) == optimize) return;
   active_.setOptimized(variable, optimize);
-  ++structure_revision_;
+  changes_.add({optimize ? Change::Kind::variable_freed : Change::Kind::variable_fixed, variable}, size());
 }
 
 void Problem::removeVariable(int variable) {
@@ -196,7 +216,7 @@ void Problem::removeVariable(int variable) {
   active_.remove(variable);
   if (uses_) uses_->at(variable) = {};
   free_.push_back(variable);
-  ++structure_revision_;
+  changes_.add({Change::Kind::variable_removed, variable}, size());
 }
 
 std::vector<std::shared_ptr<const VariableStoreBase>> Problem::stores() const {
@@ -236,16 +256,23 @@ bool Problem::hasNumericDerivatives() const {
 
 void Problem::save() {
   for (const TypedStore& own : stores_) own.store->save();
+  saved_travelled_ = travelled_;
 }
 
 void Problem::restore() {
   for (const TypedStore& own : stores_) own.store->restore();
-  ++value_revision_;
+  std::copy(saved_travelled_.begin(), saved_travelled_.end(), travelled_.begin());
+  moves_.add(kAll, size());
 }
 
-void Problem::applyStep(const std::vector<int>& offset_of_variable, const double* step) {
-  for (const TypedStore& own : stores_) own.store->applyStep(offset_of_variable, step);
-  ++value_revision_;
+void Problem::applyStep(const std::vector<int>& offset, const double* step) {
+  for (const TypedStore& own : stores_) own.store->applyStep(offset, step);
+  for (std::size_t v = 0; v < table_.size(); ++v) {
+    double most = 0;
+    for (int i = offset[v]; i < offset[v + 1]; ++i) most = std::max(most, std::abs(step[i]));
+    travelled_[v] += most;
+  }
+  moves_.add(kAll, size());
 }
 
 }  // namespace slom

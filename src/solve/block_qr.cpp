@@ -3,6 +3,7 @@
 #include "base/stopwatch.hpp"
 #include "block/jacobian_rows.hpp"
 #include "block/multifrontal_qr.hpp"
+#include "symbolic/compact.hpp"
 #include "symbolic/ordering.hpp"
 
 namespace slom {
@@ -41,10 +42,10 @@ double BlockQR::leastOfColumn() const { return impl_->pivot_tolerance; }
 
 void BlockQR::analyze(const BlockStructure& structure) {
   ++counts_.analyses;
-  impl_->structure = structure;
+  impl_->structure = compact(structure).structure;
   impl_->has_undamped_factor = false;
   impl_->rows.analyze(impl_->structure);
-  impl_->factor.analyze(impl_->structure, chooseFronts(makeGraph(structure)));
+  impl_->factor.analyze(impl_->structure, chooseFronts(makeGraph(impl_->structure)));
 }
 
 void BlockQR::beginLinearization() {

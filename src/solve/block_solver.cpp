@@ -6,6 +6,8 @@
 #include "block/block_method.hpp"
 #include "mtk/error.hpp"
 #include "slom/solve/block_qr.hpp"
+#include "symbolic/compact.hpp"
+#include "symbolic/graph.hpp"
 
 namespace slom {
 
@@ -30,7 +32,7 @@ void check(const BlockSolverOptions& options) {
 
 struct BlockSolver::Implementation {
   BlockSolverOptions options;
-  BlockStructure structure;
+  CompactStructure compact;
   NormalEquations equations;
   std::unique_ptr<BlockMethod> method;  // null before analyze()
 
@@ -50,8 +52,20 @@ BlockSolver::~BlockSolver() = default;
 void BlockSolver::analyze(const BlockStructure& structure) {
   ++counts_.analyses;
   impl_->method.reset();
-  impl_->structure = structure;
-  impl_->method = chooseMethod(impl_->structure, impl_->options, impl_->equations);
+  impl_->compact = compact(structure);
+  impl_->method = chooseMethod(impl_->compact.structure, impl_->options, impl_->equations);
+}
+
+void BlockSolver::update(const BlockStructure& structure, const StructureChanges& changes) {
+  if (changes.blocks || !impl_->method) return analyze(structure);
+  CompactStructure now = compact(structure);
+  if (changes.meetings && makeGraph(now.structure) != makeGraph(impl_->compact.structure))
+    return analyze(structure);
+  std::unique_ptr<BlockMethod> method = std::move(impl_->method);  // gone when memory is
+  impl_->compact = std::move(now);
+  impl_->equations.layOutMeasurements();
+  method->forget();
+  impl_->method = std::move(method);
 }
 
 void BlockSolver::beginLinearization() {
@@ -111,7 +125,7 @@ SolveStatus BlockSolver::invertBlocks(const BlockStructure& structure,
 
 SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
   const SolveStatus status = prepare(damping);
-  if (status.ok) blocks = impl_->method->invertBlocks();
+  if (status.ok) blocks = impl_->compact.renumbered(impl_->method->invertBlocks());
   return status;
 }
 

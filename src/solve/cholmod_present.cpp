@@ -8,6 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "block/normal_equations.hpp"
 #include "slom/solve/cholmod.hpp"
+#include "symbolic/compact.hpp"
 
 namespace slom {
 
@@ -155,11 +156,11 @@ double Cholmod::leastOfColumn() const { return std::sqrt(kPivotTolerance); }
 
 void Cholmod::analyze(const BlockStructure& structure) {
   ++counts_.analyses;
-  impl_->structure = structure;
+  impl_->structure = compact(structure).structure;
   impl_->has_undamped_factor = false;
-  std::vector<int> position(at(structure.blockCount()));
+  std::vector<int> position(at(impl_->structure.blockCount()));
   std::iota(position.begin(), position.end(), 0);
-  impl_->equations.layOut(impl_->structure, makeGraph(structure), position);
+  impl_->equations.layOut(impl_->structure, makeGraph(impl_->structure), position);
   impl_->layOut();
 }
 

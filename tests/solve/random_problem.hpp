@@ -77,6 +77,22 @@ struct RandomProblem {
   }
 };
 
+/// The same problem with empty blocks before, among and after those that it has.
+inline RandomProblem withEmptyBlocks(RandomProblem problem) {
+  std::vector<int> offset{0}, number;
+  for (int b = 0; b < problem.structure.blockCount(); ++b) {
+    for (int empty = 0; empty < (b + 1) % 3; ++empty) offset.push_back(offset.back());
+    number.push_back(static_cast<int>(offset.size()) - 1);
+    offset.push_back(offset.back() + problem.structure.dof(b));
+  }
+  offset.push_back(offset.back());
+  problem.structure.offset = offset;
+  for (slom::MeasurementGroup& group : problem.structure.groups) {
+    for (int& block : group.blocks) block = block < 0 ? block : number[static_cast<std::size_t>(block)];
+  }
+  return problem;
+}
+
 /// Few blocks of 1 to 7 that all measurements are about: of one, of two, of the same one twice, of three, of fixed ones.
 inline RandomProblem crowd(int measurements, unsigned seed) {
   std::mt19937 rng(seed);

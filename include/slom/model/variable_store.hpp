@@ -86,8 +86,8 @@ class VariableStoreBase {
   /// Remembers all values; `restore` brings them back.
   void save();
   void restore();
-  /// x := x [+] step[offset_of_variable[v]...] for each variable v of this store whose offset is not negative.
-  void applyStep(const std::vector<int>& offset_of_variable, const double* step);
+  /// x := x [+] step[offset[v] ...] for each variable v of this store with offset[v] < offset[v + 1].
+  void applyStep(const std::vector<int>& offset, const double* step);
 
   /// Index of the slot's variable in the problem, -1 when the slot is free.
   int variable(std::uint32_t slot) const { return variable_[slot]; }

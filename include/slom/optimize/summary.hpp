@@ -98,7 +98,7 @@ struct Options {
   /// The fit ends after this time [s], within an iteration too, with the best values reached.
   double max_seconds = std::numeric_limits<double>::infinity();
   /// Asked before each trial of a step, by the thread that called optimize(); true ends the fit with the best values reached.
-  std::function<bool()> should_stop;
+  std::function<bool()> should_stop{};
   /// Where Gauss-Newton steps lead uphill, take them back, go on with Levenberg-Marquardt, and return when its steps succeed.
   bool fall_back = true;
   /// For bad starts and gross outliers: fits first with all losses widened, c sqrt(mu) for c, so that they are nearly
@@ -116,7 +116,7 @@ struct Options {
   /// A fit with no more unknowns than this ends with standard deviations and correlations of all of them in the summary.
   int most_parameters = 40;
   /// Called after each iteration, and once before the first. FitControl::stop ends the fit with the best values reached.
-  Observer observer;
+  Observer observer{};
 };
 
 /// What one loss did to the measurements of a group.

@@ -140,6 +140,7 @@ class System {
   std::uint64_t careful_failed_at_ = ~std::uint64_t{0};  // revision of the structure
   LinearSolver* solver_ = nullptr;                       // one of the two
   ProblemStructure structure_;
+  StructureChanges changes_ = StructureChanges::all();  // since the solver was analysed
   std::uint64_t structured_at_ = ~std::uint64_t{0};
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
   std::uint64_t linearized_at_ = ~std::uint64_t{0};

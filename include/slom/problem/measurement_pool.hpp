@@ -1,5 +1,5 @@
-/// All measurements of one type, lying together: variables, noise, losses and data in contiguous arrays. The untyped part of
-/// the library evaluates and differentiates them a batch at a time.
+/// All measurements of one kind, lying together: variables, noise and losses in contiguous arrays. The untyped part of the library
+/// evaluates and differentiates them a batch at a time.
 #pragma once
 
 #include <cstdint>
@@ -88,6 +88,8 @@ class MeasurementPool {
   const int* variables(int i) const { return variables_.data() + at(i) * at(arity_); }
   /// Length of the residual of measurement i.
   int rows(int i) const { return type_.rows != Dynamic ? type_.rows : rows_[at(i)]; }
+  /// Sum of the lengths of all residuals.
+  int totalRows() const { return total_rows_; }
   /// Degrees of freedom of all variables of measurement i, fixed ones included.
   int columns(int i) const { return columns_ != Dynamic ? columns_ : sumOfDof(i); }
   /// Whether all measurements have the same `rows` and `columns`, known from type() alone.
@@ -191,6 +193,7 @@ class MeasurementPool {
   const ActiveSet& active_;
   std::vector<int> variables_;
   std::vector<int> rows_;  // only for residuals of run-time length
+  int total_rows_ = 0;
   std::vector<WhiteningKind> noise_kind_;
   std::vector<std::size_t> noise_at_;
   std::vector<double> noise_;
@@ -207,121 +210,6 @@ class MeasurementPool {
   long own_inserted_ = 0;
   long* inserted_ = &own_inserted_;  // into the group: that of its first pool, which lives as long
   int removed_since_compaction_ = 0;
-};
-
-template <Measurement M>
-class TypedPool final : public MeasurementPool {
-  static constexpr int kRows = M::residual_dim;
-  using Args = decltype(std::declval<M&>().variableArgs());
-  template <class>
-  struct Of;
-  template <class... T>
-  struct Of<detail::VariableList<T...>> {
-    static constexpr int arity = static_cast<int>(sizeof...(T));
-    static constexpr int dof[] = {mtk::DOF_v<T>...};
-    static constexpr std::string (*name[])() = {&slom::typeName<T>...};
-    static constexpr int columns = ((mtk::DOF_v<T> == Dynamic) || ...) ? Dynamic : (mtk::DOF_v<T> + ...);
-  };
-  static constexpr DerivativeSource source() {
-    if constexpr (requires { M::derivatives; }) {
-      return M::derivatives;
-    } else {
-      return DerivativeSource::numeric;
-    }
-  }
-  static constexpr bool isVectorized() {
-    if constexpr (requires { M::vectorized; }) {
-      return M::vectorized;
-    } else {
-      return false;
-    }
-  }
-  static std::string typeName() {
-    if constexpr (requires { M::groupName(); }) {
-      return M::groupName();
-    } else {
-      return slom::typeName<M>();
-    }
-  }
-  static MeasurementPool* make(const std::string& name, const std::string& label, const MeasurementType&,
-                               const std::vector<VariableRecord>& table, const ActiveSet& active) {
-    return new TypedPool(name, label, table, active);
-  }
-
- public:
-  static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
-                                        source(),   Of<Args>::name,  &typeName, &make};
-
-  TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table,
-            const ActiveSet& active)
-      : MeasurementPool(name, label, type, table, active) {}
-
-  const M& operator[](int i) const { return measurements_[at(i)]; }
-
- protected:
-  int run(int& i, int last, double* r, double* J) override {
-    if constexpr (isVectorized()) {
-      M::evaluateMany(measurements_.data() + i, last - i, r, J);
-    } else {
-      for (; i < last; ++i) {
-        const int n = kRows == Dynamic ? rows(i) : kRows;
-        const int got = J == nullptr ? evaluateOne(i, n, r) : linearizeOne(i, n, r, J);
-        if (got != n) return got;
-        r += n;
-        if (J != nullptr)
-          J += static_cast<std::ptrdiff_t>(n) *
-               (Of<Args>::columns == Dynamic ? columns(i) : Of<Args>::columns);
-      }
-    }
-    return -1;
-  }
-
-  int evaluateOne(int i, int rows, double* r) override {
-    const M& measurement = measurements_[at(i)];
-    if constexpr (requires { measurement.evaluate(rows, r); }) {
-      return measurement.evaluate(rows, r);
-    } else {
-      return detail::evaluatePoisoned(measurement, rows, r);
-    }
-  }
-
-  int lengthOf(const void* measurement) const override {
-    if constexpr (kRows == Dynamic) {
-      Residual<kRows> ret;
-      static_cast<const M*>(measurement)->evaluate(ret);
-      return static_cast<int>(ret.size());
-    } else {
-      return kRows;
-    }
-  }
-
-  void push(void* measurement) override { measurements_.push_back(std::move(*static_cast<M*>(measurement))); }
-
-  void moveLastTo(int i) override {
-    if (i != size() - 1) {  // by construction: callables with captures cannot be assigned
-      std::destroy_at(&measurements_[at(i)]);
-      std::construct_at(&measurements_[at(i)], std::move(measurements_.back()));
-    }
-    measurements_.pop_back();
-  }
-
-  VariableArgument& argument(int i, int k) override {
-    return *measurements_[at(i)].variableArgs().all[at(k)];
-  }
-
- private:
-  int linearizeOne(int i, int rows, double* r, double* J) {
-    M& measurement = measurements_[at(i)];
-    if constexpr (requires { measurement.linearize(rows, r, J); }) {
-      return measurement.linearize(rows, r, J);
-    } else {
-      return differentiate(
-          i, rows, r, J,
-          requires { requires M::richardson; } ? Differences::extrapolated : Differences::central);
-    }
-  }
-
-  std::vector<M> measurements_;
 };
 
 }  // namespace slom

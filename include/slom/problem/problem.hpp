@@ -4,6 +4,8 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <typeindex>
@@ -13,7 +15,8 @@
 #include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
 #include "slom/model/pimpl.hpp"
-#include "slom/problem/measurement_pool.hpp"
+#include "slom/problem/change_log.hpp"
+#include "slom/problem/typed_pool.hpp"
 
 namespace slom {
 
@@ -120,6 +123,8 @@ class Problem {
     return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
+  /// Its place among pools().
+  int indexOfPool(const MeasurementPool& pool) const;
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
   /// Number of groups of pools; see MeasurementPool::group.
@@ -129,12 +134,28 @@ class Problem {
 
   void save();
   void restore();
-  void applyStep(const std::vector<int>& offset_of_variable, const double* step);
+  /// x := x [+] step[offset[v] ...] for each variable v with offset[v] < offset[v + 1].
+  void applyStep(const std::vector<int>& offset, const double* step);
+
+  // Changes.
 
   /// Changes with every insertion, removal, fixing and releasing.
-  std::uint64_t structureRevision() const { return structure_revision_; }
-  /// Changes whenever a value does.
-  std::uint64_t valueRevision() const { return value_revision_; }
+  std::uint64_t structureRevision() const { return changes_.revision(); }
+  /// The events since a structureRevision(); none when they are forgotten.
+  std::optional<std::span<const Change>> changesSince(std::uint64_t structure_revision) const {
+    return changes_.since(structure_revision);
+  }
+  /// Changes whenever a value does, or what may move of it.
+  std::uint64_t valueRevision() const { return moves_.revision(); }
+  /// Variables whose values changed since a valueRevision(), one for each change, or kAll for all of them; none when that is forgotten.
+  std::optional<std::span<const int>> movedSince(std::uint64_t value_revision) const {
+    return moves_.since(value_revision);
+  }
+  static constexpr int kAll = -1;
+  /// How far the variable has moved since it was inserted: the sum over all its moves of their largest component, in its tangent space.
+  /// What two readings differ by bounds how far the value is from where it was. A step that is taken back counts no more; infinite once
+  /// a move had no length.
+  double travelled(int variable) const { return travelled_[static_cast<std::size_t>(variable)]; }
 
  private:
   struct TypedStore {
@@ -167,7 +188,10 @@ class Problem {
   MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
   void removeLastPool();
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
-  void bookConstraint();
+  void bookConstraint(int variable);
+  double distanceTo(int variable, const void* value) const;
+  /// Of all there is, for the logs.
+  std::size_t size() const { return table_.size() + measurement_count_; }
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
   int reserveVariable();
   void bookVariable(int index, VariableRecord record, bool optimize);
@@ -185,10 +209,12 @@ class Problem {
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   int group_count_ = 0;
   long inserted_ = 0;
-  std::uint64_t structure_revision_ = 0;
+  std::size_t measurement_count_ = 0;
+  ChangeLog<Change> changes_;
+  ChangeLog<int> moves_;
+  std::vector<double> travelled_, saved_travelled_;       // by variable
   mutable std::uint64_t counted_at_ = ~std::uint64_t{0};  // structure revision of free_count_
   mutable int free_count_ = 0;
-  std::uint64_t value_revision_ = 0;
 };
 
 }  // namespace slom

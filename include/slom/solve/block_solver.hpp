@@ -45,6 +45,8 @@ class BlockSolver final : public LinearSolver {
   explicit BlockSolver(const BlockSolverOptions& options = {});
   ~BlockSolver() override;
   void analyze(const BlockStructure& structure) override;
+  /// Keeps order, fronts and plans where the same blocks meet as before.
+  void update(const BlockStructure& structure, const StructureChanges& changes) override;
   void beginLinearization() override;
   void add(const JacobianBatch& batch) override;
   std::span<const MeasurementPlace> parts() const override;

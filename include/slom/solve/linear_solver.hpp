@@ -28,7 +28,7 @@ struct SolverSeconds {
 
 /// Work done since construction.
 struct SolverCounts {
-  long analyses = 0;
+  long analyses = 0;        ///< symbolic
   long factorizations = 0;  ///< of conjugate gradients: preconditioners
 };
 
@@ -45,6 +45,12 @@ class LinearSolver : public JacobianSink {
  public:
   /// Symbolic work; once per structure.
   virtual void analyze(const BlockStructure& structure) = 0;
+  /// The same, given what has changed since the last time. What comes out does not depend on what was there before: a solver keeps of its
+  /// work what it would do again.
+  virtual void update(const BlockStructure& structure, const StructureChanges& changes) {
+    static_cast<void>(changes);
+    analyze(structure);
+  }
   /// Writes `step` on success and leaves it untouched otherwise. `damping` is empty (none) or has an entry >= 0 for
   /// each unknown.
   virtual SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) = 0;

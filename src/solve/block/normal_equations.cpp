@@ -82,6 +82,10 @@ void NormalEquations::layOut(const BlockStructure& structure, const BlockGraph& 
     offset_[at(column)] = structure.offset[at(b)];
     place_[at(b)] = {column, H_.values(H_.begin(column)), gradient_.data() + structure.offset[at(b)]};
   }
+  layOutMeasurements();
+}
+
+void NormalEquations::layOutMeasurements() {
   chooseParts();
   findDestinations();
 }

@@ -19,6 +19,8 @@ class NormalEquations {
   /// `position`: of each block in the order of elimination. The graph has an edge for each pair of blocks that meet in a
   /// measurement, and may have more: these blocks are 0. The structure must outlive this.
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
+  /// Again for the structure, in which other measurements have come to the same graph.
+  void layOutMeasurements();
   void setZero();
   void add(const JacobianBatch& batch);
   /// After all batches: adds what parts of the measurements have summed on their own.

@@ -13,6 +13,7 @@ struct BlockGraph {
   std::vector<int> dof;        ///< of each block
 
   int size() const { return static_cast<int>(dof.size()); }
+  bool operator==(const BlockGraph&) const = default;
 };
 
 BlockGraph makeGraph(const BlockStructure& structure);

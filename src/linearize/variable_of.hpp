@@ -1,4 +1,4 @@
-/// From an unknown to the block that it is in.
+/// From an unknown to the variable that it is of.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace slom {
 
-inline int blockOf(const ProblemStructure& structure, int unknown) {
+inline int variableOf(const ProblemStructure& structure, int unknown) {
   const auto& offset = structure.system.offset;
   return static_cast<int>(std::upper_bound(offset.begin(), offset.end(), unknown) - offset.begin()) - 1;
 }

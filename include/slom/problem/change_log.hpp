@@ -1,0 +1,67 @@
+/// What has happened to a problem, in order, so that whoever keeps something made of it follows in time proportional to what has changed.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace slom {
+
+/// An event that changes the structure of a problem.
+struct Change {
+  enum class Kind : std::uint8_t {
+    variable_inserted,
+    variable_removed,  ///< a variable inserted later may get its index
+    variable_fixed,
+    variable_freed,
+    constraint,            ///< its fixed components or bounds
+    measurement_inserted,  ///< the last one of its pool
+    measurement_removed,   ///< the last one of its pool has taken its index
+  };
+  Kind kind;
+  int index;      ///< of the variable in the table, or of the measurement in its pool
+  int pool = -1;  ///< of a measurement
+
+  bool operator==(const Change&) const = default;
+};
+
+/// The latest events. There is a revision before the first event and one after each. A log forgets old events once it is longer than
+/// what it says about is worth: then it is cheaper to look at everything.
+template <class Event>
+class ChangeLog {
+ public:
+  std::uint64_t revision() const { return first_ + events_.size(); }
+
+  /// The events after a revision, in order; none when they are forgotten: then anything may have changed. Valid until the next event.
+  std::optional<std::span<const Event>> since(std::uint64_t revision) const {
+    if (revision < first_ || revision > this->revision()) return std::nullopt;
+    return std::span<const Event>(events_).subspan(static_cast<std::size_t>(revision - first_));
+  }
+
+  /// `size`: of all that the log is about. Without memory for the event all are forgotten.
+  void add(const Event& event, std::size_t size) noexcept {
+    constexpr std::size_t fewest = 1024, share = 8;
+    if (events_.size() >= std::max(fewest, size / share)) forget(events_.size() / 2);
+    try {
+      events_.push_back(event);
+    } catch (const std::bad_alloc&) {
+      forget(events_.size());
+      ++first_;
+    }
+  }
+
+ private:
+  void forget(std::size_t count) noexcept {
+    events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(count));
+    first_ += count;
+  }
+
+  std::vector<Event> events_;
+  std::uint64_t first_ = 0;  // revision before the first of them
+};
+
+}  // namespace slom

@@ -1,0 +1,24 @@
+/// A structure without its empty blocks, which orders and factors need not know of.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "slom/linearize/structure.hpp"
+#include "slom/solve/linear_solver.hpp"
+
+namespace slom {
+
+struct CompactStructure {
+  BlockStructure structure;
+  std::vector<int>
+      block;  ///< of each block of the whole structure, -1 where that is empty; none is empty: no entries
+
+  /// Blocks of H^-1 by the numbers of the whole structure.
+  std::unique_ptr<InverseBlocks> renumbered(std::unique_ptr<InverseBlocks> blocks) const;
+};
+
+/// Unknowns keep their numbers.
+CompactStructure compact(const BlockStructure& structure);
+
+}  // namespace slom
