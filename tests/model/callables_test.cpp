@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "estimator/allocations.hpp"
+#include "model/allocations.hpp"
 #include "slom/slom.hpp"
 #include "support/message_of.hpp"
 

@@ -1,4 +1,4 @@
-#include "estimator/allocations.hpp"
+#include "model/allocations.hpp"
 
 #include <cstdlib>
 #include <new>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "loss/robust_line.hpp"
+#include "support/robust_line.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
-#include "problem/random.hpp"
+#include "support/random.hpp"
 #include "support/message_of.hpp"
 
 namespace slom::testing {

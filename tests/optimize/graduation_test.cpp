@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "loss/robust_line.hpp"
+#include "support/robust_line.hpp"
 #include "support/message_of.hpp"
 
 namespace {
