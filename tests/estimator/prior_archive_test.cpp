@@ -6,8 +6,8 @@
 #include <slom/archive.hpp>
 #include <slom/slom.hpp>
 
-#include "support/random.hpp"
 #include "support/message_of.hpp"
+#include "support/random.hpp"
 
 namespace slom::testing {
 namespace {

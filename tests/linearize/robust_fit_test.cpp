@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "support/robust_line.hpp"
 #include "support/message_of.hpp"
+#include "support/robust_line.hpp"
 
 namespace {
 
