@@ -5,6 +5,7 @@
 #include <slom/io/bal.hpp>
 
 #include "bundle/bundle_command.hpp"
+#include "bundle/scene.hpp"
 
 namespace slom::app::bundle {
 namespace {

@@ -15,6 +15,7 @@
 namespace slom::app::graph::testing {
 
 using io::testing::parsed;
+using io::testing::randomVector;
 using io::testing::scrambled;
 using io::testing::simulateGraph;
 using io::testing::unit3;
