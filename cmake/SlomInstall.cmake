@@ -10,6 +10,11 @@ install(TARGETS slom EXPORT slom_targets)
 install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}")
 install(EXPORT slom_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
 
+if(TARGET slom_io)
+  install(TARGETS slom_io EXPORT slom_io_targets)
+  install(EXPORT slom_io_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
+endif()
+
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/slom-config.cmake.in"
                               "${PROJECT_BINARY_DIR}/slom-config.cmake" INSTALL_DESTINATION "${slom_package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/slom-config-version.cmake"

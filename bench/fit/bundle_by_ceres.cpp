@@ -16,7 +16,7 @@ namespace {
 
 class BundleProblem final : public CeresProblem {
  public:
-  BundleProblem(const app::bundle::Scene& scene, double huber) : CeresProblem(huber) {
+  BundleProblem(const io::Scene& scene, double huber) : CeresProblem(huber) {
     for (const auto& camera : scene.cameras) {
       const Eigen::AngleAxisd turn(Eigen::Matrix3d(camera.pose.orient.toRotationMatrix()));
       const Eigen::Vector3d rotation = turn.angle() * turn.axis();
@@ -41,11 +41,11 @@ class BundleProblem final : public CeresProblem {
 
 }  // namespace
 
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::bundle::Scene& scene, double huber) {
+std::unique_ptr<CeresProblem> ceresProblemOf(const io::Scene& scene, double huber) {
   return std::make_unique<BundleProblem>(scene, huber);
 }
 
-Run fitByCeres(const app::bundle::Scene& scene, Schur schur, const Limits& limits) {
+Run fitByCeres(const io::Scene& scene, Schur schur, const Limits& limits) {
   std::unique_ptr<CeresProblem> problem;
   const double build = secondsOf([&] { problem = ceresProblemOf(scene, limits.huber); });
   const ceres::LinearSolverType solver = schur == Schur::dense    ? ceres::DENSE_SCHUR

@@ -1,18 +1,18 @@
 // Bundle adjustment by SLoM, as the command `slom bundle` does it.
-#include <memory>
+#include <slom/io/scene_model.hpp>
 
-#include "bundle/fit/fit.hpp"
 #include "fit/run.hpp"
 #include "fit/slom_options.hpp"
 #include "fit/stopwatch.hpp"
 
 namespace slom::bench {
 
-Run fitBySlom(const app::bundle::Scene& scene, const Limits& limits) {
-  const app::FitOptions options = fitOptions(limits, app::AlgorithmName::lm);
-  std::unique_ptr<app::bundle::BundleFit> fit;
-  const double build = secondsOf([&] { fit = std::make_unique<app::bundle::BundleFit>(scene, options); });
-  Run run = runOf(fit->optimize(stoppingRule(limits)));
+Run fitBySlom(const io::Scene& scene, const Limits& limits) {
+  Estimator est;
+  est.setThreads(limits.threads);
+  est.changeAlgorithm(LevenbergMarquardt(1e-4, 0.1));  // as the command: points recede from cameras
+  const double build = secondsOf([&] { io::insert(est, scene, lossOf(limits)); });
+  Run run = runOf(est.optimize(stoppingRule(limits)));
   run.build_seconds = build;
   return run;
 }

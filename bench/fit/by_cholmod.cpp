@@ -38,7 +38,7 @@ Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
 }  // namespace
 
 template <class Pose>
-Factorization factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
+Factorization factorizeByCholmod(const io::PoseGraph<Pose>& graph) {
   Eigen::SparseMatrix<double> H = normalMatrix(*ceresProblemOf(graph, 0));
   cholmod_sparse A{};
   A.nrow = A.ncol = static_cast<std::size_t>(H.rows());
@@ -73,7 +73,7 @@ Factorization factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph) {
   return result;
 }
 
-template Factorization factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose2>&);
-template Factorization factorizeByCholmod(const app::graph::PoseGraph<app::graph::Pose3>&);
+template Factorization factorizeByCholmod(const io::PoseGraph<io::Pose2>&);
+template Factorization factorizeByCholmod(const io::PoseGraph<io::Pose3>&);
 
 }  // namespace slom::bench

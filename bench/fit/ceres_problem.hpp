@@ -38,8 +38,8 @@ class CeresProblem {
 };
 
 template <class Pose>
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph, double huber);
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::bundle::Scene& scene, double huber);
+std::unique_ptr<CeresProblem> ceresProblemOf(const io::PoseGraph<Pose>& graph, double huber);
+std::unique_ptr<CeresProblem> ceresProblemOf(const io::Scene& scene, double huber);
 
 /// Levenberg-Marquardt.
 Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Limits& limits);

@@ -23,7 +23,7 @@ std::vector<Program> programsFor(const Problem& problem, const Limits& limits) {
       [&](const auto& data) {
         std::vector<Program> programs{{"SLoM", [&] { return fitBySlom(data, limits); }}};
 #ifdef SLOM_BENCH_CERES
-        if constexpr (std::is_same_v<std::decay_t<decltype(data)>, app::bundle::Scene>) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(data)>, io::Scene>) {
           programs.push_back({"Ceres, DENSE_SCHUR", [&] { return fitByCeres(data, Schur::dense, limits); }});
           programs.push_back(
               {"Ceres, SPARSE_SCHUR", [&] { return fitByCeres(data, Schur::sparse, limits); }});
@@ -86,7 +86,7 @@ std::optional<Factorization> measure(const std::function<Factorization()>& work,
 void addFactorizations(const Problem& problem, const ChildLimits& limits, Comparison& comparison) {
   std::visit(
       [&](const auto& data) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(data)>, app::bundle::Scene>) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(data)>, io::Scene>) {
           comparison.slom = measure([&] { return analyzeBySlom(data); }, limits);
 #ifdef SLOM_BENCH_CHOLMOD
           comparison.cholmod = measure([&] { return factorizeByCholmod(data); }, limits);

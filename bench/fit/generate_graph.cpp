@@ -3,15 +3,14 @@
 #include <array>
 #include <cmath>
 
-#include "simulate/random.hpp"
+#include "support/random.hpp"
 
 namespace slom::bench {
 
 namespace {
 
-using app::Random;
-using app::graph::dim;
-using app::graph::dof;
+using io::dim;
+using io::dof;
 
 constexpr double kEdgeMetres = 0.05, kEdgeRadians = 0.02;
 constexpr double kStartMetres = 0.2, kStartRadians = 0.05;
@@ -35,7 +34,7 @@ Pose normalPose(Random& random, double metres, double radians) {
 }  // namespace
 
 template <class Pose>
-app::graph::PoseGraph<Pose> generateLattice(int size, int dimensions) {
+io::PoseGraph<Pose> generateLattice(int size, int dimensions) {
   Random random(1, static_cast<std::uint32_t>(dimensions));
   const int side = static_cast<int>(std::lround(std::pow(size, 1.0 / dimensions)));
   const int layers = dimensions == 3 ? side : 1;
@@ -43,7 +42,7 @@ app::graph::PoseGraph<Pose> generateLattice(int size, int dimensions) {
   const int count = side * side * layers;
   std::vector<Pose> truth;
   truth.reserve(static_cast<std::size_t>(count));
-  app::graph::PoseGraph<Pose> graph;
+  io::PoseGraph<Pose> graph;
   graph.has_vertices = true;
   for (int i = 0; i < count; ++i) {
     Pose pose = normalPose<Pose>(random, 0, 1);
@@ -63,13 +62,13 @@ app::graph::PoseGraph<Pose> generateLattice(int size, int dimensions) {
       const int j = i + stride[axis];
       const Pose relative = truth[static_cast<std::size_t>(i)].inverse() * truth[static_cast<std::size_t>(j)];
       graph.edges.push_back({i, j, 0, Pose(relative * normalPose<Pose>(random, kEdgeMetres, kEdgeRadians)),
-                             app::graph::Symmetric<dof<Pose>>(weight.asDiagonal())});
+                             io::Symmetric<dof<Pose>>(weight.asDiagonal())});
     }
   }
   return graph;
 }
 
-template app::graph::PoseGraph<app::graph::Pose2> generateLattice(int, int);
-template app::graph::PoseGraph<app::graph::Pose3> generateLattice(int, int);
+template io::PoseGraph<io::Pose2> generateLattice(int, int);
+template io::PoseGraph<io::Pose3> generateLattice(int, int);
 
 }  // namespace slom::bench

@@ -1,7 +1,7 @@
 /// Pose graphs of any size, the same on every machine.
 #pragma once
 
-#include "graph/pose_graph.hpp"
+#include <slom/io/pose_graph.hpp>
 
 namespace slom::bench {
 
@@ -12,6 +12,6 @@ namespace slom::bench {
 /// A square lattice of poses in the plane is a city seen from above; of poses in space it is a surface, as in sphere2500 and
 /// torus3D. In a cubic lattice the factor grows fastest.
 template <class Pose>
-app::graph::PoseGraph<Pose> generateLattice(int size, int dimensions);
+io::PoseGraph<Pose> generateLattice(int size, int dimensions);
 
 }  // namespace slom::bench

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulate/random.hpp"
+#include "support/random.hpp"
 
 namespace slom::bench {
 
 namespace {
 
-using app::Random;
-using app::bundle::Camera;
+using io::Camera;
 using Vec3 = mtk::vect<3>;
 
 constexpr int kViews = 5, kObservationsPerCamera = 1000, kFewestCameras = 9;
@@ -71,12 +70,12 @@ std::vector<int> nearestCameras(double x, double y, int side) {
 
 }  // namespace
 
-app::bundle::Scene generateScene(int size) {
+io::Scene generateScene(int size) {
   Random random(2, 0);
   const int side =
       static_cast<int>(std::lround(std::sqrt(std::max(size / kObservationsPerCamera, kFewestCameras))));
   const int points = size / kViews;
-  app::bundle::Scene truth, scene;
+  io::Scene truth, scene;
   for (int c = 0; c < side * side; ++c) truth.cameras.push_back(cameraAbove(c % side, c / side, random));
   for (const Camera& camera : truth.cameras) scene.cameras.push_back(disturbed(camera, random));
   truth.points.reserve(at(points));
@@ -88,7 +87,7 @@ app::bundle::Scene generateScene(int size) {
     truth.points.push_back(point);
     scene.points.push_back(Vec3(point + normalVector(random, 0.05)));
     for (const int c : nearestCameras(point[0], point[1], side)) {
-      mtk::vect<2> pixel = app::bundle::Sight()(truth.cameras[at(c)], point);
+      mtk::vect<2> pixel = io::Sight()(truth.cameras[at(c)], point);
       for (int k = 0; k < 2; ++k) pixel[k] += kPixelNoise * random.normal();
       scene.observations.push_back({c, p, 0, pixel});
     }

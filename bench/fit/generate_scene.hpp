@@ -1,7 +1,7 @@
 /// Bundle adjustment of any size, the same on every machine.
 #pragma once
 
-#include "bundle/scene.hpp"
+#include <slom/io/scene.hpp>
 
 namespace slom::bench {
 
@@ -10,6 +10,6 @@ namespace slom::bench {
 /// cameras nearest to it, and each camera sees about 1000 points.
 ///   noise   0.5 px, focal length 1000 px
 ///   start   the truth with errors of 0.01 rad, 0.02, 1 % of the focal length, 0.01 in k1; 0.05 for points
-app::bundle::Scene generateScene(int size);
+io::Scene generateScene(int size);
 
 }  // namespace slom::bench

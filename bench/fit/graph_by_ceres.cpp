@@ -16,8 +16,8 @@ namespace slom::bench {
 
 namespace {
 
-using app::graph::Pose2;
-using app::graph::Pose3;
+using io::Pose2;
+using io::Pose3;
 
 template <class T>
 T wrapped(const T& angle) {
@@ -39,7 +39,7 @@ struct AngleManifold {
 };
 
 template <int N>
-Eigen::Matrix<double, N, N> rootOf(const app::graph::Symmetric<N>& information) {
+Eigen::Matrix<double, N, N> rootOf(const io::Symmetric<N>& information) {
   return Eigen::Matrix<double, N, N>(information).llt().matrixU();
 }
 
@@ -94,7 +94,7 @@ struct Blocks<Pose2> {
   static std::shared_ptr<ceres::Manifold> manifold() {
     return std::make_shared<ceres::AutoDiffManifold<AngleManifold, 1, 1>>();
   }
-  static ceres::CostFunction* cost(const app::graph::Edge<Pose2>& edge) {
+  static ceres::CostFunction* cost(const io::Edge<Pose2>& edge) {
     return new ceres::AutoDiffCostFunction<PlaneEdge, 3, 2, 1, 2, 1>(new PlaneEdge{
         Eigen::Vector2d(edge.measured.pos), edge.measured.orient.angle(), rootOf<3>(edge.information)});
   }
@@ -113,7 +113,7 @@ struct Blocks<Pose3> {
   static std::shared_ptr<ceres::Manifold> manifold() {
     return std::make_shared<ceres::EigenQuaternionManifold>();
   }
-  static ceres::CostFunction* cost(const app::graph::Edge<Pose3>& edge) {
+  static ceres::CostFunction* cost(const io::Edge<Pose3>& edge) {
     return new ceres::AutoDiffCostFunction<SpaceEdge, 6, 3, 4, 3, 4>(new SpaceEdge{
         Eigen::Vector3d(edge.measured.pos), quaternionOf(edge.measured), rootOf<6>(edge.information)});
   }
@@ -122,7 +122,7 @@ struct Blocks<Pose3> {
 template <class Pose>
 class GraphProblem final : public CeresProblem {
  public:
-  GraphProblem(const app::graph::PoseGraph<Pose>& graph, double huber)
+  GraphProblem(const io::PoseGraph<Pose>& graph, double huber)
       : CeresProblem(huber), manifold_(Blocks<Pose>::manifold()) {
     blocks_.reserve(graph.poses.size());
     for (const auto& node : graph.poses) blocks_.emplace_back(node.value);
@@ -150,21 +150,21 @@ class GraphProblem final : public CeresProblem {
 }  // namespace
 
 template <class Pose>
-std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose>& graph, double huber) {
+std::unique_ptr<CeresProblem> ceresProblemOf(const io::PoseGraph<Pose>& graph, double huber) {
   return std::make_unique<GraphProblem<Pose>>(graph, huber);
 }
-template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose2>&, double);
-template std::unique_ptr<CeresProblem> ceresProblemOf(const app::graph::PoseGraph<Pose3>&, double);
+template std::unique_ptr<CeresProblem> ceresProblemOf(const io::PoseGraph<Pose2>&, double);
+template std::unique_ptr<CeresProblem> ceresProblemOf(const io::PoseGraph<Pose3>&, double);
 
 template <class Pose>
-Run fitByCeres(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
+Run fitByCeres(const io::PoseGraph<Pose>& graph, const Limits& limits) {
   std::unique_ptr<CeresProblem> problem;
   const double build = secondsOf([&] { problem = ceresProblemOf(graph, limits.huber); });
   Run run = solveByCeres(*problem, ceres::SPARSE_NORMAL_CHOLESKY, limits);
   run.build_seconds = build;
   return run;
 }
-template Run fitByCeres(const app::graph::PoseGraph<Pose2>&, const Limits&);
-template Run fitByCeres(const app::graph::PoseGraph<Pose3>&, const Limits&);
+template Run fitByCeres(const io::PoseGraph<Pose2>&, const Limits&);
+template Run fitByCeres(const io::PoseGraph<Pose3>&, const Limits&);
 
 }  // namespace slom::bench

@@ -1,13 +1,11 @@
 // Pose graphs by SLoM, as the command `slom graph` fits them.
-#include <memory>
-
 #include <slom/base/threads.hpp>
+#include <slom/io/pose_graph_model.hpp>
 #include <slom/solve/block_solver.hpp>
 
 #include "fit/run.hpp"
 #include "fit/slom_options.hpp"
 #include "fit/stopwatch.hpp"
-#include "graph/fit/fit.hpp"
 
 namespace slom::bench {
 
@@ -15,7 +13,7 @@ namespace {
 
 /// The blocks of all poses and landmarks that are not held, and which of them meet.
 template <class Pose>
-BlockStructure structureOf(const app::graph::PoseGraph<Pose>& graph) {
+BlockStructure structureOf(const io::PoseGraph<Pose>& graph) {
   BlockStructure structure;
   structure.offset.push_back(0);
   const auto blocksOf = [&](const auto& nodes, int dof) {
@@ -26,8 +24,8 @@ BlockStructure structureOf(const app::graph::PoseGraph<Pose>& graph) {
     }
     return blocks;
   };
-  const std::vector<int> poses = blocksOf(graph.poses, app::graph::dof<Pose>);
-  const std::vector<int> landmarks = blocksOf(graph.landmarks, app::graph::dim<Pose>);
+  const std::vector<int> poses = blocksOf(graph.poses, io::dof<Pose>);
+  const std::vector<int> landmarks = blocksOf(graph.landmarks, io::dim<Pose>);
   const auto addGroup = [&](const auto& edges, const std::vector<int>& ends) {
     MeasurementGroup group{2, {}};
     for (const auto& edge : edges) {
@@ -44,20 +42,20 @@ BlockStructure structureOf(const app::graph::PoseGraph<Pose>& graph) {
 }  // namespace
 
 template <class Pose>
-Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits) {
-  app::graph::GraphModel model;
-  model.options = fitOptions(limits, app::AlgorithmName::gn);
-  std::unique_ptr<app::graph::GraphFit<Pose>> fit;
-  const double build = secondsOf([&] { fit = std::make_unique<app::graph::GraphFit<Pose>>(graph, model); });
-  Run run = runOf(fit->optimize(stoppingRule(limits)));
+Run fitBySlom(const io::PoseGraph<Pose>& graph, const Limits& limits) {
+  Estimator est;
+  est.setThreads(limits.threads);
+  const io::PoseGraphModel model{lossOf(limits)};
+  const double build = secondsOf([&] { io::insert(est, graph, model); });
+  Run run = runOf(est.optimize(stoppingRule(limits)));
   run.build_seconds = build;
   return run;
 }
-template Run fitBySlom(const app::graph::PoseGraph<app::graph::Pose2>&, const Limits&);
-template Run fitBySlom(const app::graph::PoseGraph<app::graph::Pose3>&, const Limits&);
+template Run fitBySlom(const io::PoseGraph<io::Pose2>&, const Limits&);
+template Run fitBySlom(const io::PoseGraph<io::Pose3>&, const Limits&);
 
 template <class Pose>
-Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph) {
+Factorization analyzeBySlom(const io::PoseGraph<Pose>& graph) {
   const BlockStructure structure = structureOf(graph);
   Factorization result;
   withThreads(1, [&] {
@@ -67,7 +65,7 @@ Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph) {
   });
   return result;
 }
-template Factorization analyzeBySlom(const app::graph::PoseGraph<app::graph::Pose2>&);
-template Factorization analyzeBySlom(const app::graph::PoseGraph<app::graph::Pose3>&);
+template Factorization analyzeBySlom(const io::PoseGraph<io::Pose2>&);
+template Factorization analyzeBySlom(const io::PoseGraph<io::Pose3>&);
 
 }  // namespace slom::bench

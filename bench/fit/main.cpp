@@ -11,16 +11,17 @@
 
 #include <CLI/CLI.hpp>
 
-#include "error.hpp"
+#include <mtk/error.hpp>
+#include <slom/io/number.hpp>
+
 #include "fit/json.hpp"
 #include "fit/table.hpp"
+#include "support/bad_input.hpp"
 #include "support/build_info.hpp"
-#include "text.hpp"
 
 namespace {
 
 using namespace slom::bench;
-using slom::app::UserError;
 
 struct Arguments {
   std::vector<std::string> problems;
@@ -71,9 +72,9 @@ double huberScale(const std::string& text) {
   if (text.empty()) return 0;
   constexpr std::string_view huber = "huber:";
   double scale = 0;
-  if (text.starts_with(huber) && slom::app::parseNumber(text.substr(huber.size()), scale) && scale > 0)
+  if (text.starts_with(huber) && slom::io::parseNumber(text.substr(huber.size()), scale) && scale > 0)
     return scale;
-  throw UserError("--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations");
+  throw BadInput("--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations");
 }
 
 /// False when a program that converged is at another cost than the best one, and yet at the same minimum.
@@ -115,7 +116,7 @@ bool run(const Arguments& arguments) {
   if (!arguments.json.empty()) {
     std::ofstream file(arguments.json);
     file << results.dump(1) << "\n";
-    if (!file.flush()) throw UserError(arguments.json + ": cannot be written");
+    if (!file.flush()) throw BadInput(arguments.json + ": cannot be written");
   }
   return good;
 }
@@ -135,7 +136,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::cerr << "bench_fit: " << error.what() << "; see bench_fit --help\n";
-  } catch (const UserError& error) {
+  } catch (const BadInput& error) {
+    std::cerr << "bench_fit: " << error.what() << "\n";
+  } catch (const mtk::Error& error) {
     std::cerr << "bench_fit: " << error.what() << "\n";
   }
   return 2;

@@ -1,29 +1,31 @@
 #include "fit/problem.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "bundle/input/read.hpp"
-#include "error.hpp"
+#include <slom/initialize.hpp>
+#include <slom/io/bal.hpp>
+#include <slom/io/g2o.hpp>
+#include <slom/io/number.hpp>
+#include <slom/io/pose_graph_model.hpp>
+
 #include "fit/generate_graph.hpp"
 #include "fit/generate_scene.hpp"
-#include "graph/input/information.hpp"
-#include "graph/input/read.hpp"
-#include "graph/start/gauge.hpp"
-#include "graph/start/start.hpp"
-#include "text.hpp"
+#include "support/bad_input.hpp"
 
 namespace slom::bench {
 
 namespace {
 
-using app::UserError;
-using app::graph::Pose2;
-using app::graph::Pose3;
+using io::Pose2;
+using io::Pose3;
 
 template <class... F>
 struct Overloaded : F... {
@@ -40,26 +42,59 @@ bool holdsGraph(const std::string& file) {
 }
 
 template <class Pose>
-void setDeviations(app::graph::PoseGraph<Pose>& graph, const std::vector<double>& deviations) {
-  constexpr int dof = app::graph::dof<Pose>;
+void setDeviations(io::PoseGraph<Pose>& graph, const std::vector<double>& deviations) {
+  constexpr int dof = io::dof<Pose>;
   if (deviations.size() != dof) {
-    throw UserError(fmt::format("--deviations: {} numbers for edges of {} degrees of freedom in {}",
-                                deviations.size(), dof, graph.file));
+    throw BadInput(fmt::format("--deviations: {} numbers for edges of {} degrees of freedom in {}",
+                               deviations.size(), dof, graph.file));
   }
   const Eigen::Map<const Eigen::Matrix<double, dof, 1>> sigma(deviations.data());
   for (auto& edge : graph.edges) edge.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
+using initialize::Start;
+constexpr std::pair<const char*, Start> starts[] = {{"file", Start::given},
+                                                    {"odometry", Start::odometry},
+                                                    {"spanning-tree", Start::spanning_tree},
+                                                    {"chordal", Start::chordal},
+                                                    {"build-up", Start::build_up}};
+
+/// None: the one with the lowest RSS.
+std::optional<Start> parseStart(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  for (const auto& [name, start] : starts) {
+    if (text == name) return start;
+  }
+  throw BadInput(fmt::format(
+      "--init {}: the starts are auto, file, odometry, spanning-tree, chordal and build-up", text));
+}
+
 template <class Pose>
-std::string prepare(app::graph::PoseGraph<Pose>& graph, const ProblemOptions& options) {
+Start chooseStart(io::PoseGraph<Pose>& graph) {
+  std::vector<Start> candidates{Start::odometry, Start::spanning_tree, Start::chordal};
+  if (graph.has_vertices) candidates.insert(candidates.begin(), Start::given);
+  if (!graph.sightings.empty()) candidates.push_back(Start::build_up);
+  const io::PoseGraphModel model;
+  const auto find = [&](io::PoseGraph<Pose>& g, Start start) { initialize::findStart(g, start, model); };
+  return initialize::chooseStart(graph, candidates, find, model).start;
+}
+
+/// Holds the first pose where the file has no lines FIX, and finds start values. Returns the name of the start.
+template <class Pose>
+std::string prepare(io::PoseGraph<Pose>& graph, const ProblemOptions& options) {
   if (!options.deviations.empty()) setDeviations(graph, options.deviations);
-  app::graph::checkInformation(graph, false);
-  app::graph::holdGauge(graph, false);
-  using app::graph::Start;
-  const std::optional<Start> start = !options.init.empty() ? app::graph::parseStart(options.init)
-                                     : graph.has_vertices  ? Start::given
-                                                           : Start::spanning_tree;
-  return app::graph::optionOf(app::graph::findStart(graph, start, {}).start);
+  if (!graph.has_fix_lines) graph.poses.front().held = true;
+  std::optional<Start> start = !options.init.empty() ? parseStart(options.init)
+                               : graph.has_vertices  ? Start::given
+                                                     : Start::spanning_tree;
+  if (start) {
+    initialize::findStart(graph, *start, io::PoseGraphModel());
+  } else {
+    start = chooseStart(graph);
+  }
+  return std::find_if(std::begin(starts), std::end(starts),
+                      [&](const auto& named) { return named.second == *start; })
+      ->first;
 }
 
 Problem readFile(const std::string& file, const ProblemOptions& options) {
@@ -67,7 +102,7 @@ Problem readFile(const std::string& file, const ProblemOptions& options) {
   problem.name = std::filesystem::path(file).filename().string();
   problem.name.erase(std::min(problem.name.size(), problem.name.find('.')));
   if (!holdsGraph(file)) {
-    problem.data = app::bundle::readScene(file);
+    problem.data = io::readScene(file);
     problem.start = "file";
     return problem;
   }
@@ -76,7 +111,7 @@ Problem readFile(const std::string& file, const ProblemOptions& options) {
         problem.start = prepare(graph, options);
         problem.data = std::move(graph);
       },
-      app::graph::readPoseGraph(file));
+      io::readPoseGraph(file));
   return problem;
 }
 
@@ -98,8 +133,8 @@ bool generate(const std::string& source, Problem& problem) {
   for (const Generator& generator : generators) {
     if (source.substr(0, colon) != generator.name) continue;
     int size = 0;
-    if (!app::parseNumber(source.substr(colon + 1), size) || size < 100) {
-      throw UserError(
+    if (!io::parseNumber(source.substr(colon + 1), size) || size < 100) {
+      throw BadInput(
           fmt::format("{}: write {}:SIZE, SIZE a whole number from 100 on", source, generator.name));
     }
     problem.name = source;
@@ -115,13 +150,13 @@ bool generate(const std::string& source, Problem& problem) {
 
 std::size_t Problem::variables() const {
   return std::visit(
-      Overloaded{[](const app::bundle::Scene& scene) { return scene.cameras.size() + scene.points.size(); },
+      Overloaded{[](const io::Scene& scene) { return scene.cameras.size() + scene.points.size(); },
                  [](const auto& graph) { return graph.poses.size() + graph.landmarks.size(); }},
       data);
 }
 
 std::size_t Problem::measurements() const {
-  return std::visit(Overloaded{[](const app::bundle::Scene& scene) { return scene.observations.size(); },
+  return std::visit(Overloaded{[](const io::Scene& scene) { return scene.observations.size(); },
                                [](const auto& graph) { return graph.edges.size() + graph.sightings.size(); }},
                     data);
 }
@@ -129,11 +164,10 @@ std::size_t Problem::measurements() const {
 Problem loadProblem(const std::string& source, const ProblemOptions& options) {
   Problem problem;
   if (!generate(source, problem)) problem = readFile(source, options);
-  problem.kind =
-      std::visit(Overloaded{[](const app::bundle::Scene&) { return "bundle"; },
-                            [](const app::graph::PoseGraph<Pose2>&) { return "graph in the plane"; },
-                            [](const app::graph::PoseGraph<Pose3>&) { return "graph in space"; }},
-                 problem.data);
+  problem.kind = std::visit(Overloaded{[](const io::Scene&) { return "bundle"; },
+                                       [](const io::PoseGraph<Pose2>&) { return "graph in the plane"; },
+                                       [](const io::PoseGraph<Pose3>&) { return "graph in space"; }},
+                            problem.data);
   return problem;
 }
 

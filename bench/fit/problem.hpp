@@ -5,13 +5,12 @@
 #include <variant>
 #include <vector>
 
-#include "bundle/scene.hpp"
-#include "graph/pose_graph.hpp"
+#include <slom/io/pose_graph.hpp>
+#include <slom/io/scene.hpp>
 
 namespace slom::bench {
 
-using AnyProblem = std::variant<app::graph::PoseGraph<app::graph::Pose2>,
-                                app::graph::PoseGraph<app::graph::Pose3>, app::bundle::Scene>;
+using AnyProblem = std::variant<io::PoseGraph<io::Pose2>, io::PoseGraph<io::Pose3>, io::Scene>;
 
 struct Problem {
   std::string name;
@@ -27,13 +26,13 @@ struct Problem {
 
 struct ProblemOptions {
   std::string
-      init;  ///< as `slom graph --init`; empty: the file's vertices, or a spanning tree where there are none
+      init;  ///< as `slom graph --init`, where odometry follows the order of the file; empty: the file's vertices, or a spanning tree where there are none
   std::vector<double> deviations;  ///< of all edges of a graph, instead of their information; empty: none
 };
 
 /// `source`: a file that `slom graph` or `slom bundle` reads; or a generated problem of about that many poses or
 /// observations: `grid2d:SIZE`, `sheet:SIZE`, `grid3d:SIZE` (generate_graph.hpp), `scene:SIZE` (generate_scene.hpp). Throws
-/// app::UserError.
+/// BadInput and the errors of slom::io and slom::initialize.
 Problem loadProblem(const std::string& source, const ProblemOptions& options);
 
 }  // namespace slom::bench

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <slom/io/pose_graph.hpp>
+#include <slom/io/scene.hpp>
 #include <slom/optimize/summary.hpp>
-
-#include "bundle/scene.hpp"
-#include "graph/pose_graph.hpp"
 
 namespace slom::bench {
 
@@ -51,16 +50,16 @@ Run runOf(const Summary& summary);
 
 /// Gauss-Newton for pose graphs, Levenberg-Marquardt for bundles, as the commands do it.
 template <class Pose>
-Run fitBySlom(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
-Run fitBySlom(const app::bundle::Scene& scene, const Limits& limits);
+Run fitBySlom(const io::PoseGraph<Pose>& graph, const Limits& limits);
+Run fitBySlom(const io::Scene& scene, const Limits& limits);
 
 enum class Schur { dense, sparse, iterative };
 #ifdef SLOM_BENCH_CERES
 /// Levenberg-Marquardt with SPARSE_NORMAL_CHOLESKY by SuiteSparse, derivatives by Ceres' automatic differentiation.
 template <class Pose>
-Run fitByCeres(const app::graph::PoseGraph<Pose>& graph, const Limits& limits);
+Run fitByCeres(const io::PoseGraph<Pose>& graph, const Limits& limits);
 /// The same with a Schur complement.
-Run fitByCeres(const app::bundle::Scene& scene, Schur schur, const Limits& limits);
+Run fitByCeres(const io::Scene& scene, Schur schur, const Limits& limits);
 #endif
 
 /// What a factorisation of J^T J alone needs.
@@ -72,11 +71,11 @@ struct Factorization {
 /// SLoM's symbolic work on the same structure: order, fronts, layout. Pivots are merged into larger fronts where that is
 /// faster, so it counts more operations than the sparsest factor needs.
 template <class Pose>
-Factorization analyzeBySlom(const app::graph::PoseGraph<Pose>& graph);
+Factorization analyzeBySlom(const io::PoseGraph<Pose>& graph);
 #ifdef SLOM_BENCH_CHOLMOD
 /// The faster of CHOLMOD's simplicial and supernodal factorisation, each the best of several.
 template <class Pose>
-Factorization factorizeByCholmod(const app::graph::PoseGraph<Pose>& graph);
+Factorization factorizeByCholmod(const io::PoseGraph<Pose>& graph);
 #endif
 
 }  // namespace slom::bench

@@ -5,17 +5,10 @@
 #include <slom/optimize/summary.hpp>
 
 #include "fit/run.hpp"
-#include "fitting/fit_options.hpp"
 
 namespace slom::bench {
 
-inline app::FitOptions fitOptions(const Limits& limits, app::AlgorithmName algorithm) {
-  app::FitOptions options;
-  options.algorithm = algorithm;
-  options.threads = limits.threads;
-  if (limits.huber > 0) options.loss = Huber(limits.huber);
-  return options;
-}
+inline Loss lossOf(const Limits& limits) { return limits.huber > 0 ? Loss(Huber(limits.huber)) : Loss(); }
 
 inline Options stoppingRule(const Limits& limits) {
   Options options;

@@ -15,11 +15,11 @@ namespace slom::bench {
 
 namespace {
 
-using app::bundle::Camera;
-using app::graph::Pose2;
-using app::graph::Pose3;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using io::Camera;
+using io::Pose2;
+using io::Pose3;
 
 /// J such that a step d of Ceres is the step J d of SLoM.
 MatrixXd stepsOf(const Pose2&) { return Matrix3d::Identity(); }
@@ -84,15 +84,15 @@ Marginals marginalsOf(CeresProblem& problem, const std::vector<MatrixXd>& steps)
 }  // namespace
 
 template <class Pose>
-Marginals marginalsByCeres(const app::graph::PoseGraph<Pose>& graph) {
+Marginals marginalsByCeres(const io::PoseGraph<Pose>& graph) {
   std::vector<MatrixXd> steps;
   for (const auto& pose : graph.poses) steps.push_back(pose.held ? MatrixXd() : stepsOf(pose.value));
   return marginalsOf(*ceresProblemOf(graph, 0), steps);
 }
-template Marginals marginalsByCeres(const app::graph::PoseGraph<Pose2>&);
-template Marginals marginalsByCeres(const app::graph::PoseGraph<Pose3>&);
+template Marginals marginalsByCeres(const io::PoseGraph<Pose2>&);
+template Marginals marginalsByCeres(const io::PoseGraph<Pose3>&);
 
-Marginals marginalsByCeres(const app::bundle::Scene& scene) {
+Marginals marginalsByCeres(const io::Scene& scene) {
   const auto problem = ceresProblemOf(scene, 0);
   for (double* const point : problem->eliminated_first) {
     const ceres::Matrix weight = ceres::Matrix::Identity(3, 3) / kPointSigma;

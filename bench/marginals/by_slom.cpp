@@ -2,11 +2,11 @@
 #include <limits>
 #include <memory>
 
+#include <slom/io/pose_graph_model.hpp>
+#include <slom/io/scene_model.hpp>
 #include <slom/solve/block_solver.hpp>
 
-#include "bundle/fit/fit.hpp"
 #include "fit/stopwatch.hpp"
-#include "graph/fit/fit.hpp"
 #include "marginals/marginals.hpp"
 
 namespace slom::bench {
@@ -35,35 +35,35 @@ Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids, const
 }  // namespace
 
 template <class Pose>
-Marginals marginalsBySlom(app::graph::PoseGraph<Pose>& graph) {
-  app::graph::GraphModel model;
-  model.options.threads = 1;
-  app::graph::GraphFit<Pose> fit(graph, model);
-  fit.optimize({});
-  fit.writeTo(graph);
+Marginals marginalsBySlom(io::PoseGraph<Pose>& graph) {
+  Estimator est;
+  est.setThreads(1);
+  const io::PoseGraphVariables<Pose> ids = io::insert(est, graph);
+  est.optimize({});
+  ids.writeTo(graph);
   std::vector<char> is_held;
   for (const auto& pose : graph.poses) is_held.push_back(pose.held);
-  return timedMarginals(fit.estimator(), fit.poses(), is_held);
+  return timedMarginals(est, ids.poses, is_held);
 }
-template Marginals marginalsBySlom(app::graph::PoseGraph<app::graph::Pose2>&);
-template Marginals marginalsBySlom(app::graph::PoseGraph<app::graph::Pose3>&);
+template Marginals marginalsBySlom(io::PoseGraph<io::Pose2>&);
+template Marginals marginalsBySlom(io::PoseGraph<io::Pose3>&);
 
-Marginals marginalsBySlom(app::bundle::Scene& scene) {
-  app::FitOptions options;
-  options.algorithm = app::AlgorithmName::lm;
-  options.threads = 1;
-  app::bundle::BundleFit fit(scene, options);
-  fit.estimator().optimizeRV(fit.cameras()[0], false);
-  fit.estimator().optimizeRV(fit.points()[0], false);
-  fit.optimize({});
-  fit.writeTo(scene);
-  for (const auto& point : fit.points()) {
-    fit.estimator().insertMeasurement([](const auto& p) { return p; }, point, measured(*point),
-                                      StandardDeviation(kPointSigma));
+Marginals marginalsBySlom(io::Scene& scene) {
+  Estimator est;
+  est.setThreads(1);
+  est.changeAlgorithm(LevenbergMarquardt(1e-4, 0.1));
+  const io::SceneVariables ids = io::insert(est, scene);
+  est.optimizeRV(ids.cameras[0], false);
+  est.optimizeRV(ids.points[0], false);
+  est.optimize({});
+  ids.writeTo(scene);
+  for (const auto& point : ids.points) {
+    est.insertMeasurement([](const auto& p) { return p; }, point, measured(*point),
+                          StandardDeviation(kPointSigma));
   }
   std::vector<char> is_held(scene.cameras.size(), 0);
   is_held[0] = 1;
-  return timedMarginals(fit.estimator(), fit.cameras(), is_held);
+  return timedMarginals(est, ids.cameras, is_held);
 }
 
 }  // namespace slom::bench

@@ -16,7 +16,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "error.hpp"
 #include "fit/problem.hpp"
 #include "marginals/marginals.hpp"
 #include "support/build_info.hpp"

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "bundle/scene.hpp"
-#include "graph/pose_graph.hpp"
+#include <slom/io/pose_graph.hpp>
+#include <slom/io/scene.hpp>
 
 namespace slom::bench {
 
@@ -22,16 +22,16 @@ inline constexpr double kPointSigma = 100;
 
 /// Fits on one thread, writes the values back, and computes the marginals of all variables. The best time of three.
 template <class Pose>
-Marginals marginalsBySlom(app::graph::PoseGraph<Pose>& graph);
+Marginals marginalsBySlom(io::PoseGraph<Pose>& graph);
 /// The same with camera 0 and point 0 held, as nothing else says where the scene is and how large.
-Marginals marginalsBySlom(app::bundle::Scene& scene);
+Marginals marginalsBySlom(io::Scene& scene);
 
 #ifdef SLOM_BENCH_CERES
 /// ceres::Covariance by SPARSE_QR on one thread, at the values of the graph: the blocks of all poses.
 template <class Pose>
-Marginals marginalsByCeres(const app::graph::PoseGraph<Pose>& graph);
+Marginals marginalsByCeres(const io::PoseGraph<Pose>& graph);
 /// The blocks of all cameras, with the same ones held.
-Marginals marginalsByCeres(const app::bundle::Scene& scene);
+Marginals marginalsByCeres(const io::Scene& scene);
 #endif
 
 }  // namespace slom::bench

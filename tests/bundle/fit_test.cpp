@@ -2,8 +2,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include <slom/io/bal.hpp>
+
 #include "bundle/bundle_command.hpp"
-#include "bundle/input/read.hpp"
+#include "bundle/scene.hpp"
 
 namespace slom::app::bundle {
 namespace {
@@ -34,7 +36,7 @@ RawScene hardPlaces() {
 
 TEST(BundleFit, ResidualIsThatOfTheFormat) {
   const RawScene raw = hardPlaces();
-  const Scene scene = parseScene("scene.txt", testing::contentOf(raw));
+  const Scene scene = io::parseScene("scene.txt", testing::contentOf(raw));
   for (std::size_t i = 0; i < raw.observations.size(); ++i) {
     const auto& o = raw.observations[i];
     const auto pixel = testing::pixelOf(raw.cameras[std::size_t(o.camera)], raw.points[std::size_t(o.point)]);

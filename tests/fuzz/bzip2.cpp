@@ -1,13 +1,13 @@
 // Files packed by bzip2: never more text than the limit.
-#include "bundle/input/bzip2.hpp"
-
 #include <algorithm>
+
+#include <slom/io/bal.hpp>
 
 #include "fuzz/target.hpp"
 
 SLOM_FUZZ_TARGET(bzip2) {
   std::string text;
-  if (!accepted([&] { text = slom::app::bundle::bzip2Decompressed("FILE", input); })) return;
+  if (!accepted([&] { text = slom::io::bzip2Decompressed("FILE", input); })) return;
   require(text.size() <= std::max<std::size_t>(std::size_t{16} << 20, 100 * input.size()),
           "more text than the limit");
 }

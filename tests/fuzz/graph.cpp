@@ -1,12 +1,12 @@
 // Pose graphs of g2o and TORO. What is read and written again is the same graph.
 #include <variant>
 
+#include <slom/io/g2o.hpp>
+
 #include "fuzz/target.hpp"
-#include "graph/input/read.hpp"
-#include "graph/output/g2o.hpp"
 
 SLOM_FUZZ_TARGET(graph) {
-  using namespace slom::app::graph;
+  using namespace slom::io;
   AnyPoseGraph graph;
   const MemoryFile file(input);
   if (!accepted([&] { graph = readPoseGraph(file.name()); })) return;

@@ -1,11 +1,13 @@
 // Bundle adjustments in BAL's format, plain. What is read, checked and written again is the same scene.
-#include "bundle/input/check.hpp"
-#include "bundle/input/read.hpp"
+#include <slom/io/bal.hpp>
+
+#include "bundle/check.hpp"
 #include "bundle/output/output.hpp"
 #include "fuzz/target.hpp"
 
 SLOM_FUZZ_TARGET(scene) {
   using namespace slom::app::bundle;
+  using slom::io::parseScene, slom::io::toBal;
   Scene scene;
   const auto read = [&] {
     scene = parseScene("FILE", input);

@@ -1,6 +1,5 @@
 // Public data sets, whose minima are known.
 #include "graph/graph_command.hpp"
-#include "graph/input/read.hpp"
 #include "graph/oracle.hpp"
 #include "support/slow_with_sanitizers.hpp"
 
@@ -18,7 +17,7 @@ void expectRss(const std::string& name, double expected, std::vector<std::string
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const double rss = testing::Json::parse(result.output)["final_rss"];
   EXPECT_NEAR(rss, expected, 1e-6 * expected) << name;
-  const AnyPoseGraph graph = readPoseGraph(fitted);
+  const io::AnyPoseGraph graph = io::readPoseGraph(fitted);
   EXPECT_NEAR(testing::rssOf(std::get<PoseGraph<Pose>>(graph)), rss, 1e-9 * rss) << name;
 }
 

@@ -1,8 +1,6 @@
 // What the fit finds, against answers by hand and against an independent RSS.
 #include "graph/graph_command.hpp"
 #include "graph/oracle.hpp"
-#include "graph/output/g2o.hpp"
-#include "graph/simulated_graph.hpp"
 
 namespace slom::app::graph {
 namespace {

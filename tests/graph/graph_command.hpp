@@ -7,11 +7,19 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "graph/input/read.hpp"
+#include "graph/pose_graph.hpp"
+#include "io/parsed_graph.hpp"
+#include "io/simulated_graph.hpp"
 #include "support/command_on_file.hpp"
 
 namespace slom::app::graph::testing {
 
+using io::testing::parsed;
+using io::testing::randomVector;
+using io::testing::scrambled;
+using io::testing::simulateGraph;
+using io::testing::unit3;
+using io::testing::unit6;
 using Json = nlohmann::json;
 using slom::testing::CommandResult;
 using slom::testing::replaced;
@@ -50,17 +58,5 @@ inline std::string fittedGraph(const std::string& content, std::vector<std::stri
   EXPECT_EQ(result.exit_code, 0);
   return result.exit_code == 0 ? slom::testing::readFile(folder / "fitted.g2o") : "";
 }
-
-/// What the library part of the command reads from a file with this content.
-template <class Pose>
-PoseGraph<Pose> parsed(const std::string& content) {
-  const TemporaryFolder folder;
-  slom::testing::writeFile(folder / "map.g2o", content);
-  return std::get<PoseGraph<Pose>>(readPoseGraph((folder / "map.g2o").string()));
-}
-
-/// Information matrices that are the identity, row by row.
-inline const std::string unit3 = " 1 0 0 1 0 1\n";
-inline const std::string unit6 = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
 
 }  // namespace slom::app::graph::testing

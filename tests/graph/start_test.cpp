@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "graph/graph_command.hpp"
-#include "graph/output/g2o.hpp"
-#include "graph/simulated_graph.hpp"
 #include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::graph {

@@ -21,16 +21,19 @@ constexpr int kMtk = 0;
 constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kInitialize = kFacade + 1;
+constexpr int kIo = kFacade + 2;
 
 std::string levelName(int level) {
   return level == kFacade       ? "the facade"
          : level == kInitialize ? "initialize"
+         : level == kIo         ? "io"
                                 : kLevels[static_cast<std::size_t>(level)];
 }
 
 /// Level of the file `<step>/...` or, for a name without folder, the facade.
 std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "initialize") return kInitialize;
+  if (path.begin()->stem() == "io") return kIo;
   if (std::next(path.begin()) == path.end()) return kFacade;
   const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());
   if (step == kLevels.end()) return std::nullopt;
@@ -102,11 +105,15 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
       return "only the facade and users include measurements";
     if (is_public && startsWith(target->generic_string(), "src/"))
       return "a public header includes public headers";
+    if (level == kIo && startsWith(target->generic_string(), "src/") && *target_level != kIo)
+      return "io is a user of the library, whose src/ is its own";
     return "";
   }
   if (include.quoted) return "no such file of the project";
   if (include.name == "iostream" && is_public) return "a public header holds no <iostream>";
-  if (isOfTheCommandAlone(include.name)) return "the libraries do without it, only the command may use it";
+  const bool is_io_source = level == kIo && !is_public;
+  if (isOfTheCommandAlone(include.name) && !(is_io_source && startsWith(include.name, "fmt/")))
+    return "the libraries do without it, only the command may use it";
   if (isStandardHeader(include.name) || isEigen(include.name)) return "";
   if (level == kMtk) return "mtk uses Eigen alone";
   if (is_public && !isTbb(include.name))
@@ -182,6 +189,26 @@ void checkCommand(const fs::path& root, const fs::path& file, IncludeReport& rep
   }
 }
 
+/// Benchmarks are users of the libraries, too.
+void checkBenchmark(const fs::path& root, const fs::path& file, IncludeReport& report) {
+  ++report.files;
+  std::ifstream stream(root / file);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto include = parseInclude(line);
+    if (!include || !include->quoted) continue;
+    const bool is_own = fs::exists(root / "bench" / include->name) ||
+                        fs::exists(root / "tests" / include->name) ||
+                        fs::exists(root / file.parent_path() / include->name);
+    if (is_own) continue;
+    const std::string rule = fs::exists(root / kCommand / include->name)
+                                 ? "a benchmark is a user of the libraries, not of the command"
+                                 : "no such file of bench/ or tests/";
+    report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " +
+                                include->name + ": " + rule);
+  }
+}
+
 void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report) {
   ++report.files;
   const auto level = levelOf(file);
@@ -219,6 +246,13 @@ IncludeReport checkIncludes(const fs::path& root) {
       const std::string extension = entry.path().extension();
       if (extension == ".hpp" || extension == ".cpp")
         checkCommand(root, entry.path().lexically_relative(root), report, edges);
+    }
+  }
+  if (fs::exists(root / "bench")) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / "bench")) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".hpp" || extension == ".cpp")
+        checkBenchmark(root, entry.path().lexically_relative(root), report);
     }
   }
   std::set<std::string> done;

@@ -91,6 +91,32 @@ TEST(IncludeRules, EachViolationIsReportedWithItsPlace) {
       "src/solve/s.cpp:2: includes apps/slom/error.hpp: nobody includes apps/\n");
 }
 
+TEST(IncludeRules, OfReadersAndBenchmarks) {
+  const TemporaryFolder root;
+  writeFile(root / "apps/slom/text.hpp", "");
+  writeFile(root / "include/slom/estimator.hpp", "#include \"slom/io.hpp\"\n");
+  writeFile(root / "include/slom/initialize/start.hpp", "#include \"slom/io/g2o.hpp\"\n");
+  writeFile(root / "include/slom/io.hpp", "#include \"slom/io/g2o.hpp\"\n");
+  writeFile(root / "include/slom/io/g2o.hpp", "#include \"slom/estimator.hpp\"\n#include <fmt/core.h>\n");
+  writeFile(root / "src/base/words.hpp", "");
+  writeFile(root / "src/io/words.hpp", "#include <fmt/core.h>\n#include <bzlib.h>\n");
+  writeFile(root / "src/io/g2o.cpp", "#include \"base/words.hpp\"\n#include \"io/words.hpp\"\n");
+  writeFile(root / "bench/fit/main.cpp",
+            "#include \"fit/run.hpp\"\n#include \"text.hpp\"\n#include <slom/io.hpp>\n");
+  writeFile(root / "bench/fit/run.hpp", "#include \"support/models.hpp\"\n#include \"nowhere.hpp\"\n");
+  writeFile(root / "tests/support/models.hpp", "");
+  EXPECT_EQ(
+      lines(checkIncludes(root.path()).violations),
+      "bench/fit/main.cpp:2: includes text.hpp: a benchmark is a user of the libraries, not of the command\n"
+      "bench/fit/run.hpp:2: includes nowhere.hpp: no such file of bench/ or tests/\n"
+      "include/slom/estimator.hpp:1: includes slom/io.hpp: the facade may include only what stands above it, io "
+      "stands below\n"
+      "include/slom/initialize/start.hpp:1: includes slom/io/g2o.hpp: initialize may include only what stands above "
+      "it, io stands below\n"
+      "include/slom/io/g2o.hpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
+      "src/io/g2o.cpp:1: includes base/words.hpp: io is a user of the library, whose src/ is its own\n");
+}
+
 TEST(IncludeRules, OfTheCommand) {
   const TemporaryFolder root;
   writeFile(root / "src/base/words.hpp", "");

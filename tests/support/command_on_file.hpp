@@ -8,16 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "support/paths.hpp"
+#include "support/replaced.hpp"
 #include "support/run_command.hpp"
 
 namespace slom::testing {
-
-inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) {
-    text.replace(at, what.size(), by);
-  }
-  return text;
-}
 
 struct CommandOnFile {
   std::string subcommand;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <mtk/error.hpp>
+
 #include "error.hpp"
 
 namespace slom::testing {
@@ -13,6 +15,8 @@ std::string refusalOf(const F& f) {
     f();
   } catch (const app::UserError& error) {
     return error.what();
+  } catch (const mtk::Error& error) {
+    return app::withoutId(error);
   }
   return "no error";
 }

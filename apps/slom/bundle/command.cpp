@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include <slom/io/bal.hpp>
+
 #include "bundle/bundle.hpp"
+#include "bundle/check.hpp"
 #include "bundle/fit/fit.hpp"
-#include "bundle/input/check.hpp"
-#include "bundle/input/read.hpp"
 #include "bundle/output/output.hpp"
 #include "bundle/output/report.hpp"
 #include "bundle/settings.hpp"
@@ -62,7 +63,7 @@ void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
   const Console console(settings.report);
-  Scene scene = readScene(settings.file);
+  Scene scene = io::readScene(settings.file);
   const std::vector<std::string> warnings = checkScene(scene);
   std::vector<std::string> results = settings.output_files;
   results.push_back(settings.report.jsonPath());

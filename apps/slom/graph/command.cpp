@@ -5,15 +5,15 @@
 
 #include <fmt/format.h>
 
+#include <slom/io/g2o.hpp>
+
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
-#include "graph/input/information.hpp"
-#include "graph/input/read.hpp"
-#include "graph/output/g2o.hpp"
+#include "graph/information.hpp"
 #include "graph/output/html.hpp"
 #include "graph/output/report.hpp"
 #include "graph/output/sketch.hpp"
@@ -72,7 +72,7 @@ template <class Pose>
 void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
                 const Console& console) {
   ResultFiles files(report, settings.report);
-  files.add(settings.output_file, [&] { return toG2o(graph); });
+  files.add(settings.output_file, [&] { return io::toG2o(graph); });
   files.add(settings.plot_file, [&] {
     const Sketch sketch = sketchOf(graph);
     return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
@@ -105,7 +105,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
 void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
-  AnyPoseGraph graph = readPoseGraph(settings.file);
+  io::AnyPoseGraph graph = io::readPoseGraph(settings.file);
   requireWritable({settings.output_file, settings.report.jsonPath(), settings.plot_file});
   std::visit([&](auto& any) { run(std::move(any), settings, total); }, graph);
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <slom/estimator.hpp>
+#include <slom/io/scene_model.hpp>
 
 #include "bundle/scene.hpp"
 #include "bundle/settings.hpp"
@@ -21,15 +22,14 @@ class BundleFit {
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
   /// In the order of the scene's.
-  const std::vector<VarID<Camera>>& cameras() const { return cameras_; }
-  const std::vector<VarID<mtk::vect<3>>>& points() const { return points_; }
+  const std::vector<VarID<Camera>>& cameras() const { return variables_.cameras; }
+  const std::vector<VarID<mtk::vect<3>>>& points() const { return variables_.points; }
   /// Writes the values into the cameras and points of the scene.
-  void writeTo(Scene& scene) const;
+  void writeTo(Scene& scene) const { variables_.writeTo(scene); }
 
  private:
   Estimator est_;
-  std::vector<VarID<Camera>> cameras_;
-  std::vector<VarID<mtk::vect<3>>> points_;
+  io::SceneVariables variables_;
 };
 
 }  // namespace slom::app::bundle

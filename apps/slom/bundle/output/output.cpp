@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <slom/io/bal.hpp>
+
 #include "text.hpp"
 
 namespace slom::app::bundle {
@@ -15,11 +17,6 @@ using Text = fmt::memory_buffer;
 template <class... Args>
 void append(Text& text, fmt::format_string<Args...> format, Args&&... args) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
-}
-
-/// One number on each line.
-void appendLines(Text& text, const auto& numbers) {
-  for (const double x : numbers) append(text, "{}\n", x);
 }
 
 struct Colour {
@@ -38,20 +35,6 @@ Format formatOf(const std::string& file) {
   return file.ends_with(".ply") ? Format::ply : Format::unknown;
 }
 
-std::string toBal(const Scene& scene) {
-  Text text;
-  append(text, "{} {} {}\n", scene.cameras.size(), scene.points.size(), scene.observations.size());
-  for (const Observation& o : scene.observations)
-    append(text, "{} {} {} {}\n", o.camera, o.point, o.pixel[0], o.pixel[1]);
-  for (const Camera& camera : scene.cameras) {
-    appendLines(text, mtk::SO3<>::log(camera.pose.orient));
-    appendLines(text, camera.pose.pos);
-    appendLines(text, camera.lens);
-  }
-  for (const mtk::vect<3>& point : scene.points) appendLines(text, point);
-  return fmt::to_string(text);
-}
-
 std::string toPly(const Scene& scene) {
   Text text;
   append(text,
@@ -66,7 +49,7 @@ std::string toPly(const Scene& scene) {
 }
 
 std::string toText(const Scene& scene, const std::string& file) {
-  return formatOf(file) == Format::ply ? toPly(scene) : toBal(scene);
+  return formatOf(file) == Format::ply ? toPly(scene) : io::toBal(scene);
 }
 
 }  // namespace slom::app::bundle

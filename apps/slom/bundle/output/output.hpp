@@ -16,9 +16,6 @@ enum class Format {
 /// By the extension: .txt and .bal, .ply.
 Format formatOf(const std::string& file);
 
-/// Numbers with all digits; rotation vectors of a length up to pi.
-std::string toBal(const Scene& scene);
-
 /// Points in grey, then the centres of the cameras in red; text.
 std::string toPly(const Scene& scene);
 

@@ -1,6 +1,8 @@
 // The fit of a pose graph.
 #pragma once
 
+#include <vector>
+
 #include <slom/estimator.hpp>
 
 #include "graph/fit/model.hpp"
@@ -18,14 +20,13 @@ class GraphFit {
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
   /// In the order of the graph's.
-  const std::vector<VarID<Pose>>& poses() const { return poses_; }
+  const std::vector<VarID<Pose>>& poses() const { return variables_.poses; }
   /// Writes the values into the nodes of the graph.
-  void writeTo(PoseGraph<Pose>& graph) const;
+  void writeTo(PoseGraph<Pose>& graph) const { variables_.writeTo(graph); }
 
  private:
   Estimator est_;
-  std::vector<VarID<Pose>> poses_;
-  std::vector<VarID<Point<Pose>>> landmarks_;
+  io::PoseGraphVariables<Pose> variables_;
 };
 
 }  // namespace slom::app::graph

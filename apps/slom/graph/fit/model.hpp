@@ -2,21 +2,16 @@
 #pragma once
 
 #include <slom/estimator.hpp>
+#include <slom/io/pose_graph_model.hpp>
 
 #include "fitting/fit_options.hpp"
 #include "graph/pose_graph.hpp"
 
 namespace slom::app::graph {
 
-/// What the three rotational components of an edge's error in space are.
-enum class RotationError {
-  vector,     ///< the rotation vector, axis times angle [rad]
-  quaternion  ///< the vector part of the unit quaternion with w >= 0, as in g2o
-};
+using io::RotationError;
 
-///   residual of an edge      z^-1 (a^-1 b): its translation, then its rotation as RotationError says
-///   residual of a sighting   a^-1 p - z
-/// whitened by W with W^T W = information, so that the RSS is the sum of e^T information e.
+/// io::PoseGraphModel with the options of the command, compiled once.
 struct GraphModel {
   FitOptions options;
   RotationError rotation_error = RotationError::vector;

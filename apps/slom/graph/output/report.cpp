@@ -59,7 +59,7 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
                                                                       : fmt::format("{} information matrices",
                                                                                     preparation.repaired));
   }
-  const UnknownTags& unknown = graph.unknown_tags;
+  const io::UnknownTags& unknown = graph.unknown_tags;
   for (const auto& [tag, count] : unknown.lines)
     text += fmt::format("  warning: skipped {} with the unknown tag {}\n", plural(std::size_t(count), "line"),
                         tag);

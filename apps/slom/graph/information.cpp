@@ -1,0 +1,83 @@
+#include "graph/information.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "error.hpp"
+
+namespace slom::app::graph {
+
+namespace {
+
+constexpr std::size_t most_lines = 5;  // that a message names
+
+/// As the library decides it: by the pivots of the Cholesky factor at unit diagonal.
+template <int N>
+bool isPositiveDefinite(const Symmetric<N>& m) {
+  if (!(m.diagonal().array() > 0).all()) return false;
+  if (m.isDiagonal(0)) return true;
+  const Eigen::Matrix<double, N, 1> scale = m.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(scale.asDiagonal() * m * scale.asDiagonal());
+  return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 1e-8;
+}
+
+template <int N>
+void repair(Symmetric<N>& m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen(m);
+  const double floor = repaired_eigenvalue * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  const auto V = eigen.eigenvectors();
+  const Eigen::Matrix<double, N, N> product =
+      V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose();
+  m = (product + product.transpose()) / 2;
+}
+
+class Check {
+ public:
+  Check(const std::string& file, bool repair) : file_(file), repair_(repair) {}
+
+  template <class Datum>
+  void operator()(std::vector<Edge<Datum>>& edges) {
+    for (Edge<Datum>& edge : edges) {
+      if (isPositiveDefinite(edge.information)) continue;
+      if (edge.information.isZero(0)) {
+        throw UserError(fmt::format(
+            "{}:{}: the information is 0, so that nothing is measured; remove the line", file_, edge.line));
+      }
+      ++count_;
+      if (lines_.size() < most_lines) lines_.push_back(edge.line);
+      if (repair_) repair(edge.information);
+    }
+  }
+
+  int finish() const {
+    if (count_ == 0 || repair_) return count_;
+    throw UserError(fmt::format(
+        "{}: the information of {} is not positive definite ({} {}{}); correct it, or give "
+        "--repair-information, which "
+        "takes the nearest matrix that is",
+        file_, count_ == 1 ? "1 edge" : fmt::format("{} edges", count_), count_ == 1 ? "line" : "lines",
+        fmt::join(lines_, ", "), count_ > int(lines_.size()) ? ", ..." : ""));
+  }
+
+ private:
+  const std::string& file_;
+  bool repair_;
+  int count_ = 0;
+  std::vector<int> lines_;
+};
+
+}  // namespace
+
+template <class Pose>
+int checkInformation(PoseGraph<Pose>& graph, bool repair) {
+  Check check(graph.file, repair);
+  check(graph.edges);
+  check(graph.sightings);
+  return check.finish();
+}
+
+template int checkInformation(PoseGraph<Pose2>&, bool);
+template int checkInformation(PoseGraph<Pose3>&, bool);
+
+}  // namespace slom::app::graph

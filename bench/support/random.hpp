@@ -1,0 +1,35 @@
+/// Random numbers that are the same on every machine: the distributions of the standard library are not.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+namespace slom::bench {
+
+/// Uniform and normal numbers from a 64-bit Mersenne twister, whose output the C++ standard fixes. Equal
+/// seeds give equal numbers with any compiler, but for the last digits of the machine's log and cos.
+class Random {
+ public:
+  /// `stream` tells apart the sequences that one seed gives.
+  Random(std::uint64_t seed, std::uint32_t stream) {
+    std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), stream};
+    engine_.seed(sequence);
+  }
+
+  /// Uniform in [0, 1), a multiple of 2^-53.
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+  /// Normal with mean 0 and standard deviation 1 (Box and Muller 1958).
+  double normal() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return radius * std::cos(2 * std::numbers::pi * uniform());
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace slom::bench

@@ -1,0 +1,30 @@
+# The library slom_io, slom::io: readers and writers of file formats (src/io, include/slom/io). It formats text with fmt, and
+# unpacks what bzip2 compressed where libbz2 is found. Without fmt there is no such target.
+find_package(fmt QUIET CONFIG)
+find_package(BZip2 QUIET)
+if(NOT fmt_FOUND)
+  message(STATUS "slom: without slom::io, the readers of file formats, because fmt was not found (Debian: libfmt-dev)")
+  return()
+endif()
+
+file(GLOB_RECURSE slom_io_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/io/*.cpp")
+if(BZip2_FOUND)
+  list(FILTER slom_io_sources EXCLUDE REGEX "/bzip2_absent\\.cpp$")
+else()
+  list(FILTER slom_io_sources EXCLUDE REGEX "/bzip2_libbz2\\.cpp$")
+  message(STATUS "slom: slom::io without files compressed by bzip2 (Debian: libbz2-dev)")
+endif()
+
+add_library(slom_io ${slom_io_sources})
+add_library(slom::io ALIAS slom_io)
+slom_own_target(slom_io)
+slom_fuzzed(slom_io)
+slom_unity(slom_io)
+slom_own_eigen(slom_io)
+target_include_directories(slom_io PRIVATE "${PROJECT_SOURCE_DIR}/src")
+set_target_properties(slom_io PROPERTIES EXPORT_NAME io VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+                                         POSITION_INDEPENDENT_CODE ON)
+target_link_libraries(slom_io PUBLIC slom PRIVATE fmt::fmt)
+if(BZip2_FOUND)
+  target_link_libraries(slom_io PRIVATE BZip2::BZip2)
+endif()

@@ -1,0 +1,19 @@
+/// Numbers as people write them into files.
+#pragma once
+
+#include <charconv>
+#include <string_view>
+#include <system_error>
+
+namespace slom::io {
+
+/// Reads all of `text` as one number, in the notation of C whatever the locale; a + may stand before it. Returns false, with
+/// `value` unchanged or not, where the text is anything else or the number is out of range. `inf` and `nan` are numbers.
+template <class T>
+bool parseNumber(std::string_view text, T& value) {
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace slom::io

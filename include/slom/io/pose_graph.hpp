@@ -1,0 +1,83 @@
+/// A pose graph as it stands in a file (slom/io/g2o.hpp): poses and landmarks, in the plane or in space, and where one was seen
+/// from another.
+///
+/// A pose is world_T_body. The datum of an edge from a to b is a^-1 b, that of a sighting of landmark l is a^-1 l. The functions of
+/// slom/initialize.hpp, which find start values, take these graphs as they are; slom/io/pose_graph_model.hpp inserts them into
+/// an estimator.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mtk/types/so2.hpp"
+#include "mtk/types/so3.hpp"
+#include "mtk/types/trafo.hpp"
+#include "mtk/types/vect.hpp"
+
+namespace slom::io {
+
+using Pose2 = mtk::trafo<mtk::SO2<>>;  ///< world_T_pose in the plane
+using Pose3 = mtk::trafo<mtk::SO3<>>;  ///< world_T_pose in space
+
+template <class Pose>
+inline constexpr int dof = Pose::DOF;  ///< 3 or 6: translation, then rotation
+template <class Pose>
+inline constexpr int dim = Pose::DIM;  ///< 2 or 3
+template <class Pose>
+using Point = mtk::vect<Pose::DIM>;
+
+template <int N>
+using Symmetric = Eigen::Matrix<double, N, N, Eigen::DontAlign>;
+
+/// A pose or a landmark.
+template <class Value>
+struct Node {
+  long id = 0;        ///< its name in the file
+  Value value;        ///< where it starts [m, rad]
+  int line = 0;       ///< of the vertex; of the first edge that names it where the file has no vertices
+  bool held = false;  ///< keeps its value in the fit
+};
+
+/// `to` as seen from the pose `from`; both are indices of nodes, not ids.
+template <class Datum>
+struct Edge {
+  int from = 0;
+  int to = 0;
+  int line = 0;                       ///< of the file
+  Datum measured;                     ///< [m, rad]
+  Symmetric<Datum::DOF> information;  ///< of the translation, then of the rotation; as the file has it
+};
+
+/// The lines of a file that were skipped, by the words that they begin with.
+struct UnknownTags {
+  static constexpr std::size_t most = 5;
+
+  std::map<std::string, int> lines;  ///< the number of lines that begin with each of the first ones
+  int others = 0;                    ///< lines that begin with further ones
+
+  void add(std::string_view tag);
+};
+
+template <class PoseType>
+struct PoseGraph {
+  using Pose = PoseType;
+
+  std::string file;
+  bool has_vertices = false;  ///< otherwise the values of nodes mean nothing
+  bool has_fix_lines = false;
+  std::vector<Node<Pose>> poses;  ///< in the order of the file; by id where it has no vertices
+  std::vector<Node<Point<Pose>>> landmarks;
+  std::vector<Edge<Pose>> edges;             ///< from a pose to a pose
+  std::vector<Edge<Point<Pose>>> sightings;  ///< of a landmark from a pose
+  UnknownTags unknown_tags;
+};
+
+using AnyPoseGraph = std::variant<PoseGraph<Pose2>, PoseGraph<Pose3>>;
+
+}  // namespace slom::io

@@ -1,0 +1,125 @@
+/// A pose graph of a file as variables and measurements of an estimator.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/estimator.hpp"
+#include "slom/io/pose_graph.hpp"
+#include "slom/io/quaternion_error.hpp"
+#include "slom/measurements/landmark.hpp"
+#include "slom/measurements/relative_pose.hpp"
+
+namespace slom::io {
+
+/// What the three rotational components of an edge's error in space are.
+enum class RotationError {
+  vector,     ///< the rotation vector, axis times angle [rad]
+  quaternion  ///< the vector part of the unit quaternion with w >= 0, as in g2o
+};
+
+namespace detail {
+
+/// slom::RelativePoseInFrameOfA has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1
+/// (a^-1 b), seen from where z puts b. So its information must be that of the file, turned to a's frame: B^T
+/// I B with B = diag(R_z^T, 1).
+template <class Pose>
+Symmetric<dof<Pose>> informationFromA(const Edge<Pose>& edge) {
+  constexpr int n = dim<Pose>, m = dof<Pose> - n;
+  const auto& I = edge.information;
+  const double first = I(0, 0);
+  const bool is_round = I.template topLeftCorner<n, n>().isApprox(first * Symmetric<n>::Identity(), 0) &&
+                        I.template topRightCorner<n, m>().isZero(0);
+  if (is_round) return I;  // and stays as cheap as it is
+  const Symmetric<n> R = edge.measured.orient.toRotationMatrix();
+  Symmetric<dof<Pose>> turned = I;
+  turned.template topLeftCorner<n, n>() = R * I.template topLeftCorner<n, n>() * R.transpose();
+  turned.template topRightCorner<n, m>() = R * I.template topRightCorner<n, m>();
+  turned.template bottomLeftCorner<m, n>() = turned.template topRightCorner<n, m>().transpose();
+  return turned;
+}
+
+/// Calls f with a diagonal information as a vector, with any other one as a matrix.
+template <int N, class F>
+void withInformation(const Symmetric<N>& information, F f) {
+  if (information.isDiagonal(0)) {
+    f(InvCovariance(Eigen::Matrix<double, N, 1>(information.diagonal())));
+  } else {
+    f(InvCovariance(information));
+  }
+}
+
+template <class Value>
+std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Value>>& nodes,
+                                      const char* kind) {
+  std::vector<VarID<Value>> ids;
+  ids.reserve(nodes.size());
+  for (const Node<Value>& node : nodes)
+    ids.push_back(est.insertRV(node.value, !node.held, kind + std::to_string(node.id)));
+  return ids;
+}
+
+}  // namespace detail
+
+/// How edges and sightings become measurements, named `edge` and `sighting`.
+///   residual of an edge      z^-1 (a^-1 b): its translation, then its rotation as RotationError says
+///   residual of a sighting   a^-1 p - z
+/// whitened by W with W^T W = information, so that the RSS is the sum of e^T information e.
+/// The functions of slom/initialize.hpp take it as their model.
+struct PoseGraphModel {
+  Loss loss = {};  ///< of all measurements
+  RotationError rotation_error = RotationError::vector;
+
+  void prepare(Estimator&) const {}
+  template <class Pose>
+  void insertEdge(Estimator& est, const VarID<Pose>& a, const VarID<Pose>& b, const Edge<Pose>& edge) const {
+    detail::withInformation(detail::informationFromA(edge), [&](const auto& noise) {
+      if constexpr (dim<Pose> == 3) {
+        if (rotation_error == RotationError::quaternion) {
+          est.insertMeasurement(QuaternionError(), a, b, edge.measured, noise, loss, named("edge"));
+          return;
+        }
+      }
+      est.insertMeasurement(RelativePoseInFrameOfA(), a, b, measured(edge.measured), noise, loss,
+                            named("edge"));
+    });
+  }
+  template <class Pose>
+  void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point<Pose>>& p,
+                      const Edge<Point<Pose>>& sighting) const {
+    detail::withInformation(sighting.information, [&](const auto& noise) {
+      est.insertMeasurement(Landmark(), a, p, measured(sighting.measured), noise, loss, named("sighting"));
+    });
+  }
+};
+
+/// The variables of a graph, in the order of its nodes.
+template <class Pose>
+struct PoseGraphVariables {
+  std::vector<VarID<Pose>> poses;
+  std::vector<VarID<Point<Pose>>> landmarks;
+
+  /// Writes the values of the variables into the nodes of the graph.
+  void writeTo(PoseGraph<Pose>& graph) const {
+    for (std::size_t i = 0; i < poses.size(); ++i) graph.poses[i].value = *poses[i];
+    for (std::size_t i = 0; i < landmarks.size(); ++i) graph.landmarks[i].value = *landmarks[i];
+  }
+};
+
+/// Inserts all poses and landmarks with their values, named by their ids (`pose 17`, `landmark 3`), fixed where they are held, and all
+/// edges and sightings. Throws the errors of Estimator::insertMeasurement, such as that of an information that is not positive
+/// definite. Where nothing is held, the map can float: hold a pose, `graph.poses[0].held = true`.
+template <class Pose, class Model = PoseGraphModel>
+PoseGraphVariables<Pose> insert(Estimator& est, const PoseGraph<Pose>& graph, const Model& model = {}) {
+  PoseGraphVariables<Pose> ids{detail::insertNodes(est, graph.poses, "pose "),
+                               detail::insertNodes(est, graph.landmarks, "landmark ")};
+  const auto pose = [&](int i) -> const VarID<Pose>& { return ids.poses[static_cast<std::size_t>(i)]; };
+  for (const auto& edge : graph.edges) model.insertEdge(est, pose(edge.from), pose(edge.to), edge);
+  for (const auto& sighting : graph.sightings) {
+    model.insertSighting(est, pose(sighting.from), ids.landmarks[static_cast<std::size_t>(sighting.to)],
+                         sighting);
+  }
+  return ids;
+}
+
+}  // namespace slom::io

@@ -1,0 +1,19 @@
+// In place of bzip2_libbz2.cpp where libbz2 was not found.
+#include <fmt/format.h>
+
+#include "io/fault.hpp"
+#include "slom/io/bal.hpp"
+
+namespace slom::io {
+
+const bool has_bzip2 = false;
+
+std::string bzip2Decompressed(const std::string& file, std::string_view) {
+  fail("no-bzip2",
+       fmt::format(
+           "{}: the file is compressed by bzip2, and this slom was built without libbz2; decompress it "
+           "with bunzip2, or install libbz2-dev and build slom again",
+           file));
+}
+
+}  // namespace slom::io

@@ -1,0 +1,49 @@
+#include "io/bal/words.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "io/fault.hpp"
+#include "slom/io/number.hpp"
+
+namespace slom::io::bal {
+
+namespace {
+
+/// What separates words on a line, or ends it: '\n', '\t', '\r', ' ' and their like.
+constexpr bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+constexpr std::size_t longest_word = 40;  // in a message: a file of another kind may have any
+
+}  // namespace
+
+Words::Words(const std::string& file, std::string_view text)
+    : file_(file), at_(text.data()), end_(text.data() + text.size()) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";  // byte order
+  if (text.starts_with(mark)) at_ += mark.size();
+}
+
+bool Words::next() {
+  int lines = 0;
+  for (; at_ != end_ && isSpace(*at_); ++at_) lines += *at_ == '\n' ? 1 : 0;
+  if (at_ == end_) return false;
+  line_ += lines;
+  const char* const first = at_;
+  while (at_ != end_ && !isSpace(*at_)) ++at_;
+  word_ = {first, std::size_t(at_ - first)};
+  return true;
+}
+
+bool Words::moreOnLine() {
+  while (at_ != end_ && isSpace(*at_) && *at_ != '\n') ++at_;
+  return at_ != end_ && *at_ != '\n';
+}
+
+bool Words::number(double& value) const { return parseNumber(word_, value) && std::isfinite(value); }
+
+std::string Words::quoted() const { return "\"" + shortened(word_, longest_word) + "\""; }
+
+void Words::fail(const std::string& what) const { failAt("bad-line", file_, line_, what); }
+
+}  // namespace slom::io::bal

@@ -1,0 +1,29 @@
+// Errors of this folder: what is wrong, where, and what to do about it.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "mtk/error.hpp"
+
+namespace slom::io {
+
+/// Throws [slom.io.`kind`] `sentence`.
+[[noreturn]] inline void fail(const char* kind, const std::string& sentence) {
+  throw mtk::Error(std::string("slom.io.") + kind, sentence);
+}
+
+/// Throws [slom.io.`kind`] `file`:`line`: `what`.
+[[noreturn]] inline void failAt(const char* kind, const std::string& file, int line,
+                                const std::string& what) {
+  fail(kind, fmt::format("{}:{}: {}", file, line, what));
+}
+
+/// The first characters of a text that is longer than `most`, and three dots.
+inline std::string shortened(std::string_view text, std::size_t most) {
+  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+}
+
+}  // namespace slom::io

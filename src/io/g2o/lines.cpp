@@ -1,0 +1,143 @@
+#include "io/g2o/lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "io/fault.hpp"
+#include "slom/io/input_file.hpp"
+#include "slom/io/number.hpp"
+
+namespace slom::io::g2o {
+
+namespace {
+
+constexpr bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+void skipBlanks(std::string_view& text) {
+  std::size_t n = 0;
+  while (n < text.size() && isBlank(text[n])) ++n;
+  text.remove_prefix(n);
+}
+
+/// The next word, taken off `text`; empty at its end.
+std::string_view takeWord(std::string_view& text) {
+  skipBlanks(text);
+  std::size_t n = 0;
+  while (n < text.size() && !isBlank(text[n])) ++n;
+  const std::string_view word = text.substr(0, n);
+  text.remove_prefix(n);
+  return word;
+}
+
+constexpr std::size_t longest_line = std::size_t{1} << 24;
+constexpr std::size_t longest_word = 40;  // in a message: a file that is no graph may have any
+
+}  // namespace
+
+Lines::Lines(const std::string& file) : file_(file), stream_(openInput(file)), buffer_(std::size_t{1} << 20) {
+  readMore();
+  constexpr std::string_view mark = "\xEF\xBB\xBF";  // byte order
+  if (std::string_view(buffer_.data(), end_).starts_with(mark)) begin_ = mark.size();
+}
+
+void Lines::require(bool good) const {
+  if (!good) cannotRead(file_);
+}
+
+/// Fills the buffer behind what has not been handed out yet; false at the end of the file.
+bool Lines::readMore() {
+  std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_),
+            buffer_.begin());
+  end_ -= begin_;
+  begin_ = 0;
+  if (end_ == longest_line) {
+    ++line_number_;
+    fail(fmt::format("the line is longer than {} bytes; this is no pose graph", longest_line));
+  }
+  if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+  const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, stream_.get());
+  require(std::ferror(stream_.get()) == 0);
+  end_ += got;
+  return got > 0;
+}
+
+bool Lines::nextLine() {
+  for (std::size_t seen = 0;;) {
+    const char* const first = buffer_.data() + begin_;
+    const std::size_t size = end_ - begin_;
+    const void* const found = std::memchr(first + seen, '\n', size - seen);
+    if (found != nullptr) {
+      line_ = {first, std::size_t(static_cast<const char*>(found) - first)};
+      begin_ += line_.size() + 1;
+      return true;
+    }
+    seen = size;
+    if (readMore()) continue;
+    line_ = {buffer_.data(), size};
+    begin_ = end_;
+    return size > 0;
+  }
+}
+
+bool Lines::next() {
+  while (nextLine()) {
+    ++line_number_;
+    word_ = 0;
+    tag_ = takeWord(line_);
+    behind_ = line_;
+    if (!tag_.empty() && tag_.front() != '#') return true;
+  }
+  return false;
+}
+
+void Lines::expect(int count, const char* form) {
+  count_ = count;
+  form_ = form;
+}
+
+bool Lines::atEnd() const {
+  std::string_view line = line_;
+  return takeWord(line).empty();
+}
+
+void Lines::finish() const {
+  if (!atEnd()) failCount();
+}
+
+void Lines::failCount() const {
+  int count = 0;
+  for (std::string_view line = behind_; !takeWord(line).empty();) ++count;
+  fail(fmt::format("there are {} words behind {} instead of {}; write \"{}\"", count, tag_, count_, form_));
+}
+
+std::string_view Lines::word() {
+  ++word_;
+  const std::string_view text = takeWord(line_);
+  if (text.empty()) failCount();
+  return text;
+}
+
+long Lines::id() {
+  const std::string_view text = word();
+  long value = 0;
+  if (!parseNumber(text, value) || value < 0) {
+    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it",
+                     shortened(text, longest_word), tag_));
+  }
+  return value;
+}
+
+double Lines::number() {
+  const std::string_view text = word();
+  double value = 0;
+  if (parseNumber(text, value) && std::isfinite(value)) return value;
+  fail(fmt::format("word {} behind {} is \"{}\"; write a finite number there", word_, tag_,
+                   shortened(text, longest_word)));
+}
+
+void Lines::fail(const std::string& what) const { failAt("bad-line", file_, line_number_, what); }
+
+}  // namespace slom::io::g2o

@@ -1,0 +1,64 @@
+// What the lines of a file say, before ids become nodes.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "io/g2o/lines.hpp"
+#include "slom/io/pose_graph.hpp"
+
+namespace slom::io::g2o {
+
+/// Ids of the vertices of an edge.
+struct Ends {
+  long from = 0;
+  long to = 0;
+};
+
+/// A vertex that a line FIX names.
+struct FixedVertex {
+  long id = 0;
+  int line = 0;
+};
+
+template <class Pose>
+struct RawGraph {
+  PoseGraph<Pose> graph;            ///< its edges do not know their nodes yet
+  std::vector<Ends> edge_ends;      ///< of graph.edges
+  std::vector<Ends> sighting_ends;  ///< of graph.sightings
+  std::vector<FixedVertex> fixed;
+
+  template <class Value, class Read>
+  static void readVertex(std::vector<Node<Value>>& nodes, Lines& line, Read read) {
+    Node<Value> node;
+    node.line = line.lineNumber();
+    node.id = line.id();
+    node.value = read(line);
+    line.finish();
+    nodes.push_back(std::move(node));
+  }
+
+  /// `skip` reads what stands between the ids and the measurement.
+  template <class Datum, class Read, class ReadInformation, class Skip>
+  static void readEdge(std::vector<Edge<Datum>>& edges, std::vector<Ends>& ends, Lines& line, Read read,
+                       ReadInformation read_information, Skip skip) {
+    Edge<Datum>& edge = edges.emplace_back();
+    Ends& end = ends.emplace_back();
+    edge.line = line.lineNumber();
+    end.from = line.id();
+    end.to = line.id();
+    skip(line);
+    if (end.from == end.to) {
+      line.fail("the edge leads from vertex " + std::to_string(end.from) + " to itself; remove it");
+    }
+    edge.measured = read(line);
+    edge.information = read_information(line);
+    line.finish();
+  }
+};
+
+/// Finds the node of each id. Throws [slom.io.bad-graph] where that cannot be done.
+template <class Pose>
+PoseGraph<Pose> resolve(RawGraph<Pose> raw);
+
+}  // namespace slom::io::g2o

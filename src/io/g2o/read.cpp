@@ -1,0 +1,174 @@
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "io/fault.hpp"
+#include "io/g2o/raw_graph.hpp"
+#include "io/g2o/values.hpp"
+#include "slom/io/g2o.hpp"
+
+namespace slom::io {
+
+namespace g2o {
+
+namespace {
+
+/// Lines that begin with `name`: `form` shows one, with `words` words behind the tag.
+template <class Pose>
+struct Tag {
+  std::string_view name;
+  int words;
+  const char* form;
+  void (*read)(RawGraph<Pose>& raw, Lines& line);
+};
+
+void nothing(Lines&) {}
+/// Id of the PARAMS_SE3OFFSET that says how the sensor sits on the robot.
+void sensorId(Lines& line) { line.id(); }
+
+template <auto ReadPose, class Pose>
+void readPoseVertex(RawGraph<Pose>& raw, Lines& line) {
+  raw.readVertex(raw.graph.poses, line, ReadPose);
+}
+template <class Pose>
+void readLandmarkVertex(RawGraph<Pose>& raw, Lines& line) {
+  raw.readVertex(raw.graph.landmarks, line, readPoint<dim<Pose>>);
+}
+template <auto ReadPose, auto ReadInformation, class Pose>
+void readPoseEdge(RawGraph<Pose>& raw, Lines& line) {
+  raw.readEdge(raw.graph.edges, raw.edge_ends, line, ReadPose, ReadInformation, nothing);
+}
+template <auto Skip, class Pose>
+void readSighting(RawGraph<Pose>& raw, Lines& line) {
+  raw.readEdge(raw.graph.sightings, raw.sighting_ends, line, readPoint<dim<Pose>>, readInformation<dim<Pose>>,
+               Skip);
+}
+
+/// Where the sensor sits on the robot.
+void readSensorOffset(RawGraph<Pose3>&, Lines& line) {
+  line.id();
+  const Pose3 offset = readQuaternionPose(line);
+  line.finish();
+  const auto& q = offset.orient.coeffs();
+  if (offset.pos.isZero(0) && q.head<3>().isZero(0)) return;
+  line.fail(
+      "the sensor's offset is not the identity, and others are not supported; transform the measurements "
+      "into the frame of the robot");
+}
+
+constexpr std::array<Tag<Pose2>, 6> plane_tags{{
+    {"EDGE_SE2", 11, "EDGE_SE2 i j x y theta I11 I12 I13 I22 I23 I33",
+     readPoseEdge<readPose2, readInformation<3>>},
+    {"VERTEX_SE2", 4, "VERTEX_SE2 i x y theta", readPoseVertex<readPose2>},
+    {"EDGE_SE2_XY", 7, "EDGE_SE2_XY i j x y I11 I12 I22", readSighting<nothing>},
+    {"VERTEX_XY", 3, "VERTEX_XY i x y", readLandmarkVertex<Pose2>},
+    {"EDGE2", 11, "EDGE2 i j x y theta I11 I12 I22 I33 I13 I23",
+     readPoseEdge<readPose2, readToroInformation>},
+    {"VERTEX2", 4, "VERTEX2 i x y theta", readPoseVertex<readPose2>},
+}};
+
+constexpr std::array<Tag<Pose3>, 7> space_tags{{
+    {"EDGE_SE3:QUAT", 30, "EDGE_SE3:QUAT i j x y z qx qy qz qw I11 I12 ... I66",
+     readPoseEdge<readQuaternionPose, readInformation<6>>},
+    {"VERTEX_SE3:QUAT", 8, "VERTEX_SE3:QUAT i x y z qx qy qz qw", readPoseVertex<readQuaternionPose>},
+    {"EDGE_SE3_TRACKXYZ", 12, "EDGE_SE3_TRACKXYZ i j sensor x y z I11 I12 I13 I22 I23 I33",
+     readSighting<sensorId>},
+    {"VERTEX_TRACKXYZ", 4, "VERTEX_TRACKXYZ i x y z", readLandmarkVertex<Pose3>},
+    {"EDGE3", 29, "EDGE3 i j x y z roll pitch yaw I11 I12 ... I66",
+     readPoseEdge<readEulerPose, readInformation<6>>},
+    {"VERTEX3", 7, "VERTEX3 i x y z roll pitch yaw", readPoseVertex<readEulerPose>},
+    {"PARAMS_SE3OFFSET", 8, "PARAMS_SE3OFFSET i x y z qx qy qz qw", readSensorOffset},
+}};
+
+/// The first line that said whether the graph lies in the plane or in space.
+struct FirstLine {
+  std::string tag;
+  int number = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& file) { plane_.graph.file = space_.graph.file = file; }
+
+  AnyPoseGraph read() {
+    const std::string& file = plane_.graph.file;
+    Lines line(file);
+    bool is_empty = true;
+    for (; line.next(); is_empty = false) readLine(line);
+    if (is_empty) fail("empty-file", file + ": the file is empty; a pose graph has a line for each edge");
+    if (in_space_.number != 0) return finish(std::move(space_));
+    return finish(std::move(plane_));
+  }
+
+ private:
+  void readLine(Lines& line) {
+    if (readTagged(line, plane_tags, plane_, in_plane_, in_space_)) return;
+    if (readTagged(line, space_tags, space_, in_space_, in_plane_)) return;
+    if (line.tag() == "FIX") return readFix(line);
+    unknown_.add(line.tag());
+  }
+
+  template <class Pose, std::size_t N>
+  static bool readTagged(Lines& line, const std::array<Tag<Pose>, N>& tags, RawGraph<Pose>& raw,
+                         FirstLine& own, const FirstLine& other) {
+    for (const Tag<Pose>& tag : tags) {
+      if (tag.name != line.tag()) continue;
+      if (own.number == 0) own = {std::string(tag.name), line.lineNumber()};
+      if (other.number != 0) {
+        line.fail(fmt::format(
+            "{} and {} of line {} do not belong together: one is of the plane, one of space; make "
+            "two files",
+            tag.name, other.tag, other.number));
+      }
+      line.expect(tag.words, tag.form);
+      tag.read(raw, line);
+      return true;
+    }
+    return false;
+  }
+
+  void readFix(Lines& line) {
+    line.expect(1, "FIX i");
+    do {
+      fixed_.push_back({line.id(), line.lineNumber()});
+    } while (!line.atEnd());
+  }
+
+  template <class Pose>
+  PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
+    if (raw.graph.edges.empty() && raw.graph.sightings.empty()) {
+      fail("no-edges",
+           raw.graph.file +
+               ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
+    }
+    raw.fixed = std::move(fixed_);
+    raw.graph.unknown_tags = std::move(unknown_);
+    return resolve(std::move(raw));
+  }
+
+  RawGraph<Pose2> plane_;
+  RawGraph<Pose3> space_;
+  FirstLine in_plane_, in_space_;
+  std::vector<FixedVertex> fixed_;
+  UnknownTags unknown_;
+};
+
+}  // namespace
+}  // namespace g2o
+
+void UnknownTags::add(std::string_view tag) {
+  constexpr std::size_t longest = 40;
+  const std::string name = shortened(tag, longest);
+  if (const auto known = lines.find(name); known != lines.end()) {
+    ++known->second;
+  } else if (lines.size() < most) {
+    lines.emplace(name, 1);
+  } else {
+    ++others;
+  }
+}
+
+AnyPoseGraph readPoseGraph(const std::string& file) { return g2o::Reader(file).read(); }
+
+}  // namespace slom::io

@@ -1,0 +1,138 @@
+// From ids to nodes: which vertices there are, and which of them each edge connects.
+#include <algorithm>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "io/fault.hpp"
+#include "io/g2o/raw_graph.hpp"
+
+namespace slom::io::g2o {
+
+namespace {
+
+enum class Kind { pose, landmark };
+
+const char* nameOf(Kind kind) { return kind == Kind::pose ? "a pose" : "a landmark"; }
+
+/// What an id stands for.
+struct Known {
+  Kind kind = Kind::pose;
+  int node = 0;
+  int line = 0;
+};
+
+template <class Pose>
+class Resolver {
+ public:
+  explicit Resolver(RawGraph<Pose>&& raw) : raw_(std::move(raw)), graph_(raw_.graph) {}
+
+  PoseGraph<Pose> run() {
+    graph_.has_vertices = !graph_.poses.empty() || !graph_.landmarks.empty();
+    graph_.has_fix_lines = !raw_.fixed.empty();
+    if (!graph_.has_vertices) makeVertices();
+    known_.reserve(graph_.poses.size() + graph_.landmarks.size());
+    enter(graph_.poses, Kind::pose);
+    enter(graph_.landmarks, Kind::landmark);
+    connect(graph_.edges, raw_.edge_ends, Kind::pose);
+    connect(graph_.sightings, raw_.sighting_ends, Kind::landmark);
+    hold();
+    return std::move(graph_);
+  }
+
+ private:
+  [[noreturn]] void fail(int line, const std::string& what) const {
+    failAt("bad-graph", graph_.file, line, what);
+  }
+
+  /// A vertex for each id that an edge names, in the order of the ids.
+  void makeVertices() {
+    for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+      add(graph_.poses, raw_.edge_ends[i].from, graph_.edges[i].line);
+      add(graph_.poses, raw_.edge_ends[i].to, graph_.edges[i].line);
+    }
+    for (std::size_t i = 0; i < graph_.sightings.size(); ++i) {
+      add(graph_.poses, raw_.sighting_ends[i].from, graph_.sightings[i].line);
+      add(graph_.landmarks, raw_.sighting_ends[i].to, graph_.sightings[i].line);
+    }
+    makeUnique(graph_.poses);
+    makeUnique(graph_.landmarks);
+  }
+  template <class Value>
+  static void add(std::vector<Node<Value>>& nodes, long id, int line) {
+    Node<Value>& node = nodes.emplace_back();
+    node.id = id;
+    node.line = line;
+  }
+  template <class Value>
+  static void makeUnique(std::vector<Node<Value>>& nodes) {
+    const auto by_id = [](const auto& a, const auto& b) { return a.id < b.id; };
+    const auto same_id = [](const auto& a, const auto& b) { return a.id == b.id; };
+    std::stable_sort(nodes.begin(), nodes.end(), by_id);
+    nodes.erase(std::unique(nodes.begin(), nodes.end(), same_id), nodes.end());
+  }
+
+  template <class Value>
+  void enter(const std::vector<Node<Value>>& nodes, Kind kind) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto& node = nodes[i];
+      const auto [it, is_new] = known_.try_emplace(node.id, Known{kind, int(i), node.line});
+      if (is_new) continue;
+      const Known& old = it->second;
+      if (graph_.has_vertices) {
+        fail(node.line,
+             fmt::format("vertex {} is there already, on line {}; remove one of them", node.id, old.line));
+      }
+      fail(node.line, fmt::format("vertex {} is {} here and {} on line {}; give one of them another id",
+                                  node.id, nameOf(kind), nameOf(old.kind), old.line));
+    }
+  }
+
+  int find(long id, Kind kind, int line) const {
+    const auto it = known_.find(id);
+    if (it == known_.end()) {
+      fail(line, fmt::format("there is no vertex {}; add a line for it, or remove this one", id));
+    }
+    if (it->second.kind != kind) {
+      fail(line, fmt::format("vertex {} must be {} here, but is {}; see line {}", id, nameOf(kind),
+                             nameOf(it->second.kind), it->second.line));
+    }
+    return it->second.node;
+  }
+
+  template <class Datum>
+  void connect(std::vector<Edge<Datum>>& edges, const std::vector<Ends>& ends, Kind to) const {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      edges[i].from = find(ends[i].from, Kind::pose, edges[i].line);
+      edges[i].to = find(ends[i].to, to, edges[i].line);
+    }
+  }
+
+  void hold() {
+    for (const FixedVertex& fixed : raw_.fixed) {
+      const auto it = known_.find(fixed.id);
+      if (it == known_.end()) {
+        fail(fixed.line,
+             fmt::format("there is no vertex {}; add a line for it, or remove this one", fixed.id));
+      }
+      const auto node = static_cast<std::size_t>(it->second.node);
+      (it->second.kind == Kind::pose ? graph_.poses[node].held : graph_.landmarks[node].held) = true;
+    }
+  }
+
+  RawGraph<Pose> raw_;
+  PoseGraph<Pose>& graph_;
+  std::unordered_map<long, Known> known_;
+};
+
+}  // namespace
+
+template <class Pose>
+PoseGraph<Pose> resolve(RawGraph<Pose> raw) {
+  return Resolver<Pose>(std::move(raw)).run();
+}
+
+template PoseGraph<Pose2> resolve(RawGraph<Pose2>);
+template PoseGraph<Pose3> resolve(RawGraph<Pose3>);
+
+}  // namespace slom::io::g2o
