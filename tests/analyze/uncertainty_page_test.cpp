@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include <slom/posterior.hpp>
 #include <slom/slom.hpp>
 
 #include "support/documentation.hpp"
@@ -70,6 +72,19 @@ TEST(UncertaintyPage, Works) {
   const auto length = est.propagate(distance, mill, barn);   // the distance that nobody measured
   std::cout << length.value << " +- " << length.standardDeviation() << "\n";
   EXPECT_NEAR(length.value, 130, 0.1);
+
+  auto [what_if, ids] = slom::posterior(est, mill, barn);    // copies, and a prior for what is known of them
+  const auto& [mill_there, barn_there] = ids;
+  what_if.insertMeasurement(distance, mill_there, barn_there, slom::measured(distance(*mill, *barn)),
+                            slom::StandardDeviation(0.005));
+  const double gain = slom::informationGain(est.jointCovariance(mill, barn),
+                                            what_if.jointCovariance(mill_there, barn_there));
+  std::cout << est.standardDeviation(barn).transpose() << " -> "
+            << what_if.standardDeviation(barn_there).transpose() << ", " << gain << " nats\n";
+  std::ostringstream line;
+  line << est.standardDeviation(barn).transpose() << " -> "
+       << what_if.standardDeviation(barn_there).transpose() << ", " << gain << " nats\n";
+  EXPECT_EQ(blocks(page(), "text").at(2), line.str());
 
   const slom::ProfileInterval interval = est.profile(oak, "x", 0.95);
   EXPECT_LT(interval.lower, interval.value);
