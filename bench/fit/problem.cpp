@@ -31,6 +31,8 @@ template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
 };
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
 
 /// Files of pose graphs begin with a tag, those of scenes with a number.
 bool holdsGraph(const std::string& file) {
