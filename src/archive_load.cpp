@@ -26,7 +26,7 @@ bool readNumber(std::istream& is, double& x) {
 }
 
 /// What is wrong with the numbers of a text that was written with the locale of a language whose decimals
-/// stand behind a comma.
+/// follow a comma.
 std::string commaIn(const std::string& text) {
   const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {

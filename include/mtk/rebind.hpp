@@ -2,7 +2,7 @@
 ///   rebind_t<trafo<SO3<double>>, S> is trafo<SO3<S>>
 /// Types that can be rebound: numbers, vect, Scalar, SO2, SO3, S2, trafo, Eigen's matrices, std::array, compounds made by
 /// MTK_BUILD_MANIFOLD, and class templates all of whose arguments can be (`template <class S> struct Camera`). A struct
-/// that is no template cannot be: write `template <class S> struct CameraOf {...}; using Camera = CameraOf<double>;`.
+/// that is not a template cannot be: write `template <class S> struct CameraOf {...}; using Camera = CameraOf<double>;`.
 #pragma once
 
 #include <array>

@@ -35,7 +35,7 @@ class Archive {
   /// Measurements of a type declared by SLOM_BUILD_MEASUREMENT, or of a callable with these arguments. It must be a function
   /// object without captures or members. `name` is what the file calls them; without one it is made of the names of the types,
   /// which suffices where these differ. A function whose meaning is not that of earlier files has a member `archive_suffix`, which
-  /// is put behind the name, as slom::RelativePose has. Throws [slom.archive-name] for a name that has another meaning already.
+  /// is appended to the name, as slom::RelativePose has. Throws [slom.archive-name] for a name that has another meaning already.
   template <class F, class... Args>
   void measurement(std::string name = "");
   /// Another name than its type's for a variable type, as the file calls it; before measurements of such variables.

@@ -57,7 +57,7 @@ void writeDatum(std::ostream& os, const D& x) {
   }
 }
 
-/// False where the text is no such value.
+/// False where the text is not such a value.
 template <class D>
 bool readDatum(std::istream& is, D& x) {
   if constexpr (std::is_enum_v<D>) {

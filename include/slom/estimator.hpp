@@ -114,7 +114,7 @@ class Estimator {
   void fix(const VarID<T>& id) {
     optimizeRV(id, false);
   }
-  /// Fixes components at their current values. They are no unknowns and have covariance 0.
+  /// Fixes components at their current values. They are not unknowns and have covariance 0.
   template <class T>
   void fix(const VarID<T>& id, const std::string& path) {
     setFixed(id, path, true);
@@ -236,7 +236,7 @@ class Estimator {
   /// step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or [slom.not-finite] with the values
   /// unchanged.
   double optimizeStep();
-  /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is no
+  /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
   /// exception: look at `converged`, `stop_reason` and `message`. The values are the best that were reached.
   Summary optimize(const Options& options = {});
 

@@ -1,4 +1,4 @@
-// printf and its like write decimals as the locale of C says; here always behind a point.
+// printf and its like write decimals as the locale of C says; here always after a point.
 #pragma once
 
 #include <locale.h>

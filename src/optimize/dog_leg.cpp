@@ -109,7 +109,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());
     } else if (!(rho >= 0.25)) {
-      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 where the norm is no number
+      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 where the norm is not a number
     }
     if (is_better) {
       outcome.rss_after = rss;

@@ -96,7 +96,7 @@ void Problem::overwrite(int variable, const void* value) {
   moves_.add(variable, size());
 }
 
-/// The largest component of value [-] the variable; infinite where that is no number.
+/// The largest component of value [-] the variable; infinite where that is not a number.
 double Problem::distanceTo(int variable, const void* value) const {
   const VariableRecord& record = table_[at(variable)];
   double most = 0;

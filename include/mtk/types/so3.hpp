@@ -57,7 +57,7 @@ class SO3 {
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
   /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it. Throws [mtk.no-rotation] for others:
   /// reflections, the zero matrix, columns of other lengths than about 1, numbers that are not finite.
-  ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is no difference of large numbers
+  ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is not a difference of large numbers
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
   explicit SO3(const Eigen::MatrixBase<D>& matrix) {

@@ -10,7 +10,7 @@ namespace slom::io {
 
 /// Reads a file or pipe, plain or compressed by bzip2. Throws the errors of readWhole; [slom.io.empty-file]; [slom.io.bad-line],
 /// naming file and line, for a word that is not as the format asks; and, of compressed files, [slom.io.damaged] and, where this
-/// library was built without libbz2, [slom.io.no-bzip2]. Points without observations and points behind cameras are no errors here.
+/// library was built without libbz2, [slom.io.no-bzip2]. Points without observations and points behind cameras are not errors here.
 Scene readScene(const std::string& file);
 
 /// The same from the content of a plain file; `file` is for messages.

@@ -7,7 +7,7 @@
 ///              landmark  its coordinates in the world, 2 or 3; or a pose, of which the position counts
 ///   datum      2D  mtk::SO2<>, the angle from the sensor's x axis towards its y axis
 ///              3D  mtk::S2<>, the direction in the sensor's frame
-///   residual   2D  the difference of angles in [-pi, pi) [rad]: +-pi is no special place
+///   residual   2D  the difference of angles in [-pi, pi) [rad]: +-pi is not a special place
 ///              3D  prediction [-] z on the sphere, 2 arcs [rad]
 /// A landmark at the sensor's own position has no direction: 2D takes the angle 0 with zero derivatives, 3D
 /// throws [mtk.no-direction].

@@ -32,7 +32,7 @@ struct Call<F, std::tuple<P...>> {
   using Result = std::remove_cvref_t<std::invoke_result_t<const F&, P...>>;
 };
 
-/// The parameters of a function that is no template.
+/// The parameters of a function that is not a template.
 template <class F>
 struct Parameters {
   static constexpr bool known = false;
@@ -74,7 +74,7 @@ constexpr void requireArgument() {
       Number <= 6 || fits,
       "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
 }
-/// Fails to compile, naming the argument where the function is no template.
+/// Fails to compile, naming the argument where the function is not a template.
 template <class F, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {

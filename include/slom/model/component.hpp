@@ -37,7 +37,7 @@ std::pair<int, int> componentsOf(const X& x, const void* member, const std::type
 }  // namespace detail
 
 /// Writes the coordinate that each component moves: the number itself for numbers and vectors, NaN for rotations and all
-/// else that is no vector space.
+/// else that is not a vector space.
 template <class X>
 void coordinates(const X& x, double* out) {
   mtk::detail::forEachBasicPart(x, x, 0, [out](const auto& part, const auto&, int at) {

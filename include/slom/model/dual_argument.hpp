@@ -73,7 +73,7 @@ int runtimeDof(const VarArg<T>& variable) {
   return mtk::dof(*variable);
 }
 
-/// Whether a function's result is made of dual numbers. One that returns doubles whatever it gets is no function of them.
+/// Whether a function's result is made of dual numbers. One that returns doubles whatever it gets is not a function of them.
 template <class R>
 constexpr bool carriesDerivatives() {
   if constexpr (mtk::detail::is_std_array<R>) {

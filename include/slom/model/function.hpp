@@ -43,7 +43,7 @@ struct Richardson {};
 
 namespace detail {
 
-/// std::invoke(f, x...); what is no pointer to a member is called without its three layers, which would be compiled for each f.
+/// std::invoke(f, x...); what is not a pointer to a member is called without its three layers, which would be compiled for each f.
 template <class F, class... A>
 decltype(auto) call(const F& f, const A&... x) {
   if constexpr (std::is_member_pointer_v<F>) {

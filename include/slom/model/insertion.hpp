@@ -79,7 +79,7 @@ std::string_view labelAmong(const All& all) {
   }
 }
 
-/// Numbers of the arguments that are no options.
+/// Numbers of the arguments that are not options.
 template <class... Args>
 using DataIndices = decltype(indicesWhere<!is_option<Args>...>());
 

@@ -5,7 +5,7 @@
 
 namespace slom::detail {
 
-/// Owns a T that is no complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred
+/// Owns a T that is not a complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred
 /// or so templates, which every program that includes the header would compile again for each T. OnEmpty is called when it is
 /// used after it was moved from, and throws.
 template <class T, void (*OnEmpty)() = nullptr>

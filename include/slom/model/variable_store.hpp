@@ -28,7 +28,7 @@ struct SlotRef {
 };
 
 namespace detail {
-/// What `write(stream, value)` writes, as a string. Compiled once: streams are dear to every file that makes one.
+/// What `write(stream, value)` writes, as a string. Compiled once: streams are expensive for every file that makes one.
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
 [[noreturn]] void raiseStaleHandle(std::string (*type)(), bool was_valid);
 /// The same for a handle that is not a VarID: `handle` names it.

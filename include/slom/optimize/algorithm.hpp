@@ -77,7 +77,7 @@ class ColumnScaling {
 };
 
 /// d = -(J^T J + mu D)^-1 J^T r with D the ColumnScaling, mu raised until the RSS falls. Close to the solution, where the change
-/// of the RSS is rounding error, a step counts as good when g^T (J^T J + mu D)^-1 g is smaller behind it: that is accurate to the
+/// of the RSS is rounding error, a step counts as good when g^T (J^T J + mu D)^-1 g is smaller after it: that is accurate to the
 /// last digits of the unknowns, the RSS to half of them. The dog leg does likewise.
 ///   damping     Marquardt 1963, with the scale of More 1978
 ///   gain ratio and update of mu   Nielsen 1999, as in Madsen, Nielsen and Tingleff, "Methods for non-linear least

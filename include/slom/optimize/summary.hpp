@@ -78,7 +78,7 @@ class Observer {
 };
 
 /// A fit has converged when one of the first three tests holds, and the fourth with it. All look at what the linear model
-/// promises without damping: a short step is no convergence.
+/// promises without damping: a short step is not convergence.
 struct Options {
   /// Cosine of the angle between the residual and each column of J: max_i |g_i| / (|J_i| |r|). More, Garbow and
   /// Hillstrom, "User guide for MINPACK-1", 1980, `gtol`.

@@ -197,7 +197,7 @@ class Problem {
   void bookVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
   std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
-  /// The name, with a number behind it when another pool has it already.
+  /// The name, followed by a number when another pool has it already.
   std::string nameForPool(const std::string& name) const;
 
   std::vector<VariableRecord> table_;

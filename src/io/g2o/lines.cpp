@@ -33,7 +33,7 @@ std::string_view takeWord(std::string_view& text) {
 }
 
 constexpr std::size_t longest_line = std::size_t{1} << 24;
-constexpr std::size_t longest_word = 40;  // in a message: a file that is no graph may have any
+constexpr std::size_t longest_word = 40;  // in a message: a file that is not a graph may have any
 
 }  // namespace
 
@@ -47,7 +47,7 @@ void Lines::require(bool good) const {
   if (!good) cannotRead(file_);
 }
 
-/// Fills the buffer behind what has not been handed out yet; false at the end of the file.
+/// Fills the buffer after what has not been handed out yet; false at the end of the file.
 bool Lines::readMore() {
   std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_),
             buffer_.begin());

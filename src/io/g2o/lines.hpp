@@ -21,7 +21,7 @@ class Lines {
   int lineNumber() const { return line_number_; }
   std::string_view tag() const { return tag_; }
 
-  /// Says what this line must be: `form` is an example, with `count` words behind the tag.
+  /// Says what this line must be: `form` is an example, with `count` words after the tag.
   void expect(int count, const char* form);
   /// The next word as the id of a vertex.
   long id();
@@ -46,7 +46,7 @@ class Lines {
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
   std::string_view line_;            // what of this line has not been read
-  std::string_view behind_;          // the line behind its tag
+  std::string_view behind_;          // the line after its tag
   std::string_view tag_;
   const char* form_ = "";
   int line_number_ = 0;

@@ -14,7 +14,7 @@ namespace g2o {
 
 namespace {
 
-/// Lines that begin with `name`: `form` shows one, with `words` words behind the tag.
+/// Lines that begin with `name`: `form` shows one, with `words` words after the tag.
 template <class Pose>
 struct Tag {
   std::string_view name;

@@ -1,4 +1,4 @@
-// The numbers behind a tag as poses, points and information matrices.
+// The numbers after a tag as poses, points and information matrices.
 #pragma once
 
 #include "io/g2o/lines.hpp"

@@ -4,11 +4,11 @@ namespace slom {
 
 SolveStatus BlockMethod::prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x) {
   const bool is_undamped = damping.size() == 0;
-  took_along_ = false;
+  is_forward_solved_ = false;
   if (is_undamped && has_undamped_) return undamped_status_;
   ++preparations_;
   const SolveStatus status = factorize(damping, x);
-  took_along_ = isExact() && x != nullptr;
+  is_forward_solved_ = isExact() && x != nullptr;
   has_undamped_ = is_undamped;
   if (is_undamped) undamped_status_ = status;
   return status;

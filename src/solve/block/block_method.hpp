@@ -20,10 +20,10 @@ class BlockMethod {
   virtual ~BlockMethod() = default;
 
   /// Prepares solutions with H + damping; nothing is done where that is prepared already. x, where given, is the right-hand
-  /// side of a step, which exact methods take along.
+  /// side of a step, which exact methods solve forward at the same time.
   SolveStatus prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x = nullptr);
   /// x := the solution for the x that was given to prepare(), as exact as a step needs it.
-  SolveStatus solveStep(Eigen::VectorXd& x) { return finishStep(x, took_along_); }
+  SolveStatus solveStep(Eigen::VectorXd& x) { return finishStep(x, is_forward_solved_); }
   /// Number of calls of prepare() that had something to do.
   long preparations() const { return preparations_; }
   /// To be called whenever H has new numbers.
@@ -39,12 +39,12 @@ class BlockMethod {
 
  protected:
   virtual SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) = 0;
-  virtual SolveStatus finishStep(Eigen::VectorXd& x, bool took_along) = 0;
+  virtual SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) = 0;
 
  private:
   bool has_undamped_ = false;
   long preparations_ = 0;
-  bool took_along_ = false;  // the right-hand side given to the last prepare()
+  bool is_forward_solved_ = false;  // the right-hand side given to the last prepare()
   SolveStatus undamped_status_;
 };
 

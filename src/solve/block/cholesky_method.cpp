@@ -70,25 +70,25 @@ SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
 }
 
 /// For the right-hand side that is in the fronts, and in x where blocks are eliminated.
-void CholeskyMethod::solveRest(VectorXd& x) {
+void CholeskyMethod::backSolve(VectorXd& x) {
   if (!elimination_) {
-    x = factor_.solveRest();
+    x = factor_.backSolve();
     return;
   }
-  x(kept_) = factor_.solveRest();
+  x(kept_) = factor_.backSolve();
   elimination_->substitute(equations_.H(), equations_.offset(), x);
 }
 
 SolveStatus CholeskyMethod::solve(VectorXd& x) {
   if (elimination_) elimination_->forward(equations_.H(), equations_.offset(), x);
-  factor_.solveFirst(elimination_ ? kept(x) : x);
-  solveRest(x);
+  factor_.forwardSolve(elimination_ ? kept(x) : x);
+  backSolve(x);
   return {};
 }
 
-SolveStatus CholeskyMethod::finishStep(VectorXd& x, bool took_along) {
-  if (!took_along) return solve(x);
-  solveRest(x);
+SolveStatus CholeskyMethod::finishStep(VectorXd& x, bool is_forward_solved) {
+  if (!is_forward_solved) return solve(x);
+  backSolve(x);
   return {};
 }
 

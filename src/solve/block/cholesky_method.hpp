@@ -26,8 +26,8 @@ class CholeskyMethod final : public BlockMethod {
 
  private:
   SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) override;
-  SolveStatus finishStep(Eigen::VectorXd& x, bool took_along) override;
-  void solveRest(Eigen::VectorXd& x);
+  SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) override;
+  void backSolve(Eigen::VectorXd& x);
   const BlockLower& matrix() const { return elimination_ ? elimination_->S() : equations_.H(); }
   Eigen::VectorXd kept(const Eigen::VectorXd& x) const;
 

@@ -53,7 +53,7 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   return sum;
 }
 
-/// Of each block in the order of elimination: `first`, and behind them `block`, at these positions of their own.
+/// Of each block in the order of elimination: `first`, and after them `block`, at these positions of their own.
 std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block,
                                  const std::vector<int>& position) {
   std::vector<int> result(first.size() + block.size());
@@ -63,7 +63,7 @@ std::vector<int> positionsBehind(const std::vector<int>& first, const std::vecto
   return result;
 }
 
-/// As "49 x 9 + 1 x 4": so many blocks of so many unknowns, for the blocks that count.
+/// As "49 x 9 + 1 x 4": numbers of blocks times numbers of unknowns, for the blocks that count.
 template <class Predicate>
 std::string shape(const BlockStructure& structure, const Predicate& is) {
   std::map<int, int> count;

@@ -1,6 +1,6 @@
 /// Blocks that are eliminated before the others are ordered and put into fronts, and what they leave: the reduced system S.
 ///
-/// H has them first, in their order. In its layout the blocks of S are behind them, in the order that they have in S.
+/// H has them first, in their order. In its layout the blocks of S follow them, in the order that they have in S.
 /// Vectors are by unknown; `offset` is the first unknown of each position of H.
 #pragma once
 

@@ -22,7 +22,7 @@ class IterativeMethod final : public BlockMethod {
 
  private:
   SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) override;
-  SolveStatus finishStep(Eigen::VectorXd& x, bool took_along) override;
+  SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) override;
   SolveStatus iterate(double tolerance, int max_iterations, Eigen::VectorXd& x);
   double forcing();
 

@@ -86,7 +86,7 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLo
     for (int s = 0; s < stripes; ++s) each_update(s);
   }
   add_children([&](const dense::Child& child) { kernel.addToUpdate(child, U, front.p); });
-  if (takes_along_) forward(f);
+  if (solves_forward_) forward(f);
   return failure;
 }
 
@@ -132,8 +132,8 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtrees(const Bloc
 SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::VectorXd& diagonal,
                                             const Eigen::VectorXd& damping, double tolerance,
                                             const Eigen::VectorXd* b) {
-  takes_along_ = b != nullptr;
-  if (takes_along_) begin(*b);
+  solves_forward_ = b != nullptr;
+  if (solves_forward_) begin(*b);
   for (std::size_t i = 0; i < least_.size(); ++i) {
     const int unknown = unknown_[i];
     shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
@@ -191,7 +191,7 @@ void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = b[unknown_[i]];
 }
 
-void MultifrontalCholesky::solveFirst(const Eigen::VectorXd& b) {
+void MultifrontalCholesky::forwardSolve(const Eigen::VectorXd& b) {
   begin(b);
   forEachSubtree([&](int t) {
     for (const int f : subtree_[at(t)]) forward(f);
@@ -199,7 +199,7 @@ void MultifrontalCholesky::solveFirst(const Eigen::VectorXd& b) {
   for (const int f : subtree_.back()) forward(f);
 }
 
-Eigen::VectorXd MultifrontalCholesky::solveRest() {
+Eigen::VectorXd MultifrontalCholesky::backSolve() {
   for (auto f = subtree_.back().rbegin(); f != subtree_.back().rend(); ++f) backward(*f);
   forEachSubtree([&](int t) {
     for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) backward(*f);

@@ -24,13 +24,13 @@ class MultifrontalCholesky {
   const Fronts& fronts() const { return fronts_; }
 
   /// Factorises H + damping (by unknown; may be empty). A pivot below the share `tolerance` of its diagonal entry ends it. A
-  /// right-hand side b is taken along, while each front is in the cache: solveRest() then ends the solution for it.
+  /// right-hand side b is solved forward at the same time, while each front is in the cache: backSolve() then ends the solution for it.
   SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping,
                         double tolerance, const Eigen::VectorXd* b = nullptr);
   /// The first half of the solution for b, where the factorisation did not take it along, and the rest of it:
   /// (H + damping)^-1 b, by unknown.
-  void solveFirst(const Eigen::VectorXd& b);
-  Eigen::VectorXd solveRest();
+  void forwardSolve(const Eigen::VectorXd& b);
+  Eigen::VectorXd backSolve();
   /// The blocks of (H + damping)^-1 at the places of H's, into Z, which is laid out as H.
   void invertSelected(BlockLower& Z) const;
 
@@ -82,8 +82,8 @@ class MultifrontalCholesky {
   std::vector<Entry> entries_;
   std::vector<std::vector<int>> subtree_;  // fronts of each, and last those above them
   std::vector<int> subtree_of_;
-  bool is_sequential_ = false;  // places of updates are for one thread alone
-  bool takes_along_ = false;    // a right-hand side, in the factorisation at work
+  bool is_sequential_ = false;   // places of updates are for one thread alone
+  bool solves_forward_ = false;  // a right-hand side, in the factorisation at work
   dense::BigArray L_, updates_;
   std::vector<double> inverse_, least_, shift_, vectors_, x_;
 };

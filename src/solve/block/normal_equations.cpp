@@ -13,7 +13,7 @@ namespace {
 /// Measurements after which what is fetched is needed.
 constexpr int kMeasurementsAhead = 4;
 
-/// Parts of the measurements: at most 2^kMostHalvings, each of so many measurements or more, which begin at multiples of
+/// Parts of the measurements: at most 2^kMostHalvings, each of kFewestInPart measurements or more, which begin at multiples of
 /// what the linearisation takes at a time, and with so few numbers of their own for each product that is added.
 constexpr int kMostHalvings = 4, kFewestInPart = 256, kPartAlignment = 64;
 constexpr double kMostOwnPerProduct = 1.0 / 8;

@@ -69,11 +69,11 @@ class NormalEquations {
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<Place> place_;  // by block of the structure; behind them those of parts
+  std::vector<Place> place_;  // by block of the structure; after them those of parts
   std::vector<int> offset_;
   std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
   std::vector<MeasurementPlace> parts_;                // where they begin; empty: there is but one
-  std::vector<Own> own_;  // in the order of the parts; in destinations behind the blocks of H
+  std::vector<Own> own_;  // in the order of the parts; in destinations after the blocks of H
   std::vector<std::vector<int>>
       place_of_;  // of each group: measurement x arity, where any part has places of its own
   dense::BigArray own_values_;

@@ -34,7 +34,7 @@ class SchurComplement final : public Elimination {
   void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const override;
 
  private:
-  /// A block of S, or behind all these one of the right-hand side, in a wave of eliminated blocks: what it takes from them.
+  /// A block of S, or after all these one of the right-hand side, in a wave of eliminated blocks: what it takes from them.
   struct Meeting {
     int block;
     int first;  ///< of its pairs

@@ -92,7 +92,7 @@ struct Kernels {
   bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r,
                   const PairTarget& to);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
-  /// paddedRows(k) rows, those behind the k-th are 0.
+  /// paddedRows(k) rows, those after the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);
   /// H -= sum of A_n B_n^T for `count` pairs A_n k x d, B_n l x d in Y, column-major with rows filled up as by solveRight;
   /// H k x l without gaps.

@@ -1,4 +1,4 @@
-/// Blocks with few neighbours, as chains and trees of measurements have them. They are most of all blocks in
+/// Partial minimum-degree elimination: blocks with few neighbours, as chains and trees of measurements have them. They are most of all blocks in
 /// sparse graphs and are best eliminated one by one, before anything is ordered or put into fronts.
 #pragma once
 

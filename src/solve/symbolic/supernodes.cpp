@@ -187,7 +187,7 @@ Merged compact(const Nodes& nodes) {
     number[at(i)] = static_cast<int>(left.size());
     left.push_back(i);
   }
-  for (int i = n - 1; i >= 0; --i) {  // parents come behind their children
+  for (int i = n - 1; i >= 0; --i) {  // parents come after their children
     if (nodes.node[at(i)].is_merged) number[at(i)] = number[at(nodes.node[at(i)].parent)];
   }
   for (const int i : left) {
@@ -232,7 +232,7 @@ void appendChain(const Node& node, int position, int end, const BlockGraph& grap
   }
 }
 
-/// The rows of all fronts: neighbours of their columns and rows of their children, behind their own columns.
+/// The rows of all fronts: neighbours of their columns and rows of their children, after their own columns.
 void findRows(const BlockGraph& graph, Fronts& fronts) {
   const int n = static_cast<int>(fronts.front.size());
   std::vector<int> mark(at(graph.size()), -1), first_child(at(n), -1), sibling(at(n), -1);
