@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/number_text.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/output/report.hpp"

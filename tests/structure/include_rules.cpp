@@ -21,16 +21,19 @@ constexpr int kMtk = 0;
 constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kInitialize = kFacade + 1;
+constexpr int kCalibration = kFacade + 2;  // a library of its own
 
 std::string levelName(int level) {
-  return level == kFacade       ? "the facade"
-         : level == kInitialize ? "initialize"
-                                : kLevels[static_cast<std::size_t>(level)];
+  return level == kFacade        ? "the facade"
+         : level == kInitialize  ? "initialize"
+         : level == kCalibration ? "calibration"
+                                 : kLevels[static_cast<std::size_t>(level)];
 }
 
 /// Level of the file `<step>/...` or, for a name without folder, the facade.
 std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "initialize") return kInitialize;
+  if (path.begin()->stem() == "calibration") return kCalibration;
   if (std::next(path.begin()) == path.end()) return kFacade;
   const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());
   if (step == kLevels.end()) return std::nullopt;
@@ -102,10 +105,14 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
       return "only the facade and users include measurements";
     if (is_public && startsWith(target->generic_string(), "src/"))
       return "a public header includes public headers";
+    if (level == kCalibration && *target_level != kCalibration &&
+        startsWith(target->generic_string(), "src/"))
+      return "calibration is a user of the library, whose src/ is its own";
     return "";
   }
   if (include.quoted) return "no such file of the project";
   if (include.name == "iostream" && is_public) return "a public header holds no <iostream>";
+  if (level == kCalibration && !is_public && startsWith(include.name, "fmt/")) return "";
   if (isOfTheCommandAlone(include.name)) return "the libraries do without it, only the command may use it";
   if (isStandardHeader(include.name) || isEigen(include.name)) return "";
   if (level == kMtk) return "mtk uses Eigen alone";
