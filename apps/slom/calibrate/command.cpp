@@ -75,6 +75,12 @@ std::string modelTable() {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
+std::vector<std::string> namesOf(const std::vector<Model>& models) {
+  std::vector<std::string> names;
+  for (const Model& model : models) names.push_back(model.name());
+  return names;
+}
+
 Progress printedProgress() {
   const auto header_is_printed = std::make_shared<bool>(false);
   return {[](const AloneReport& alone) { say(aloneText(alone)); },
@@ -230,8 +236,10 @@ void addCalibrateCommand(CLI::App& app) {
       command
           .add_option(
               "--compare", raw->compared,
-              "models to fit and to compare by how well they predict images they were not fitted to;\n"
-              "without names all of them; the calibration is then with the one chosen, or --intrinsics")
+              "models to fit and to compare by how well they predict images they were not fitted to;\n" +
+                  fmt::format(
+                      "without names {}; the calibration\nis then with the one chosen, or --intrinsics",
+                      fmt::join(namesOf(comparedModels()), ", ")))
           ->type_name("MODEL,...")
           ->expected(0, int(allModels().size()))
           ->delimiter(',');

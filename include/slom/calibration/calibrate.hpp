@@ -1,4 +1,4 @@
-// The whole way from data to result.
+/// The whole way from data to result.
 #pragma once
 
 #include <functional>

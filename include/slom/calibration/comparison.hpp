@@ -1,10 +1,10 @@
-// Several camera models on the same data: which one they carry.
-//
-// A model with more parameters always fits better; whether it also predicts better is seen on images that it
-// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
-// the images of the others, and held. In each image of the fold the pose of the board is fitted to every
-// other corner, and the remaining corners are predicted; then the other way round. So every corner is
-// predicted once, by values that it had no part in. The IMU is left out.
+/// Several camera models on the same data: which one they carry.
+///
+/// A model with more parameters always fits better; whether it also predicts better is seen on images that it
+/// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
+/// the images of the others, and held. In each image of the fold the pose of the board is fitted to every
+/// other corner, and the remaining corners are predicted; then the other way round. So every corner is
+/// predicted once, by values that it had no part in. The IMU is left out.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,6 @@
 #include "slom/calibration/options.hpp"
 
 namespace slom::calibration {
-
-inline constexpr int most_folds = 5;
-
-/// Behind the best by more standard errors than this: clearly worse. One would be too few, as the images of a
-/// fold share one fitted lens: in one of five simulations it chose a parameter that is 0 in truth.
-inline constexpr double clearly_worse = 2;
 
 /// One model on all images, and in cross-validation.
 struct ModelTrial {
@@ -39,7 +33,7 @@ struct Comparison {
   std::vector<ModelTrial> trials;   ///< as they were asked for
   std::optional<std::size_t> best;  ///< predicts best
   std::optional<std::size_t>
-      chosen;  ///< has the fewest parameters of those that the best is not clearly better than
+      chosen;  ///< has the fewest parameters of those that predict worse by two standard errors at most
   std::vector<double>
       standard_errors;  ///< by how many standard errors each predicts worse than the best; NaN without a fit
 

@@ -1,5 +1,5 @@
-// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters
-// and their standard deviations. All standard deviations are those of the stated sigmas.
+/// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters
+/// and their standard deviations. All standard deviations are those of the stated sigmas.
 #pragma once
 
 #include <limits>

@@ -1,6 +1,6 @@
-// What the calibration found, as plain numbers. It does not know where it is written, if anywhere.
-// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data
-// leave the value open (`undetermined` then says what).
+/// What the calibration found, as plain numbers. It does not know where it is written, if anywhere.
+/// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data
+/// leave the value open (`undetermined` then says what).
 #pragma once
 
 #include <array>

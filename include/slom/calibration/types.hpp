@@ -1,4 +1,4 @@
-// The manifolds of the calibration.
+/// The manifolds of the calibration.
 #pragma once
 
 #include <mtk/mtk.hpp>

@@ -1,9 +1,9 @@
-#include "slom/calibration/board_plane.hpp"
-
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slom/calibration/board_plane.hpp"
+#include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {

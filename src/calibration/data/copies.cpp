@@ -1,5 +1,3 @@
-#include "slom/calibration/copies.hpp"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {

@@ -12,6 +12,8 @@
 
 namespace slom::calibration {
 
+inline constexpr int most_folds = 5;
+
 /// Sum of squared distances between the corners of one image whose place in their view is odd or even, as
 /// `fitted` says not, and where the rig puts them when its pose is fitted to the others [px^2].
 template <class Camera>

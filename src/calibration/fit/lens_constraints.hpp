@@ -53,7 +53,8 @@ template <class Camera>
 void addPrior(Estimator& estimator, const VarID<Camera>& id, double sigma) {
   if constexpr (has_prior<Camera>) {
     std::string names;
-    for (const int i : Camera::held_near_zero) names += (names.empty() ? "" : ", ") + std::string(Camera::component_names[i]);
+    for (const int i : Camera::held_near_zero)
+      names += (names.empty() ? "" : ", ") + std::string(Camera::component_names[i]);
     const auto parameters = [](const auto& camera) {
       return [&]<std::size_t... i>(std::index_sequence<i...>) {
         return mtk::vector(camera[Camera::held_near_zero[i]]...);

@@ -6,7 +6,7 @@
 
 #include "calibration/initialization/view_pose.hpp"
 #include "calibration/models/fisheye.hpp"
-#include "slom/calibration/homography.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 namespace {

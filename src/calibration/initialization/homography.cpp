@@ -1,11 +1,10 @@
-#include "slom/calibration/homography.hpp"
-
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "calibration/initialization/right_singular.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 namespace {

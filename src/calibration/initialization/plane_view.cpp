@@ -1,6 +1,6 @@
 #include "calibration/initialization/plane_view.hpp"
 
-#include "slom/calibration/homography.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "slom/calibration/board_plane.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 

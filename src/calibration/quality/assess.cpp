@@ -9,7 +9,7 @@
 #include "calibration/quality/projection.hpp"
 #include "calibration/quality/residuals.hpp"
 #include "calibration/quality/split_half.hpp"
-#include "slom/calibration/board_outline.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 namespace {

@@ -1,9 +1,8 @@
+#include "slom/calibration/board.hpp"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
-
-#include "slom/calibration/board_outline.hpp"
-#include "slom/calibration/board_plane.hpp"
 
 namespace slom::calibration {
 

@@ -9,7 +9,7 @@
 
 #include "calibration/limits.hpp"
 #include "calibration/quality/variance_bound.hpp"
-#include "slom/calibration/board_outline.hpp"
+#include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
 namespace {

@@ -1,11 +1,10 @@
-#include "slom/calibration/verdict.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "calibration/text.hpp"
+#include "slom/calibration/assess.hpp"
 #include "slom/calibration/number_text.hpp"
 
 namespace slom::calibration {

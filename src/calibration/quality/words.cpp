@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "slom/calibration/assess.hpp"
 #include "slom/calibration/number_text.hpp"
-#include "slom/calibration/verdict.hpp"
 
 namespace slom::calibration {
 namespace {
