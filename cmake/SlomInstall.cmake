@@ -3,12 +3,20 @@
 include(CMakePackageConfigHelpers)
 set(slom_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/slom")
 
+set(slom_not_installed "")
+if(NOT TARGET slom_calibration)
+  set(slom_not_installed REGEX "/slom/calibration(/|[.]hpp$)" EXCLUDE)
+endif()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-        FILES_MATCHING PATTERN "*.hpp")
+        FILES_MATCHING PATTERN "*.hpp" ${slom_not_installed})
 install(TARGETS mtk EXPORT mtk_targets)
 install(TARGETS slom EXPORT slom_targets)
 install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}")
 install(EXPORT slom_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
+if(TARGET slom_calibration)
+  install(TARGETS slom_calibration EXPORT slom_calibration_targets)
+  install(EXPORT slom_calibration_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
+endif()
 
 if(TARGET slom_io)
   install(TARGETS slom_io EXPORT slom_io_targets)

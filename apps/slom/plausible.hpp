@@ -13,6 +13,5 @@ inline constexpr double least_spacing = 1e-3,
                         most_spacing = 10;                     ///< gap between tags, as a part of their side
 inline constexpr double least_sigma = 1e-6, most_sigma = 1e6;  ///< of a pixel [px] or an acceleration [m/s^2]
 inline constexpr double least_gravity = 1e-3;  ///< the least magnitude that --fix holds gravity at [m/s^2]
-inline constexpr int most_side_px = 100'000;   ///< width or height of an image [px]
 
 }  // namespace slom::app

@@ -1,6 +1,4 @@
 // Views that repeat others are found and left out; frames of a camera at rest are no copies.
-#include "calibrate/input/copies.hpp"
-
 #include <cmath>
 #include <random>
 
@@ -8,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/calibrate_command.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
-#include "error.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -41,8 +39,9 @@ struct Copies : ::testing::Test {
   std::string refusal() {
     try {
       leaveOutCopies(data);
-    } catch (const UserError& error) {
-      return error.what();
+    } catch (const DataError& error) {
+      EXPECT_EQ(error.id(), "slom.calibration.copies");
+      return std::string(error.sentence());
     }
     return "no error";
   }

@@ -6,11 +6,11 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "calibrate/fit/calibration.hpp"
-#include "calibrate/fit/imu_precision.hpp"
-#include "calibrate/fit/rotation_vector.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/simulated_rig.hpp"
+#include "calibration/fit/imu_precision.hpp"
+#include "calibration/fit/rotation_vector.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -142,7 +142,7 @@ TEST(CalibrateFit, RadialModelFindsItsTruth) {
   RigTruth truth = testing::simulateTruth(options, random);
   for (auto& camera : truth.cameras) camera[1] = camera[0], camera[4] = -0.15;
   Settings settings;
-  settings.model = Model::radial1;
+  settings.model = Model("radial1");
   const Result result = calibrate(testing::simulateMeasurements(truth, options, random), settings);
   ASSERT_TRUE(result.success());
   for (std::size_t c = 0; c < 2; ++c) {

@@ -71,8 +71,11 @@ TEST(RosFormat, HasTheRationalModel) {
   CameraResult camera;
   camera.name = "left";
   camera.model = "opencv8";
-  camera.camera_matrix = Pinhole{500, 501, 320, 240}.matrix();
-  camera.distortion = Eigen::VectorXd::LinSpaced(8, 0.1, 0.8);
+  const std::vector<double> distortion{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8};
+  const std::vector<std::string>& names = Model("opencv8").parameters();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    camera.parameters.push_back({names[i], i < 4 ? 100. * double(i) : distortion[i - 4]});
+  camera.camera_matrix << 500, 0, 320, 0, 501, 240, 0, 0, 1;
   camera.image_size = ImageSize{640, 480};
   const TemporaryFolder folder;
   slom::testing::writeFile(folder / "left.yaml", toRosYaml(camera));
@@ -80,7 +83,7 @@ TEST(RosFormat, HasTheRationalModel) {
   if (yaml.is_null()) GTEST_SKIP() << "needs Debian's python3-yaml";
   EXPECT_EQ(yaml["distortion_model"], "rational_polynomial");
   EXPECT_EQ(yaml["distortion_coefficients"]["cols"], 8);
-  for (int i = 0; i < 8; ++i) EXPECT_EQ(yaml["distortion_coefficients"]["data"][i], camera.distortion[i]);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(yaml["distortion_coefficients"]["data"][i], distortion[i]);
 }
 
 TEST(KalibrFormat, IsACamchain) {

@@ -10,13 +10,11 @@
 #include <sys/wait.h>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/fit/calibration.hpp"
-#include "calibrate/fit/comparison.hpp"
 #include "calibrate/html/page.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/json.hpp"
-#include "calibrate/quality/assess.hpp"
-#include "calibrate/quality/verdict.hpp"
+#include "calibrate/words_of_options.hpp"
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 
@@ -41,7 +39,13 @@ Dataset simulated(int images) {
 
 Settings radial() {
   Settings settings;
-  settings.model = Model::radial1;
+  settings.model = Model("radial1");
+  return settings;
+}
+
+Settings radial(const FitLimits& limits) {
+  Settings settings = radial();
+  settings.limits = limitsOf(limits);
   return settings;
 }
 
@@ -57,14 +61,15 @@ TEST(Limits, WithoutAReasonToEndThereIsNone) {
 TEST(Limits, OfACalibrationNameWhatTheUserGave) {
   const FitLimits limits(0.0015);
   std::this_thread::sleep_for(std::chrono::milliseconds(3));
-  const Result result = calibrate(simulated(6), radial());
+  const Result result = calibrate(simulated(6), radial(limits));
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.message, "time limit of 0.0015 s reached");
 }
 
 TEST(Limits, OfAComparison) {
   const FitLimits limits(no_time);
-  const Comparison comparison = compareModels(simulated(6), radial(), {Model::radial1, Model::opencv8});
+  const Comparison comparison =
+      compareModels(simulated(6), radial(limits), {Model("radial1"), Model("opencv8")});
   EXPECT_EQ(comparison.cut_short, "time limit of 1e-06 s reached");
   ASSERT_EQ(comparison.trials.size(), 2u);
   for (const ModelTrial& trial : comparison.trials)
@@ -81,7 +86,7 @@ TEST(Limits, OfAnAssessment) {
   Result result = calibrate(data, radial());
   ASSERT_TRUE(result.success());
   const FitLimits limits(no_time);
-  result.quality = assess(data, radial(), result);
+  result.quality = assess(data, radial(limits), result);
   EXPECT_EQ(result.quality->cut_short, "time limit of 1e-06 s reached");
   EXPECT_FALSE(result.quality->hasProjection());
   EXPECT_FALSE(result.quality->worst.empty()) << "residuals are there";
@@ -98,7 +103,7 @@ TEST(Limits, OfAnAssessmentAtAnyPlace) {
   Result result = calibrate(data, radial());
   for (double seconds = 1e-4; result.quality = {}, seconds < 100; seconds *= 1.7) {
     const FitLimits limits(seconds);
-    result.quality = assess(data, radial(), result);
+    result.quality = assess(data, radial(limits), result);
     EXPECT_TRUE(json::accept(toJson(result)));
     EXPECT_FALSE(toHtml(data, result).empty());
     if (result.quality->cut_short.empty()) break;
@@ -112,8 +117,8 @@ TEST(Limits, AnInterruptionEndsAllThatFollows) {
   const FitLimits limits(0);
   ::raise(SIGINT);
   EXPECT_EQ(FitLimits::reasonToEnd(), "interrupted");
-  EXPECT_EQ(compareModels(data, radial(), {Model::radial1}).cut_short, "interrupted");
-  EXPECT_EQ(calibrate(data, radial()).message, "interrupted");
+  EXPECT_EQ(compareModels(data, radial(limits), {Model("radial1")}).cut_short, "interrupted");
+  EXPECT_EQ(calibrate(data, radial(limits)).message, "interrupted");
 }
 
 TEST(Limits, AnInterruptionThatIsIgnoredStaysSo) {

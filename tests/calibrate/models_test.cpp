@@ -9,13 +9,13 @@
 #include <slom/slom.hpp>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/camera_models.hpp"
-#include "calibrate/fit/calibration.hpp"
-#include "calibrate/fit/comparison.hpp"
-#include "calibrate/fit/measurements.hpp"
 #include "calibrate/input/read.hpp"
-#include "calibrate/lens_derivatives.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
+#include "calibration/fit/joint_fit.hpp"
+#include "calibration/fit/measurements.hpp"
+#include "calibration/models/fisheye.hpp"
+#include "calibration/models/opencv.hpp"
 #include "support/paths.hpp"
 
 namespace slom::app::calib {
@@ -40,12 +40,12 @@ Eigen::VectorXd numbers(const std::vector<double>& values) {
 }
 
 /// Derivatives by hand and by dual numbers, by all parameters and the point, against central differences.
-template <template <class> class Model>
-void checkDerivatives(const Model<double>& camera, const std::vector<vec3>& at) {
-  constexpr int n = Model<double>::DOF;
+template <template <class> class Camera>
+void checkDerivatives(const Camera<double>& camera, const std::vector<vec3>& at) {
+  constexpr int n = Camera<double>::DOF;
   using S = mtk::Dual<double, n + 3>;
   for (const vec3& point : at) {
-    Model<S> lens;
+    Camera<S> lens;
     mtk::vect<3, S> p;
     for (int i = 0; i < n; ++i) lens[i].seed(camera[i], i);
     for (int i = 0; i < 3; ++i) p[i].seed(point[i], n + i);
@@ -54,7 +54,7 @@ void checkDerivatives(const Model<double>& camera, const std::vector<vec3>& at) 
     EXPECT_LT((by_hand.pixel - camera.project(point)).norm(), 1e-12 * by_hand.pixel.norm());
     for (int i = 0; i < n + 3; ++i) {
       const auto moved = [&](double step) {
-        Model<double> c = camera;
+        Camera<double> c = camera;
         vec3 q = point;
         (i < n ? c[i] : q[i - n]) += step;
         return vec2(c.project(q));
@@ -172,7 +172,7 @@ Dataset simulated(const Camera& lens, const Scene& scene, unsigned seed) {
 }
 
 template <class Camera>
-void expectTruth(const Camera& truth, Model model, const Scene& scene, unsigned seed) {
+void expectTruth(const Camera& truth, const Model& model, const Scene& scene, unsigned seed) {
   Settings settings;
   settings.model = model;
   settings.sigma_px = std::max(scene.sigma_px, 0.01);
@@ -195,9 +195,9 @@ const Fisheye<> fisheye{230., 232., 322., 243., 0.03, -0.012, 0.004, -0.0008};
 TEST(Fisheye, FindsItsTruth) {
   Scene scene;
   scene.nearest = 0.12;
-  for (unsigned seed = 0; seed < 5; ++seed) expectTruth(fisheye, Model::fisheye, scene, seed);
+  for (unsigned seed = 0; seed < 5; ++seed) expectTruth(fisheye, Model("fisheye"), scene, seed);
   scene.sigma_px = 0;
-  for (unsigned seed = 0; seed < 3; ++seed) expectTruth(fisheye, Model::fisheye, scene, seed);
+  for (unsigned seed = 0; seed < 3; ++seed) expectTruth(fisheye, Model("fisheye"), scene, seed);
 }
 
 TEST(Fisheye, FindsItsTruthOnARig) {
@@ -206,7 +206,7 @@ TEST(Fisheye, FindsItsTruthOnARig) {
   scene.nearest = 0.15;
   Dataset data = simulated(fisheye, scene, 1);
   Settings settings;
-  settings.model = Model::fisheye;
+  settings.model = Model("fisheye");
   CameraData other = data.cameras[0];
   other.name = "right";
   data.cameras.push_back(other);
@@ -223,7 +223,7 @@ TEST(Opencv8, FindsItsTruth) {
   scene.images = 20;
   scene.sigma_px = 0;
   Settings settings;
-  settings.model = Model::opencv8;
+  settings.model = Model("opencv8");
   settings.sigma_px = 0.2;
   const Result result = calibrate(simulated(truth, scene, 1), settings);
   ASSERT_TRUE(result.success()) << result.message << result.undetermined;
@@ -245,7 +245,7 @@ TEST(Opencv8, IsHeldNearZeroWhereTheImagesLeaveItOpen) {
     data.cameras.push_back(readCorners(name, (folder / (name + "_corners.csv")).string()));
   Settings settings;
   const Result simpler = calibrate(data, settings);
-  settings.model = Model::opencv8;
+  settings.model = Model("opencv8");
   const Result result = calibrate(data, settings);
   ASSERT_TRUE(result.success()) << result.message << result.undetermined;
   EXPECT_EQ(result.sigma_denominator, 1);
@@ -264,15 +264,16 @@ TEST(Opencv8, IsHeldNearZeroWhereTheImagesLeaveItOpen) {
       "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. These "
       "were held at 0 +- 1 each, and the standard deviations hold on that condition. A model with fewer parameters says as "
       "much: --intrinsics opencv5, or --compare.");
-  const Comparison comparison = compareModels(data, settings, {Model::opencv5, Model::opencv8});
+  const Comparison comparison = compareModels(data, settings, {Model("opencv5"), Model("opencv8")});
   for (const ModelTrial& trial : comparison.trials) EXPECT_EQ(trial.failure, "");
 }
 
 Comparison compared(const Dataset& data) {
   Settings settings;
   settings.sigma_px = 0.2;
-  return compareModels(data, settings,
-                       {Model::radial1, Model::opencv4, Model::opencv5, Model::opencv8, Model::fisheye});
+  return compareModels(
+      data, settings,
+      {Model("radial1"), Model("opencv4"), Model("opencv5"), Model("opencv8"), Model("fisheye")});
 }
 
 TEST(Comparison, ChoosesTheModelThatMadeTheData) {
@@ -282,7 +283,7 @@ TEST(Comparison, ChoosesTheModelThatMadeTheData) {
         simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, seed);
     const Comparison comparison = compared(data);
     ASSERT_TRUE(comparison.chosen);
-    EXPECT_EQ(comparison.chosenTrial().model, Model::opencv4) << seed;
+    EXPECT_EQ(comparison.chosenTrial().model, Model("opencv4")) << seed;
     EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not told apart";
     too_large += comparison.standard_errors[1] > 2;
     // Prediction of corners with sigma 0.2 px by poses from half of them.
@@ -297,21 +298,21 @@ TEST(Comparison, ChoosesAFisheyeForOne) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     const Comparison comparison = compared(simulated(fisheye, scene, seed));
     ASSERT_TRUE(comparison.chosen);
-    EXPECT_EQ(comparison.chosenTrial().model, Model::fisheye) << seed;
+    EXPECT_EQ(comparison.chosenTrial().model, Model("fisheye")) << seed;
   }
 }
 
 TEST(Comparison, ChoosesTheSimplestThatIsNotClearlyWorse) {
-  const auto trial = [](Model model, int unknowns, const std::vector<double>& squares) {
-    ModelTrial t;
-    t.model = model;
+  const auto trial = [](const Model& model, int unknowns, const std::vector<double>& squares) {
+    ModelTrial t{model};
     t.unknowns = unknowns;
     t.held_out_squares = squares;
     return t;
   };
   Comparison comparison;
-  comparison.trials = {trial(Model::radial1, 10, {4, 5, 6, 5}), trial(Model::opencv4, 14, {0.9, 2, 3.4, 1.8}),
-                       trial(Model::opencv5, 15, {1, 2, 3, 2}), trial(Model::opencv8, 18, {})};
+  comparison.trials = {trial(Model("radial1"), 10, {4, 5, 6, 5}),
+                       trial(Model("opencv4"), 14, {0.9, 2, 3.4, 1.8}),
+                       trial(Model("opencv5"), 15, {1, 2, 3, 2}), trial(Model("opencv8"), 18, {})};
   comparison.trials[3].failure = "did not converge";
   judge(comparison);
   EXPECT_EQ(comparison.best, 2u);

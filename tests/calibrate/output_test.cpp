@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/number_text.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/output/report.hpp"
@@ -39,9 +39,9 @@ TEST(Format, TwoDigits) {
   EXPECT_EQ(twoDigits(2.13e-9), "2.1e-09");
   for (const double x : {unknown, -unknown, HUGE_VAL, -HUGE_VAL}) {
     EXPECT_EQ(twoDigits(x), "-");
-    EXPECT_EQ(fmt::format("{:.3f} px", Shown{x}), "- px");
+    EXPECT_EQ(fixedDecimals(x, 3), "-");
   }
-  EXPECT_EQ(fmt::format("{:.3f} px", Shown{0.12345}), "0.123 px");
+  EXPECT_EQ(fixedDecimals(0.12345, 3), "0.123");
 }
 
 /// A result with one camera whose residuals are what the sigmas say, and an IMU that is well determined.

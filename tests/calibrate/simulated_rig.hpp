@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "calibrate/camera_models.hpp"
-#include "calibrate/input/dataset.hpp"
+#include "calibrate/library.hpp"
+#include "calibration/models/opencv.hpp"
 
 namespace slom::app::calib::testing {
 

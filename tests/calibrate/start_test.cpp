@@ -6,14 +6,13 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "calibrate/initialization/homography.hpp"
-#include "calibrate/initialization/imu.hpp"
-#include "calibrate/initialization/intrinsics.hpp"
-#include "calibrate/initialization/parallel_views.hpp"
-#include "calibrate/initialization/rig.hpp"
-#include "calibrate/initialization/view_pose.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/simulated_rig.hpp"
-#include "error.hpp"
+#include "calibration/initialization/imu.hpp"
+#include "calibration/initialization/intrinsics.hpp"
+#include "calibration/initialization/parallel_views.hpp"
+#include "calibration/initialization/rig.hpp"
+#include "calibration/initialization/view_pose.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -224,11 +223,11 @@ TEST(Rig, PosesThatAreNotFiniteHaveNoVote) {
   try {
     startRig(s.data, poses);
     FAIL() << "no error";
-  } catch (const UserError& error) {
-    EXPECT_STREQ(error.what(),
-                 "b.csv: 4 images that camera b shares with camera a give no finite pose between the two; "
-                 "look for corners and "
-                 "world points that are wrong");
+  } catch (const DataError& error) {
+    EXPECT_EQ(error.sentence(),
+              "b.csv: 4 images that camera b shares with camera a give no finite pose between the two; "
+              "look for corners and "
+              "world points that are wrong");
   }
 }
 
@@ -282,8 +281,9 @@ std::string refusal(std::vector<TiltPair> pairs, const Fixed& fixed = {}) {
   for (std::size_t i = 0; i < pairs.size(); ++i) imu.readings.push_back({int(i), pairs[i].acc, int(i) + 2});
   try {
     requireImuDetermined(imu, pairs, startImu(pairs, fixed, 0.05), fixed, 0.05);
-  } catch (const UserError& error) {
-    return error.what();
+  } catch (const DataError& error) {
+    EXPECT_EQ(error.id(), "slom.calibration.imu-open");
+    return std::string(error.sentence());
   }
   return "";
 }
@@ -313,7 +313,7 @@ TEST(ImuStart, RefusesWhatIsNotDeterminedAndSaysWhatHelps) {
   EXPECT_EQ(
       refusal(arc(0.02, 6)),
       "imu.csv:2: 6 valid readings of tilts that spread by 2 deg do not determine the orientation of the "
-      "IMU, acc_bias, gravity; add readings at other tilts, about more than one axis, or pass --fix "
+      "IMU, acc_bias, gravity; add readings at other tilts, about more than one axis, or fix "
       "acc_bias");
   EXPECT_EQ(
       refusal(cone(0, 1)),

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrate/fit/calibration.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/simulated_rig.hpp"
 
 namespace slom::app::calib {
@@ -74,7 +74,7 @@ TEST(CalibrateStatistics, ErrorsOverTheirStandardDeviationsAreUnitNormal) {
   options.rows = 5;
   options.square_m = 0.07;
   Settings settings;
-  settings.model = Model::opencv4;
+  settings.model = Model("opencv4");
   Samples samples;
   double rss = 0, redundancy = 0;
   for (int seed = 0; seed < runs; ++seed) {

@@ -12,9 +12,9 @@
 
 #include <fmt/format.h>
 
-#include "calibrate/camera_models.hpp"
 #include "calibrate/detect/board.hpp"
 #include "calibrate/detect/photograph.hpp"
+#include "calibration/models/opencv.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace slom::app::calib::testing {

@@ -59,4 +59,10 @@ TEST(Documentation, ShowsWhatTheFirstProgramPrints) {
   EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
 }
 
+TEST(Documentation, ShowsWhatTheCalibrationPrints) {
+  const auto printed = blocks(readFile(slom::testing::sourcePath("docs/calibration_library.md")), "text");
+  ASSERT_EQ(printed.size(), 1u);
+  EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/camera_calibration/expected.txt")));
+}
+
 }  // namespace

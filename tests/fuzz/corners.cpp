@@ -1,6 +1,6 @@
 // Corner files of slom calibrate, and what is checked before a fit.
-#include "calibrate/input/check.hpp"
 #include "calibrate/input/read.hpp"
+#include "calibration/data/check.hpp"
 #include "fuzz/target.hpp"
 
 SLOM_FUZZ_TARGET(corners) {

@@ -26,7 +26,7 @@ SLOM_FUZZ_TARGET(options) {
     if (name == "solver") fit.solver = value;
     if (name == "algorithm") fit.algorithm = value;
   }
-  app::calib::Settings settings;
+  app::calib::CommandSettings settings;
   if (accepted([&] { settings = parseSettings(raw); })) {
     for (const auto& constraint : settings.lens)
       require(std::isfinite(constraint.lower) && constraint.lower <= constraint.upper &&

@@ -3,10 +3,10 @@
 
 #include <random>
 
-#include "calibrate/fit/calibration.hpp"
-#include "calibrate/quality/information.hpp"
-#include "calibrate/quality/projection.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/simulated_rig.hpp"
+#include "calibration/quality/information.hpp"
+#include "calibration/quality/projection.hpp"
 
 namespace slom::app::calib::testing {
 
@@ -40,7 +40,7 @@ inline CalibratedRig calibratedRig(const RigOptions& options, const Settings& se
   std::mt19937_64 random(seed);
   CalibratedRig rig;
   rig.truth = simulateTruth(options, random);
-  if (settings.model == Model::opencv4) {
+  if (settings.model == Model("opencv4")) {
     for (auto& camera : rig.truth.cameras) camera[8] = 0;
   }
   rig.data = measured(rig.truth, options, random, has_imu);
@@ -51,7 +51,7 @@ inline CalibratedRig calibratedRig(const RigOptions& options, const Settings& se
 
 inline Settings opencv4() {
   Settings settings;
-  settings.model = Model::opencv4;
+  settings.model = Model("opencv4");
   return settings;
 }
 

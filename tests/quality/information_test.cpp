@@ -1,10 +1,10 @@
 // The information of the images, added up, is that of the joint fit: same standard deviations, which the fit
 // has from its own factor.
-#include "calibrate/quality/information.hpp"
+#include "calibration/quality/information.hpp"
 
 #include <gtest/gtest.h>
 
-#include "calibrate/quality/correlations.hpp"
+#include "calibration/quality/correlations.hpp"
 #include "quality/calibrated_rig.hpp"
 
 namespace slom::app::calib {
@@ -65,7 +65,7 @@ TEST(Correlations, AreThoseOfTheCovariance) {
   covariance(2, 3) = covariance(3, 2) = 1.5;
   const Correlations correlations = correlationsOf(columns, covariance);
   EXPECT_EQ(correlations.names, (std::vector<std::string>{"a", "c", "d"}));
-  EXPECT_DOUBLE_EQ(correlations.matrix(2, 1), 0.5);
+  EXPECT_DOUBLE_EQ(correlations.coefficient(2, 1), 0.5);
   ASSERT_EQ(correlations.strong.size(), 1u);
   EXPECT_EQ(correlations.strong[0].a, "a");
   EXPECT_EQ(correlations.strong[0].b, "c");

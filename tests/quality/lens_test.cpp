@@ -1,9 +1,9 @@
 // Rays of pixels, and derivatives of the projection.
-#include "calibrate/quality/lens.hpp"
+#include "calibration/quality/lens.hpp"
 
 #include <gtest/gtest.h>
 
-#include "calibrate/camera_models.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 namespace {

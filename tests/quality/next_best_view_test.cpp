@@ -1,10 +1,9 @@
 // The gain that is predicted of a further view is what a fit with such a view has.
-#include "calibrate/quality/next_best_view.hpp"
+#include "calibration/quality/next_best_view.hpp"
 
 #include <gtest/gtest.h>
 
-#include "calibrate/quality/board.hpp"
-#include "calibrate/quality/words.hpp"
+#include "calibrate/library.hpp"
 #include "quality/calibrated_rig.hpp"
 
 namespace slom::app::calib {

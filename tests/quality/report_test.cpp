@@ -6,7 +6,7 @@
 
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/html/page.hpp"
-#include "calibrate/quality/assess.hpp"
+#include "calibrate/library.hpp"
 #include "quality/calibrated_rig.hpp"
 
 namespace slom::app::calib {

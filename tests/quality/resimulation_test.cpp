@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibrate/fit/measurements.hpp"
-#include "calibrate/quality/split_half.hpp"
+#include "calibration/fit/measurements.hpp"
+#include "calibration/quality/split_half.hpp"
 #include "quality/calibrated_rig.hpp"
 
 namespace slom::app::calib {

@@ -1,8 +1,8 @@
 // The verdict, word for word, for good calibrations and for each thing that can be wrong with one.
-#include "calibrate/quality/verdict.hpp"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -24,7 +24,7 @@ const std::map<std::string, std::string> others{
     {"install", "projects of users"},
     {"listings", "the listings of the paper"},
     {"nist", "certified values for the whole fit"},
-    {"quality", "a folder of apps/slom/calibrate"},
+    {"quality", "a folder of src/calibration"},
     {"report", "the report of slom calibrate, in a browser"},
     {"structure", "the sources themselves"},
     {"support", "what tests share"},

@@ -21,19 +21,22 @@ constexpr int kMtk = 0;
 constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kInitialize = kFacade + 1;
-constexpr int kIo = kFacade + 2;
+constexpr int kIo = kFacade + 2;  // libraries of their own
+constexpr int kCalibration = kFacade + 3;
 
 std::string levelName(int level) {
-  return level == kFacade       ? "the facade"
-         : level == kInitialize ? "initialize"
-         : level == kIo         ? "io"
-                                : kLevels[static_cast<std::size_t>(level)];
+  return level == kFacade        ? "the facade"
+         : level == kInitialize  ? "initialize"
+         : level == kIo          ? "io"
+         : level == kCalibration ? "calibration"
+                                 : kLevels[static_cast<std::size_t>(level)];
 }
 
 /// Level of the file `<step>/...` or, for a name without folder, the facade.
 std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "initialize") return kInitialize;
   if (path.begin()->stem() == "io") return kIo;
+  if (path.begin()->stem() == "calibration") return kCalibration;
   if (std::next(path.begin()) == path.end()) return kFacade;
   const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());
   if (step == kLevels.end()) return std::nullopt;
@@ -105,15 +108,15 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
       return "only the facade and users include measurements";
     if (is_public && startsWith(target->generic_string(), "src/"))
       return "a public header includes public headers";
-    if (level == kIo && startsWith(target->generic_string(), "src/") && *target_level != kIo)
-      return "io is a user of the library, whose src/ is its own";
+    if (level >= kIo && *target_level != level &&
+        (*target_level >= kIo || startsWith(target->generic_string(), "src/")))
+      return levelName(level) + " is a user of the library, whose src/ is its own";
     return "";
   }
   if (include.quoted) return "no such file of the project";
   if (include.name == "iostream" && is_public) return "a public header holds no <iostream>";
-  const bool is_io_source = level == kIo && !is_public;
-  if (isOfTheCommandAlone(include.name) && !(is_io_source && startsWith(include.name, "fmt/")))
-    return "the libraries do without it, only the command may use it";
+  if (level >= kIo && !is_public && startsWith(include.name, "fmt/")) return "";
+  if (isOfTheCommandAlone(include.name)) return "the libraries do without it, only the command may use it";
   if (isStandardHeader(include.name) || isEigen(include.name)) return "";
   if (level == kMtk) return "mtk uses Eigen alone";
   if (is_public && !isTbb(include.name))

@@ -18,6 +18,8 @@ struct IncludeReport {
 ///   * include/slom/<step> and src/<step> include mtk and the steps from model down to their own;
 ///   * files directly in include/slom and src, the facade, include all of these;
 ///   * include/slom/measurements, kinds of measurements, includes mtk and model, and is included by the facade alone;
+///   * include/slom/calibration and src/calibration, a library of its own, include public headers of all of these and their
+///     own files, and may use fmt in src/; nobody of the above includes them;
 ///   * nobody includes apps/, or what only the command may use: fmt, JSON, CLI11, OpenCV;
 ///   * io and io.hpp, readers of file formats, include all public headers and their own files of src/io, and may use fmt there;
 ///     nothing else of the libraries includes them;

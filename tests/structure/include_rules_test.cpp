@@ -117,6 +117,32 @@ TEST(IncludeRules, OfReadersAndBenchmarks) {
       "src/io/g2o.cpp:1: includes base/words.hpp: io is a user of the library, whose src/ is its own\n");
 }
 
+TEST(IncludeRules, OfTheCalibration) {
+  const TemporaryFolder root;
+  writeFile(root / "include/slom/slom.hpp", "");
+  writeFile(root / "include/slom/calibration.hpp",
+            "#include \"slom/calibration/result.hpp\"\n#include <fmt/core.h>\n");
+  writeFile(root / "include/slom/calibration/result.hpp", "#include \"slom/slom.hpp\"\n");
+  writeFile(root / "include/slom/estimator.hpp", "#include \"slom/calibration.hpp\"\n");
+  writeFile(root / "src/base/words.hpp", "");
+  writeFile(root / "src/calibration/fit/fit.hpp", "#include <fmt/core.h>\n#include <nlohmann/json.hpp>\n");
+  writeFile(
+      root / "src/calibration/fit.cpp",
+      "#include \"calibration/fit/fit.hpp\"\n#include \"slom/calibration/result.hpp\"\n#include \"base/words.hpp\"\n"
+      "#include <slom/slom.hpp>\n");
+  writeFile(root / "src/solve/solve.cpp", "#include \"calibration/fit/fit.hpp\"\n");
+  EXPECT_EQ(
+      lines(checkIncludes(root.path()).violations),
+      "include/slom/calibration.hpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
+      "include/slom/estimator.hpp:1: includes slom/calibration.hpp: the facade may include only what stands above it, "
+      "calibration stands below\n"
+      "src/calibration/fit.cpp:3: includes base/words.hpp: calibration is a user of the library, whose src/ is its own\n"
+      "src/calibration/fit/fit.hpp:2: includes nlohmann/json.hpp: the libraries do without it, only the command may use "
+      "it\n"
+      "src/solve/solve.cpp:1: includes calibration/fit/fit.hpp: solve may include only what stands above it, calibration "
+      "stands below\n");
+}
+
 TEST(IncludeRules, OfTheCommand) {
   const TemporaryFolder root;
   writeFile(root / "src/base/words.hpp", "");

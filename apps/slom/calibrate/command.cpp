@@ -5,20 +5,20 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrate/calibrate.hpp"
 #include "calibrate/detect/read_photos.hpp"
-#include "calibrate/fit/calibration.hpp"
 #include "calibrate/html/page.hpp"
-#include "calibrate/input/copies.hpp"
 #include "calibrate/input/read.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/formats.hpp"
 #include "calibrate/output/json.hpp"
 #include "calibrate/output/report.hpp"
-#include "calibrate/quality/assess.hpp"
 #include "calibrate/result_paths.hpp"
 #include "calibrate/settings.hpp"
+#include "calibrate/words_of_options.hpp"
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
@@ -50,7 +50,7 @@ constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), the run was
 cut short, or standard output could not be written, 2 wrong options or data.)";
 
-Dataset readDataset(const Settings& settings) {
+Dataset readDataset(const CommandSettings& settings) {
   Dataset data;
   if (settings.board) {
     data.cameras = readPhotos(settings);
@@ -63,8 +63,22 @@ Dataset readDataset(const Settings& settings) {
     if (given != settings.image_sizes.end()) camera.image_size = given->second;
   }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
-  leaveOutCopies(data);
+  inWordsOfOptions(settings, [&] { leaveOutCopies(data); });
   return data;
+}
+
+/// `opencv4: fx fy cx cy k1 k2 p1 p2`, a line for each model.
+std::string modelTable() {
+  std::vector<std::string> lines;
+  for (const Model& model : allModels())
+    lines.push_back(fmt::format("{}: {}", model.name(), fmt::join(model.parameters(), " ")));
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
+std::vector<std::string> namesOf(const std::vector<Model>& models) {
+  std::vector<std::string> names;
+  for (const Model& model : models) names.push_back(model.name());
+  return names;
 }
 
 Progress printedProgress() {
@@ -78,7 +92,7 @@ Progress printedProgress() {
 }
 
 /// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
-void writeFiles(const Dataset& data, const Result& result, const Settings& settings) {
+void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings) {
   OutputFiles files;
   std::string said;
   if (!settings.json_file.empty()) {
@@ -103,7 +117,7 @@ void writeFiles(const Dataset& data, const Result& result, const Settings& setti
 }
 
 /// Finds out before the work that its results could not be written.
-void requireResultsWritable(const Settings& settings) {
+void requireResultsWritable(const CommandSettings& settings) {
   std::vector<std::string> files = outputFiles(settings);
   files.push_back(settings.json_file);
   files.push_back(settings.report_file);
@@ -111,16 +125,19 @@ void requireResultsWritable(const Settings& settings) {
 }
 
 /// The models that --compare names, where it does; the chosen one goes into the settings, unless --intrinsics names another.
-std::optional<Comparison> compare(const Dataset& data, Settings& settings) {
+std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings) {
   if (settings.compared.empty()) return {};
-  const Comparison comparison = compareModels(data, settings, settings.compared);
+  Comparison comparison =
+      inWordsOfOptions(settings, [&] { return compareModels(data, settings, settings.compared); });
+  for (ModelTrial& trial : comparison.trials)
+    trial.failure = inWordsOfOptions(settings, trial.failure_id, trial.failure);
   if (!settings.quiet) say(comparisonText(comparison));
   if (!settings.model_is_given && comparison.chosen) settings.model = comparison.chosenTrial().model;
   return comparison;
 }
 
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
-Dataset readInTime(const Settings& settings) {
+Dataset readInTime(const CommandSettings& settings) {
   try {
     return readDataset(settings);
   } catch (const RunEnded& ended) {
@@ -149,9 +166,10 @@ std::string failureOf(const Result& result) {
 }
 
 void run(const RawOptions& raw) {
-  Settings settings = parseSettings(raw);
+  CommandSettings settings = parseSettings(raw);
   // There is nothing to write before the data are read: until then Ctrl-C ends the program.
-  FitLimits limits(settings.max_seconds, FitLimits::Interrupts::end_the_program);
+  FitLimits limits(settings.limits.max_seconds, FitLimits::Interrupts::end_the_program);
+  settings.limits = limitsOf(limits);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   if (settings.model_is_given) requireModelOf(settings);
   const Dataset data = readInTime(settings);
@@ -164,7 +182,8 @@ void run(const RawOptions& raw) {
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));
-  Result result = calibrate(data, settings, settings.quiet ? Progress{} : printedProgress());
+  Result result = inWordsOfOptions(
+      settings, [&] { return calibrate(data, settings, settings.quiet ? Progress{} : printedProgress()); });
   result.comparison = comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty())
     result.quality = assess(data, settings, result);
@@ -180,7 +199,7 @@ void run(const RawOptions& raw) {
 
 void addCalibrateCommand(CLI::App& app) {
   const auto raw = std::make_shared<RawOptions>();
-  Settings& settings = raw->rest;
+  CommandSettings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("calibrate", help_text);
   command.footer(footer_text);
   command.add_option("--camera", raw->cameras, "a camera's name and corner file; once for each camera")
@@ -210,20 +229,19 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("FOLDER");
   command.add_option("--imu", settings.imu_file, "accelerometer readings, one for an image at most")
       ->type_name("FILE");
-  command
-      .add_option("--intrinsics", raw->model,
-                  "fx fy cx cy k1 k2 p1 p2 k3, the same without k3, with k4 k5 k6,\n"
-                  "fisheye: fx fy cx cy k1 k2 k3 k4, or f cx cy k1")
-      ->type_name("opencv5|opencv4|opencv8|fisheye|radial1")
+  command.add_option("--intrinsics", raw->model, "model of all cameras, by its parameters:\n" + modelTable())
+      ->type_name("MODEL")
       ->default_str("opencv5");
   CLI::Option* const compare =
       command
           .add_option(
               "--compare", raw->compared,
-              "models to fit and to compare by how well they predict images they were not fitted to;\n"
-              "without names all of them; the calibration is then with the one chosen, or --intrinsics")
+              "models to fit and to compare by how well they predict images they were not fitted to;\n" +
+                  fmt::format(
+                      "without names {}; the calibration\nis then with the one chosen, or --intrinsics",
+                      fmt::join(namesOf(comparedModels()), ", ")))
           ->type_name("MODEL,...")
-          ->expected(0, 5)
+          ->expected(0, int(allModels().size()))
           ->delimiter(',');
   command.add_option("--sigma-px", settings.sigma_px, "standard deviation of u and of v [px]")
       ->type_name("NUMBER")
@@ -247,7 +265,7 @@ void addCalibrateCommand(CLI::App& app) {
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();
-  addTimeLimit(command, settings.max_seconds);
+  addTimeLimit(command, settings.limits.max_seconds);
   command.add_option("--json", settings.json_file, "result with all digits, as JSON")->type_name("FILE");
   command
       .add_option("--output", settings.yaml_file,

@@ -38,7 +38,7 @@ OutputFormat parseFormat(const std::string& format, const std::string& file, std
   return OutputFormat::ros;
 }
 
-std::vector<std::string> outputFiles(const Settings& settings) {
+std::vector<std::string> outputFiles(const CommandSettings& settings) {
   if (settings.yaml_file.empty()) return {};
   if (settings.format != OutputFormat::ros) return {settings.yaml_file};
   std::vector<std::string> files;
@@ -46,7 +46,7 @@ std::vector<std::string> outputFiles(const Settings& settings) {
   return files;
 }
 
-std::vector<std::string> cornerFiles(const Settings& settings) {
+std::vector<std::string> cornerFiles(const CommandSettings& settings) {
   if (settings.corners_folder.empty()) return {};
   std::vector<std::string> files;
   for (const CameraFile& camera : settings.cameras)
@@ -54,7 +54,7 @@ std::vector<std::string> cornerFiles(const Settings& settings) {
   return files;
 }
 
-std::vector<NamedFile> resultFiles(const Settings& settings) {
+std::vector<NamedFile> resultFiles(const CommandSettings& settings) {
   std::vector<NamedFile> files{{"--json", settings.json_file}, {"--report", settings.report_file}};
   for (const std::string& file : outputFiles(settings)) files.push_back({"--output", file});
   for (const std::string& file : cornerFiles(settings)) files.push_back({"--corners-out", file});

@@ -11,12 +11,12 @@ namespace slom::app::calib {
 OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras);
 
 /// Of --output: one, or one for each camera; none where none is wanted.
-std::vector<std::string> outputFiles(const Settings& settings);
+std::vector<std::string> outputFiles(const CommandSettings& settings);
 
 /// Of --corners-out, one for each camera; none where none are wanted.
-std::vector<std::string> cornerFiles(const Settings& settings);
+std::vector<std::string> cornerFiles(const CommandSettings& settings);
 
 /// All of them, with their options.
-std::vector<NamedFile> resultFiles(const Settings& settings);
+std::vector<NamedFile> resultFiles(const CommandSettings& settings);
 
 }  // namespace slom::app::calib

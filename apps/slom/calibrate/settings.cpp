@@ -73,19 +73,38 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
-const std::vector<std::string> lens_parameters{"f",  "fx", "fy", "cx", "cy", "k1", "k2",
-                                               "p1", "p2", "k3", "k4", "k5", "k6"};
+bool isFocalLength(const std::string& parameter) { return parameter[0] == 'f'; }
+bool isCentre(const std::string& parameter) { return parameter[0] == 'c'; }
+
+/// Focal lengths, the principal point, and what else the models have, each once.
+std::vector<std::string> namesOfParameters() {
+  std::vector<std::string> names;
+  for (const Model& model : allModels()) {
+    for (const std::string& name : model.parameters()) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  const auto rank = [](const std::string& name) {
+    return isFocalLength(name) ? std::pair(0, name) : std::pair(isCentre(name) ? 1 : 2, std::string());
+  };
+  std::stable_sort(names.begin(), names.end(),
+                   [&](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
+  return names;
+}
+const std::vector<std::string>& lensParameters() {
+  static const std::vector<std::string> names = namesOfParameters();
+  return names;
+}
 
 /// `k3` or `left.k3`; nothing where it is no camera's parameter.
-std::optional<LensConstraint> parseLensName(const std::string& option, const std::string& name) {
+std::optional<LensOption> parseLensName(const std::string& option, const std::string& name) {
   const auto dot = name.rfind('.');
-  LensConstraint constraint;
+  LensOption constraint;
   constraint.option = option;
   if (dot != std::string::npos) constraint.camera = name.substr(0, dot);
   constraint.parameter = dot == std::string::npos ? name : name.substr(dot + 1);
-  if (std::find(lens_parameters.begin(), lens_parameters.end(), constraint.parameter) ==
-      lens_parameters.end())
-    return {};
+  const std::vector<std::string>& known = lensParameters();
+  if (std::find(known.begin(), known.end(), constraint.parameter) == known.end()) return {};
   return constraint;
 }
 
@@ -101,15 +120,14 @@ struct LensLimits {
 };
 
 LensLimits limitsOf(const std::string& parameter) {
-  if (parameter[0] == 'f') return {"a focal length", least_focal_px, most_focal_px, " px"};
-  if (parameter[0] == 'c') return {"the principal point", -most_px, most_px, " px"};
+  if (isFocalLength(parameter)) return {"a focal length", least_focal_px, most_focal_px, " px"};
+  if (isCentre(parameter)) return {"the principal point", -most_px, most_px, " px"};
   return {"a coefficient of distortion", -most_distortion, most_distortion, ""};
 }
 
 /// Distortion is held at 0 unless the option says where.
-LensConstraint fixLens(LensConstraint constraint, const std::string* value) {
-  const char first = constraint.parameter[0];
-  if (value == nullptr && first != 'k' && first != 'p') {
+LensOption fixLens(LensOption constraint, const std::string* value) {
+  if (value == nullptr && (isFocalLength(constraint.parameter) || isCentre(constraint.parameter))) {
     throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
   }
   const double at = value ? parseNumbers(constraint.option, *value, 1)[0] : 0;
@@ -120,8 +138,8 @@ LensConstraint fixLens(LensConstraint constraint, const std::string* value) {
   return constraint;
 }
 
-std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
-  std::vector<LensConstraint> bounds;
+std::vector<LensOption> parseBounds(const std::vector<std::string>& texts) {
+  std::vector<LensOption> bounds;
   for (const std::string& text : texts) {
     const std::string option = "--bound " + text;
     const auto equals = text.find('=');
@@ -130,7 +148,7 @@ std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
       throw UserError(fmt::format(
           "{}: write PARAMETER=LOWER,UPPER with a camera's parameter ({}), as in --bound k3=-1,1 or "
           "--bound left.fx=400,600",
-          option, fmt::join(lens_parameters, ", ")));
+          option, fmt::join(lensParameters(), ", ")));
     }
     const std::vector<double> limits = parseNumbers(option, text.substr(equals + 1), 2);
     if (!(limits[0] < limits[1]))
@@ -147,13 +165,13 @@ std::vector<LensConstraint> parseBounds(const std::vector<std::string>& texts) {
 }
 
 /// Each is about a parameter and a camera that there are, and no two about the same.
-void checkLens(const Settings& settings, Model model) {
-  const std::vector<std::string> parameters = parametersOf(model);
-  for (std::size_t i = 0; i < settings.lens.size(); ++i) {
-    const LensConstraint& one = settings.lens[i];
+void checkLens(const CommandSettings& settings, const Model& model) {
+  const std::vector<std::string>& parameters = model.parameters();
+  for (std::size_t i = 0; i < settings.lens_options.size(); ++i) {
+    const LensOption& one = settings.lens_options[i];
     if (std::find(parameters.begin(), parameters.end(), one.parameter) == parameters.end()) {
       throw UserError(fmt::format("{}: the model {} has no {}; its parameters are {}", one.option,
-                                  toString(model), one.parameter, fmt::join(parameters, ", ")));
+                                  model.name(), one.parameter, fmt::join(parameters, ", ")));
     }
     const auto is_named = [&](const CameraFile& camera) { return camera.name == one.camera; };
     if (!one.camera.empty() && std::none_of(settings.cameras.begin(), settings.cameras.end(), is_named)) {
@@ -162,7 +180,7 @@ void checkLens(const Settings& settings, Model model) {
                       one.option, one.camera));
     }
     for (std::size_t j = 0; j < i; ++j) {
-      const LensConstraint& other = settings.lens[j];
+      const LensOption& other = settings.lens_options[j];
       if (other.parameter != one.parameter ||
           (!other.camera.empty() && !one.camera.empty() && other.camera != one.camera))
         continue;
@@ -172,7 +190,7 @@ void checkLens(const Settings& settings, Model model) {
   }
 }
 
-Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensConstraint>& lens) {
+Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensOption>& lens) {
   Fixed fixed;
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
@@ -189,21 +207,28 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensConstrai
       for (const auto& [known, unused] : fixers) names.push_back(known);
       throw UserError(
           fmt::format("{}: nothing is called \"{}\"; what can be fixed is {} and cameras' parameters, {}",
-                      option, name, fmt::join(names, ", "), fmt::join(lens_parameters, ", ")));
+                      option, name, fmt::join(names, ", "), fmt::join(lensParameters(), ", ")));
     }
     fixer->second(option, given, fixed);
   }
   return fixed;
 }
 
-void parseModels(const RawOptions& raw, Settings& settings) {
+Model parseModel(const std::string& option, const std::string& name) {
+  try {
+    return Model(name);
+  } catch (const DataError& error) {
+    throw UserError(fmt::format("{} {}", option, error.sentence()));
+  }
+}
+
+void parseModels(const RawOptions& raw, CommandSettings& settings) {
   settings.model_is_given = !raw.model.empty() || !raw.compare;
   if (!raw.model.empty()) settings.model = parseModel("--intrinsics", raw.model);
   for (const std::string& name : raw.compared) {
     if (!name.empty()) settings.compared.push_back(parseModel("--compare", name));
   }
-  if (raw.compare && settings.compared.empty())
-    settings.compared.assign(std::begin(all_models), std::end(all_models));
+  if (raw.compare && settings.compared.empty()) settings.compared = comparedModels();
   if (!settings.model_is_given) settings.model = settings.compared.front();
 }
 
@@ -215,7 +240,7 @@ void requireSigma(const char* option, double value, const char* unit) {
                               option, value, least_sigma, most_sigma, unit));
 }
 
-void checkPaths(const Settings& settings) {
+void checkPaths(const CommandSettings& settings) {
   std::vector<NamedFile> inputs;
   for (const CameraFile& camera : settings.cameras) {
     if (camera.patterns.empty()) inputs.push_back({"--camera " + camera.name, camera.file});
@@ -226,20 +251,21 @@ void checkPaths(const Settings& settings) {
 
 }  // namespace
 
-Settings parseSettings(const RawOptions& raw) {
-  Settings settings = raw.rest;
+CommandSettings parseSettings(const RawOptions& raw) {
+  CommandSettings settings = raw.rest;
   parseSources(raw, settings);
-  settings.fixed = parseFixed(raw.fixed, settings.lens);
-  for (const LensConstraint& bound : parseBounds(raw.bounded)) settings.lens.push_back(bound);
+  settings.fixed = parseFixed(raw.fixed, settings.lens_options);
+  for (const LensOption& bound : parseBounds(raw.bounded)) settings.lens_options.push_back(bound);
+  settings.lens.assign(settings.lens_options.begin(), settings.lens_options.end());
   parseModels(raw, settings);
   checkLens(settings, settings.model);
-  for (const Model model : settings.compared) checkLens(settings, model);
+  for (const Model& model : settings.compared) checkLens(settings, model);
   requireSigma("--sigma-px", settings.sigma_px, "px");
   requireSigma("--sigma-acc", settings.sigma_acc, "m/s^2");
   if (settings.max_iterations < 1) {
     throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", settings.max_iterations));
   }
-  requireTimeLimit(settings.max_seconds);
+  requireTimeLimit(settings.limits.max_seconds);
   if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
     throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));

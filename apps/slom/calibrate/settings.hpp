@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "calibrate/detect/board.hpp"
-#include "calibrate/input/dataset.hpp"
-#include "calibrate/models.hpp"
-#include "calibrate/types.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 
@@ -23,41 +21,23 @@ struct CameraFile {
 /// Of --output.
 enum class OutputFormat { opencv, ros, kalibr };
 
-/// What --fix holds at a value instead of estimating it.
-struct Fixed {
-  std::optional<vec3> acc_bias;   ///< [m/s^2]
-  std::optional<double> gravity;  ///< magnitude [m/s^2]; the sign is found from the data
+/// A constraint of --fix or --bound, and the option as the user wrote it.
+struct LensOption : LensConstraint {
+  std::string option;
 };
 
-/// A parameter of one camera or of all that --fix holds or --bound keeps between two values.
-struct LensConstraint {
-  std::string option;  ///< as the user wrote it
-  std::string camera;  ///< empty: all
-  std::string parameter;
-  double lower = 0, upper = 0;
-
-  bool isFixed() const { return lower == upper; }
-  bool concerns(const std::string& name) const { return camera.empty() || camera == name; }
-};
-
-struct Settings {
+/// What the library is told, and what the command does beside that.
+struct CommandSettings : Settings {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files
   std::string corners_folder;  ///< for the corners that were found; empty: none
   std::string imu_file;        ///< empty: no IMU
-  Model model = Model::opencv5;
-  std::vector<Model> compared;  ///< by --compare; empty: none
-  bool model_is_given = true;   ///< otherwise it is the one that the comparison chooses
-  double sigma_px = 0.25;       ///< of u and of v [px]
-  double sigma_acc = 0.05;      ///< of each axis [m/s^2]
-  Fixed fixed;
-  std::vector<LensConstraint> lens;
-  std::optional<double> sigma_denominator;  ///< of a prior of k4, k5, k6 of opencv8 at 0; nothing: no prior
-  int max_iterations = 100;
-  double max_seconds = 0;   ///< of the whole run; 0: no limit
-  std::string json_file;    ///< empty: none
-  std::string yaml_file;    ///< empty: none
-  std::string report_file;  ///< empty: none
+  std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
+  std::vector<Model> compared;           ///< by --compare; empty: none
+  bool model_is_given = true;            ///< otherwise it is the one that the comparison chooses
+  std::string json_file;                 ///< empty: none
+  std::string yaml_file;                 ///< empty: none
+  std::string report_file;               ///< empty: none
   OutputFormat format = OutputFormat::opencv;
   std::map<std::string, ImageSize> image_sizes;  ///< by camera, where the user gave them
   bool quiet = false;
@@ -73,10 +53,10 @@ struct RawOptions {
   std::string model;   ///< empty: opencv5, or what the comparison chooses
   std::vector<std::string> compared;
   bool compare = false;
-  Settings rest;
+  CommandSettings rest;
 };
 
 /// Reads the texts and checks all values; UserError names the option.
-Settings parseSettings(const RawOptions& raw);
+CommandSettings parseSettings(const RawOptions& raw);
 
 }  // namespace slom::app::calib

@@ -72,7 +72,7 @@ std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void parseSources(const RawOptions& raw, Settings& settings) {
+void parseSources(const RawOptions& raw, CommandSettings& settings) {
   if (!raw.cameras.empty() && !raw.images.empty()) {
     throw UserError(fmt::format(
         "--images {}: give --images or --camera, not both; --corners-out makes corner files of photographs",

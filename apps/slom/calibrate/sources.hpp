@@ -7,7 +7,7 @@ namespace slom::app::calib {
 
 /// Fills in cameras and board. UserError when neither corner files nor photographs are given, or both, or
 /// what belongs to the others.
-void parseSources(const RawOptions& raw, Settings& settings);
+void parseSources(const RawOptions& raw, CommandSettings& settings);
 
 /// `left=640x480`, or `640x480` for all cameras.
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,

@@ -61,6 +61,8 @@ void FitLimits::catchInterrupts() {
   catches_interrupts_ = ::sigaction(SIGINT, &ours, nullptr) == 0;
 }
 
+bool FitLimits::wasInterrupted() { return was_interrupted != 0; }
+
 double FitLimits::secondsLeft() const {
   return max_seconds_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }

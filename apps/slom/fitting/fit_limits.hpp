@@ -41,6 +41,12 @@ class FitLimits {
   /// From now on SIGINT ends the work.
   void catchInterrupts();
 
+  double maxSeconds() const { return max_seconds_; }
+  /// From when its time counts.
+  std::chrono::steady_clock::time_point start() const { return start_; }
+  /// Whether SIGINT came since the last one was made.
+  static bool wasInterrupted();
+
   /// Gives a fit the limits of the one that lives now, if any.
   static void applyTo(Options& options);
   /// Names the limit that the user gave in the message of such a fit, which knows of what was left of it

@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "calibrate/types.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

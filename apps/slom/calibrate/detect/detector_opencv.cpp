@@ -9,7 +9,7 @@
 #include "calibrate/detect/chessboard.hpp"
 #include "calibrate/detect/detector.hpp"
 #include "calibrate/detect/markers.hpp"
-#include "calibrate/input/board_plane.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "calibrate/detect/board.hpp"
 #include "calibrate/detect/photos.hpp"
-#include "calibrate/input/dataset.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

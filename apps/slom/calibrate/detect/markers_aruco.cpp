@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calibrate/detect/markers.hpp"
-#include "calibrate/initialization/homography.hpp"
+#include "calibrate/library.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {

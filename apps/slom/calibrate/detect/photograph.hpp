@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/input/dataset.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

@@ -9,7 +9,7 @@ namespace slom::app::calib {
 namespace {
 
 /// No result may replace a photograph.
-void checkPaths(const Settings& settings, const std::vector<CameraPhotos>& photos) {
+void checkPaths(const CommandSettings& settings, const std::vector<CameraPhotos>& photos) {
   std::vector<NamedFile> inputs{{"--imu", settings.imu_file}};
   for (const CameraPhotos& camera : photos) {
     for (const Photo& photo : camera.photos) inputs.push_back({"--images " + camera.name, photo.file});
@@ -19,7 +19,7 @@ void checkPaths(const Settings& settings, const std::vector<CameraPhotos>& photo
 
 }  // namespace
 
-std::vector<CameraData> readPhotos(const Settings& settings) {
+std::vector<CameraData> readPhotos(const CommandSettings& settings) {
   requireDetector(*settings.board);
   const std::vector<CameraPhotos> photos = findPhotos(settings.cameras);
   const std::vector<std::string> files = cornerFiles(settings);

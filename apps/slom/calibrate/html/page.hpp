@@ -3,8 +3,7 @@
 
 #include <string>
 
-#include "calibrate/input/dataset.hpp"
-#include "calibrate/result.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

@@ -7,11 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/detect/photo_patch.hpp"
-#include "calibrate/number_text.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
-#include "calibrate/quality/board.hpp"
-#include "calibrate/quality/verdict.hpp"
-#include "calibrate/quality/words.hpp"
 #include "script_text.hpp"
 
 namespace slom::app::calib {
@@ -22,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t most_corners = 4000;  // drawn for each camera
 constexpr std::size_t most_boards = 200;    // in the view in space
 constexpr std::size_t most_images = 500;    // in tables
-constexpr Eigen::Index most_correlated = 120;
+constexpr std::size_t most_correlated = 120;
 constexpr double degrees = 180 / std::numbers::pi;
 
 /// Decimal places are cut, which makes the page small.
@@ -226,9 +223,9 @@ Json correlationsJson(const Correlations& correlations) {
     strong.push_back({pair.a, pair.b, rounded(pair.coefficient, 4)});
     if (strong.size() == 15) break;
   }
-  const bool is_drawn = correlations.matrix.rows() <= most_correlated;
-  for (Eigen::Index i = 0; is_drawn && i < correlations.matrix.rows(); ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) matrix.push_back(rounded(correlations.matrix(i, j), 3));
+  const bool is_drawn = correlations.size() <= most_correlated;
+  for (std::size_t i = 0; is_drawn && i < correlations.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j) matrix.push_back(rounded(correlations.coefficient(i, j), 3));
   }
   return {{"names", is_drawn ? Json(correlations.names) : Json::array()},
           {"count", correlations.names.size()},

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "calibrate/input/dataset.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

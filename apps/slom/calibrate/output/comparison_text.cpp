@@ -9,8 +9,7 @@ namespace slom::app::calib {
 namespace {
 
 std::string row(const ModelTrial& trial, double standard_errors) {
-  const std::string name =
-      fmt::format("  {:<10}{:>10}", toString(trial.model), parametersOf(trial.model).size());
+  const std::string name = fmt::format("  {:<10}{:>10}", trial.model.name(), trial.model.parameters().size());
   if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
                      trial.rss, trial.rss / trial.redundancy, trial.rms_px, trial.heldOutRms(),
@@ -24,13 +23,13 @@ std::string verdict(const Comparison& comparison) {
   if (!comparison.chosen) return cut_short.empty() ? "None of the models fits." : cut_short;
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
   if (!cut_short.empty())
-    return cut_short + fmt::format("Of the models tried, the data carry {}.", toString(chosen.model));
-  std::string text = fmt::format("The data carry {}: ", toString(chosen.model));
+    return cut_short + fmt::format("Of the models tried, the data carry {}.", chosen.model.name());
+  std::string text = fmt::format("The data carry {}: ", chosen.model.name());
   if (comparison.chosen == comparison.best)
     return text + "it predicts best, and none with fewer parameters comes within two standard errors.";
   return text +
          fmt::format("{} predicts better, but not by more than two standard errors, and has more parameters.",
-                     toString(best.model));
+                     best.model.name());
 }
 
 }  // namespace

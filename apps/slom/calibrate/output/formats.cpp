@@ -1,13 +1,14 @@
 #include "calibrate/output/formats.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibrate/output/yaml.hpp"
 #include "calibrate/result_paths.hpp"
 #include "error.hpp"
 
 namespace slom::app::calib {
-std::vector<OutputText> outputTexts(const Result& result, const Settings& settings) {
+std::vector<OutputText> outputTexts(const Result& result, const CommandSettings& settings) {
   switch (settings.format) {
     case OutputFormat::opencv:
       return {{settings.yaml_file, toOpencvYaml(result)}};
@@ -22,17 +23,51 @@ std::vector<OutputText> outputTexts(const Result& result, const Settings& settin
   return files;
 }
 
-void requireModelOf(const Settings& settings) {
-  const bool is_unknown = settings.model == Model::opencv5 || settings.model == Model::opencv8;
-  if (settings.yaml_file.empty() || settings.format != OutputFormat::kalibr || !is_unknown) return;
-  throw UserError(
-      fmt::format("--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics opencv4 "
-                  "(its radtan) or "
-                  "fisheye (its equidistant)",
-                  settings.yaml_file, toString(settings.model)));
+std::optional<ForeignLens> lensFor(OutputFormat format, const Model& model,
+                                   const std::vector<double>& parameters) {
+  switch (format) {
+    case OutputFormat::opencv:
+      return model.forOpencv(parameters);
+    case OutputFormat::ros:
+      return model.forRos(parameters);
+    case OutputFormat::kalibr:
+      return model.forKalibr(parameters);
+  }
+  return {};
 }
 
-void requireImageSizes(const Settings& settings, const std::vector<CameraData>& cameras) {
+ForeignLens lensFor(OutputFormat format, const CameraResult& camera) {
+  std::vector<double> parameters;
+  for (const Parameter& parameter : camera.parameters) parameters.push_back(parameter.value);
+  return lensFor(format, Model(camera.model), parameters).value();
+}
+
+void requireModelOf(const CommandSettings& settings) {
+  const auto is_known = [&](const Model& model) {
+    return lensFor(settings.format, model, std::vector<double>(model.parameters().size())).has_value();
+  };
+  if (settings.yaml_file.empty() || is_known(settings.model)) return;
+  if (settings.format == OutputFormat::kalibr) {
+    throw UserError(fmt::format(
+        "--output {}: Kalibr has no distortion model like {}; calibrate with --intrinsics opencv4 "
+        "(its radtan) or "
+        "fisheye (its equidistant)",
+        settings.yaml_file, settings.model.name()));
+  }
+  std::vector<std::string> known;
+  for (const Model& model : allModels()) {
+    if (is_known(model)) known.push_back(model.name());
+  }
+  throw UserError(
+      fmt::format("--output {}: {} has no lens like {}; calibrate with --intrinsics {}{}", settings.yaml_file,
+                  settings.format == OutputFormat::ros ? "ROS" : "OpenCV", settings.model.name(),
+                  fmt::join(known, " or "),
+                  settings.model.forKalibr(std::vector<double>(settings.model.parameters().size()))
+                      ? ", or write Kalibr's camchain by --format kalibr"
+                      : ""));
+}
+
+void requireImageSizes(const CommandSettings& settings, const std::vector<CameraData>& cameras) {
   if (settings.yaml_file.empty() || settings.format == OutputFormat::opencv) return;
   for (const CameraData& camera : cameras) {
     if (camera.image_size) continue;

@@ -1,10 +1,11 @@
 // The calibration in the formats that other programs read.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "calibrate/result.hpp"
+#include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
 
@@ -15,13 +16,19 @@ struct OutputText {
 };
 
 /// The files of --output.
-std::vector<OutputText> outputTexts(const Result& result, const Settings& settings);
+std::vector<OutputText> outputTexts(const Result& result, const CommandSettings& settings);
+
+/// The lens as the readers of a format describe it; nothing where they know no such model.
+std::optional<ForeignLens> lensFor(OutputFormat format, const Model& model,
+                                   const std::vector<double>& parameters);
+/// Of a camera whose model they know.
+ForeignLens lensFor(OutputFormat format, const CameraResult& camera);
 
 /// UserError when the readers of the format do not know the model.
-void requireModelOf(const Settings& settings);
+void requireModelOf(const CommandSettings& settings);
 
 /// UserError when the format stores the size of the images and it is unknown.
-void requireImageSizes(const Settings& settings, const std::vector<CameraData>& cameras);
+void requireImageSizes(const CommandSettings& settings, const std::vector<CameraData>& cameras);
 
 /// ROS camera_info of one camera.
 std::string toRosYaml(const CameraResult& camera);

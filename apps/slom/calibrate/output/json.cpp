@@ -106,7 +106,7 @@ Json comparisonJson(const Comparison& comparison) {
   for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
     const ModelTrial& trial = comparison.trials[i];
     const bool fits = trial.failure.empty();
-    trials.push_back({{"model", toString(trial.model)},
+    trials.push_back({{"model", trial.model.name()},
                       {"failure", fits ? Json() : Json(trial.failure)},
                       {"unknowns", fits ? Json(trial.unknowns) : Json()},
                       {"rss", fits ? Json(trial.rss) : Json()},
@@ -117,7 +117,7 @@ Json comparisonJson(const Comparison& comparison) {
   }
   return {{"models", std::move(trials)},
           {"cut_short", comparison.cut_short.empty() ? Json() : Json(comparison.cut_short)},
-          {"chosen", comparison.chosen ? Json(toString(comparison.chosenTrial().model)) : Json()}};
+          {"chosen", comparison.chosen ? Json(comparison.chosenTrial().model.name()) : Json()}};
 }
 
 }  // namespace

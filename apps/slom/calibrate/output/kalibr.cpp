@@ -22,16 +22,14 @@ std::string toKalibrYaml(const Result& result) {
   yaml << YAML::BeginMap;
   for (std::size_t n = 0; n < result.cameras.size(); ++n) {
     const CameraResult& camera = result.cameras[n];
-    const bool is_fisheye = camera.model == toString(Model::fisheye);
-    const Eigen::Matrix3d& K = camera.camera_matrix;
+    const ForeignLens lens = lensFor(OutputFormat::kalibr, camera);
     yaml << YAML::Key << "cam" + std::to_string(n) << YAML::Value << YAML::BeginMap
          << YAML::Comment(camera.name);
     if (n > 0) addPose(yaml, camera.left2camera * result.cameras[n - 1].left2camera.inverse());
-    yaml << YAML::Key << "camera_model" << YAML::Value << "pinhole" << YAML::Key << "intrinsics"
-         << YAML::Value << numbers(Eigen::Vector4d(K(0, 0), K(1, 1), K(0, 2), K(1, 2))) << YAML::Key
-         << "distortion_model" << YAML::Value << (is_fisheye ? "equidistant" : "radtan") << YAML::Key
-         << "distortion_coeffs" << YAML::Value << numbers(camera.distortion.head<4>()) << YAML::Key
-         << "resolution" << YAML::Value
+    yaml << YAML::Key << "camera_model" << YAML::Value << lens.camera_model << YAML::Key << "intrinsics"
+         << YAML::Value << numbers(lens.intrinsics) << YAML::Key << "distortion_model" << YAML::Value
+         << lens.distortion_model << YAML::Key << "distortion_coeffs" << YAML::Value
+         << numbers(lens.distortion) << YAML::Key << "resolution" << YAML::Value
          << numbers(Eigen::Vector2d(camera.image_size->width, camera.image_size->height)) << YAML::EndMap;
   }
   yaml << YAML::EndMap;

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrate/number_text.hpp"
+#include "calibrate/library.hpp"
 #include "printable.hpp"
 
 namespace slom::app::calib {
@@ -71,11 +71,12 @@ void noteCopies(const Result& result, std::vector<std::string>& notes) {
 
 void noteDenominator(const Result& result, std::vector<std::string>& notes) {
   if (!result.sigma_denominator) return;
+  const Model model(result.cameras.front().model);
   notes.push_back(fmt::format(
-      "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. "
+      "The images leave open what {} are, because numerator and denominator of {} do the same on them. "
       "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
       "parameters says as much: --intrinsics opencv5, or --compare.",
-      *result.sigma_denominator));
+      fmt::join(model.heldNearZero(), ", "), model.name(), *result.sigma_denominator));
 }
 
 /// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
@@ -118,12 +119,12 @@ const std::string& otherThan(const std::string& name, const Result& result) {
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
-        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {:.0f} px off. "
+        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {} px off. "
         "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise "
         "look whether its corners "
         "were taken for their neighbours, a row or column further{}.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
-        Shown{stray.error_px}, stray.image,
+        fixedDecimals(stray.error_px, 0), stray.image,
         result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
         result.cameras.front().board_symmetry > 1
             ? ", or counted from another end: this board looks the same when it is turned"

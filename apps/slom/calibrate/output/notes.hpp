@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/result.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include "calibrate/quality/verdict.hpp"
-#include "calibrate/quality/words.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -50,9 +49,9 @@ Json splitHalfJson(const Result& result) {
 
 Json correlationsJson(const Correlations& correlations) {
   Json matrix = Json::array(), strong = Json::array();
-  for (Eigen::Index i = 0; i < correlations.matrix.rows(); ++i) {
-    const Eigen::VectorXd row = correlations.matrix.row(i);
-    matrix.push_back(std::vector<double>(row.begin(), row.end()));
+  for (std::size_t i = 0; i < correlations.size(); ++i) {
+    const auto row = correlations.matrix.begin() + std::ptrdiff_t(i * correlations.size());
+    matrix.push_back(std::vector<double>(row, row + std::ptrdiff_t(correlations.size())));
   }
   for (const auto& pair : correlations.strong)
     strong.push_back({{"a", pair.a}, {"b", pair.b}, {"coefficient", pair.coefficient}});

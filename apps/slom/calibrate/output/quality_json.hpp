@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "calibrate/result.hpp"
+#include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 

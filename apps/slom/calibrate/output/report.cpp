@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibrate/number_text.hpp"
+#include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
 #include "fitting/progress.hpp"
 #include "printable.hpp"
@@ -44,9 +44,9 @@ std::string unitOf(const std::string& parameter) {
 }
 
 std::string cameraLines(const CameraResult& camera, const std::string& reference) {
-  std::string text =
-      fmt::format("\ncamera {}: {}, {}, {}, RMS {:.4f} px", camera.name, camera.model,
-                  plural(camera.images, "image"), plural(camera.corners, "corner"), Shown{camera.rms_px});
+  std::string text = fmt::format("\ncamera {}: {}, {}, {}, RMS {} px", camera.name, camera.model,
+                                 plural(camera.images, "image"), plural(camera.corners, "corner"),
+                                 fixedDecimals(camera.rms_px, 4));
   text +=
       std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
   for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
@@ -72,8 +72,8 @@ std::string precisionTable(const ImuResult& imu) {
 }
 
 std::string imuLines(const ImuResult& imu, const std::string& reference) {
-  std::string text =
-      fmt::format("\nimu: {}, RMS {:.4f} m/s^2\n", plural(imu.readings, "reading"), Shown{imu.rms_acc});
+  std::string text = fmt::format("\nimu: {}, RMS {} m/s^2\n", plural(imu.readings, "reading"),
+                                 fixedDecimals(imu.rms_acc, 4));
   text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
   text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
   text += fmt::format("  from {} to imu:\n", reference);
@@ -140,8 +140,8 @@ std::string dataText(const Dataset& data) {
   return text;
 }
 
-std::string aloneHeader(const Settings& settings) {
-  return fmt::format("\neach camera alone, model {}\n", toString(settings.model));
+std::string aloneHeader(const CommandSettings& settings) {
+  return fmt::format("\neach camera alone, model {}\n", settings.model.name());
 }
 
 std::string aloneText(const AloneReport& alone) {

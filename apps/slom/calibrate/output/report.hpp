@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "calibrate/fit/calibration.hpp"
+#include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
 
@@ -11,7 +11,7 @@ namespace slom::app::calib {
 std::string dataText(const Dataset& data);
 
 /// What comes next: each camera's own fit.
-std::string aloneHeader(const Settings& settings);
+std::string aloneHeader(const CommandSettings& settings);
 
 /// One line for a camera's own fit.
 std::string aloneText(const AloneReport& alone);

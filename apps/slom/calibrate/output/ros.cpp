@@ -6,11 +6,6 @@
 namespace slom::app::calib {
 namespace {
 
-const char* rosModel(const std::string& model) {
-  if (model == toString(Model::fisheye)) return "equidistant";
-  return model == toString(Model::opencv8) ? "rational_polynomial" : "plumb_bob";
-}
-
 void addMatrix(YAML::Emitter& yaml, const char* key, const Eigen::MatrixXd& matrix) {
   yaml << YAML::Key << key << YAML::Value << YAML::BeginMap << YAML::Key << "rows" << YAML::Value
        << matrix.rows() << YAML::Key << "cols" << YAML::Value << matrix.cols() << YAML::Key << "data"
@@ -21,6 +16,9 @@ void addMatrix(YAML::Emitter& yaml, const char* key, const Eigen::MatrixXd& matr
 }  // namespace
 
 std::string toRosYaml(const CameraResult& camera) {
+  const ForeignLens lens = lensFor(OutputFormat::ros, camera);
+  const Eigen::Map<const Eigen::RowVectorXd> distortion(lens.distortion.data(),
+                                                        Eigen::Index(lens.distortion.size()));
   Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
   projection.leftCols<3>() = camera.camera_matrix;
   YAML::Emitter yaml;
@@ -28,8 +26,8 @@ std::string toRosYaml(const CameraResult& camera) {
        << "image_height" << YAML::Value << camera.image_size->height << YAML::Key << "camera_name"
        << YAML::Value << camera.name;
   addMatrix(yaml, "camera_matrix", camera.camera_matrix);
-  yaml << YAML::Key << "distortion_model" << YAML::Value << rosModel(camera.model);
-  addMatrix(yaml, "distortion_coefficients", camera.distortion.transpose());
+  yaml << YAML::Key << "distortion_model" << YAML::Value << lens.distortion_model;
+  addMatrix(yaml, "distortion_coefficients", distortion);
   addMatrix(yaml, "rectification_matrix", Eigen::Matrix3d::Identity());
   addMatrix(yaml, "projection_matrix", projection);
   yaml << YAML::EndMap;

@@ -20,12 +20,16 @@ std::string matrix(const std::string& indent, const std::string& key, const Eige
   return text;
 }
 
+Eigen::RowVectorXd rowOf(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::RowVectorXd>(values.data(), Eigen::Index(values.size()));
+}
+
 std::string cameraYaml(const CameraResult& camera, const std::string& reference) {
   const std::string indent(6, ' ');
   std::string text = fmt::format("   {}:\n{}model: \"{}\"\n{}rms_px: {}\n", camera.name, indent, camera.model,
                                  indent, camera.rms_px);
   text += matrix(indent, "camera_matrix", camera.camera_matrix);
-  text += matrix(indent, "distortion_coefficients", camera.distortion.transpose());
+  text += matrix(indent, "distortion_coefficients", rowOf(camera.distortion));
   text += matrix(indent, "rotation_from_" + reference, camera.left2camera.orient.toRotationMatrix());
   text += matrix(indent, "translation_from_" + reference, camera.left2camera.pos);
   return text;

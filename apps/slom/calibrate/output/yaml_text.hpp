@@ -1,6 +1,8 @@
 // Numbers in YAML.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -12,6 +14,10 @@ struct YamlNumbers {
   Eigen::VectorXd values;
 };
 inline YamlNumbers numbers(const Eigen::VectorXd& values) { return {values}; }
+
+inline YamlNumbers numbers(const std::vector<double>& values) {
+  return {Eigen::Map<const Eigen::VectorXd>(values.data(), Eigen::Index(values.size()))};
+}
 
 inline YAML::Emitter& operator<<(YAML::Emitter& yaml, const YamlNumbers& numbers) {
   yaml << YAML::Flow << YAML::BeginSeq;

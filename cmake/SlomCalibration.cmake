@@ -1,0 +1,21 @@
+# The library slom::calibration. It stands on slom::slom; of other libraries it needs fmt, for its sentences.
+find_package(fmt QUIET CONFIG)
+if(NOT fmt_FOUND)
+  message(STATUS "slom: no library slom::calibration, because fmt was not found (Debian: libfmt-dev)")
+  return()
+endif()
+
+file(GLOB_RECURSE slom_calibration_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/calibration/*.cpp")
+add_library(slom_calibration ${slom_calibration_sources})
+add_library(slom::calibration ALIAS slom_calibration)
+slom_own_target(slom_calibration)
+slom_fuzzed(slom_calibration)
+target_include_directories(slom_calibration PRIVATE "${PROJECT_SOURCE_DIR}/src")
+set_target_properties(slom_calibration PROPERTIES EXPORT_NAME calibration VERSION ${PROJECT_VERSION}
+                                                  SOVERSION ${PROJECT_VERSION_MAJOR} POSITION_INDEPENDENT_CODE ON)
+target_link_libraries(slom_calibration PUBLIC slom PRIVATE fmt::fmt)
+slom_unity(slom_calibration)
+slom_own_eigen(slom_calibration)
+if(SLOM_PRECOMPILE_HEADERS)
+  target_precompile_headers(slom_calibration PRIVATE <string> <vector> <Eigen/Dense> <fmt/format.h> <slom/slom.hpp>)
+endif()

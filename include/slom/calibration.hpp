@@ -1,0 +1,22 @@
+/// Calibration of cameras, and of an IMU on their rig, from corners of a flat board: data in memory -> start values -> fit ->
+/// result with uncertainty, quality and verdict. docs/calibration_library.md shows it at work. Library slom::calibration.
+///   dataset.hpp     what was measured
+///   options.hpp     what is assumed, held fixed, and when to give up; models.hpp: the camera models
+///   calibrate.hpp   the fit: calibrate(data, settings)
+///   result.hpp      what it found, with standard deviations
+///   assess.hpp      how far it can be trusted, assess(data, settings, result), in figures (quality.hpp) and in a sentence
+///   comparison.hpp  which camera model the data carry
+///   error.hpp       what is thrown for data and settings that make no sense
+#pragma once
+
+#include "slom/calibration/assess.hpp"
+#include "slom/calibration/board.hpp"
+#include "slom/calibration/calibrate.hpp"
+#include "slom/calibration/comparison.hpp"
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/error.hpp"
+#include "slom/calibration/models.hpp"
+#include "slom/calibration/number_text.hpp"
+#include "slom/calibration/options.hpp"
+#include "slom/calibration/quality.hpp"
+#include "slom/calibration/result.hpp"

@@ -1,0 +1,37 @@
+/// How far a calibration can be trusted: figures, and what they amount to in a sentence.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/quality.hpp"
+#include "slom/calibration/result.hpp"
+
+namespace slom::calibration {
+
+/// Residuals, projection uncertainty over the image, cross-validation by halves, correlations, and which further images would
+/// help most; for Result::quality. `result` is of the same data and settings. After a fit that failed: residuals alone. Takes about as
+/// long as the calibration.
+Quality assess(const Dataset& data, const Settings& settings, const Result& result);
+
+/// The calibration in one sentence, and what speaks against trusting it.
+struct Verdict {
+  enum class Level { trustworthy, doubtful, failed };
+  Level level = Level::failed;
+  std::string sentence;
+  std::vector<std::string> doubts;  ///< a clause each, the gravest first
+};
+const char* toString(Verdict::Level level);
+
+/// `result.quality` must be there.
+Verdict verdictOf(const Result& result);
+
+/// Of all cameras [px].
+double rmsOfAll(const Result& result);
+
+/// `a board tilted by 40 degrees, its left edge farther away, in the upper left of the image of left, at 0.60
+/// m: from 1.1 to 0.70 px`
+std::string sentenceOf(const FurtherView& view, const Result& result);
+
+}  // namespace slom::calibration

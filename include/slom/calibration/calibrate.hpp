@@ -1,0 +1,31 @@
+/// The whole way from data to result.
+#pragma once
+
+#include <functional>
+
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/result.hpp"
+#include "slom/optimize/summary.hpp"
+
+namespace slom::calibration {
+
+/// What happened with one camera before the joint fit.
+struct AloneReport {
+  const CameraData* camera;
+  std::string start;  ///< how the intrinsics were found
+  bool converged;
+  int iterations;
+  double rms_px;
+};
+
+/// Called on the way; each may be empty.
+struct Progress {
+  std::function<void(const AloneReport&)> alone;
+  std::function<void(const IterationRecord&)> iteration;
+};
+
+/// Start values, each camera alone, then all together. DataError when settings or data
+/// make no sense or cannot determine the model; a fit that did not converge is a result that says so.
+Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
+
+}  // namespace slom::calibration

@@ -1,0 +1,24 @@
+/// Errors of the calibration.
+#pragma once
+
+#include "mtk/error.hpp"
+
+namespace slom::calibration {
+
+/// Data or settings that cannot be calibrated from or with. The sentence says where (CameraData::file and line, or camera and
+/// image), what is wrong and what to do. Ids begin with `slom.calibration.`:
+///   bad-settings   a standard deviation, a limit or a constraint that makes no sense
+///   unknown-model  no camera model of this name
+///   bad-view       a view that gives no pose: too few corners, on a line, in no plane, or a corner that is there twice
+///   too-few-views  a camera without two views
+///   too-few-data   fewer numbers measured than unknown
+///   unconnected    a camera without a common image with the others, directly or through further ones
+///   no-pose        common images of two cameras that give no finite pose between them
+///   imu-images     a reading of an image that no camera has
+///   imu-open       readings that do not determine the IMU
+///   copies         two cameras with the same views, or a camera with one view and copies of it
+struct DataError : mtk::Error {
+  using mtk::Error::Error;
+};
+
+}  // namespace slom::calibration

@@ -1,0 +1,52 @@
+/// What a calibration assumes, what it holds fixed, and when it gives up.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slom/calibration/models.hpp"
+#include "slom/calibration/types.hpp"
+
+namespace slom::calibration {
+
+/// A parameter of one camera or of all that is held at a value (lower == upper) or kept between two.
+struct LensConstraint {
+  std::string camera;     ///< by name; empty: all cameras
+  std::string parameter;  ///< by its name in the model: "k3"
+  double lower = 0, upper = 0;
+
+  bool isFixed() const { return lower == upper; }
+  bool concerns(const std::string& name) const { return camera.empty() || camera == name; }
+};
+
+/// What is known of the IMU and not estimated.
+struct Fixed {
+  std::optional<vec3> acc_bias;   ///< [m/s^2]
+  std::optional<double> gravity;  ///< magnitude [m/s^2]; the sign is found from the data
+};
+
+/// What ends work early, with the best values reached. Results name the limit that was met.
+struct Limits {
+  double max_seconds = 0;  ///< 0: no limit
+  /// From when the time counts. Nothing: each call counts from its own beginning.
+  std::optional<std::chrono::steady_clock::time_point> since;
+  std::function<bool()> should_stop;  ///< asked often; may be empty
+};
+
+struct Settings {
+  Model model = Model("opencv5");  ///< of all cameras
+  double sigma_px = 0.25;          ///< standard deviation of a corner's u and of its v [px]
+  double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
+  Fixed fixed;
+  std::vector<LensConstraint> lens;
+  /// Of a prior at 0 of the parameters that a model is able to trade against others (Model::heldNearZero); nothing: none, unless
+  /// a fit without it fails.
+  std::optional<double> sigma_denominator;
+  int max_iterations = 100;  ///< of a fit
+  Limits limits;
+};
+
+}  // namespace slom::calibration

@@ -1,0 +1,122 @@
+/// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters
+/// and their standard deviations. All standard deviations are those of the stated sigmas.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slom/calibration/types.hpp"
+
+namespace slom::calibration {
+
+/// The part of the plane that a camera's images cover, from (0, 0) to the last pixel [px].
+struct ImageBox {
+  int width = 0, height = 0;
+  bool is_assumed = false;  ///< nobody told the size
+};
+
+/// Nodes that lie evenly over an image, the outer ones on its border; row by row from the top left.
+struct ImageGrid {
+  int columns = 0, rows = 0;
+  ImageBox box;
+
+  int size() const { return columns * rows; }
+  vec2 node(int i) const {
+    return vec2((box.width - 1.0) * (i % columns) / (columns - 1),
+                (box.height - 1.0) * (i / columns) / (rows - 1));
+  }
+  int middle() const { return rows / 2 * columns + columns / 2; }
+};
+
+struct CornerResidual {
+  int image = 0, corner = 0, line = 0;
+  vec2 pixel;     ///< where it was found
+  vec2 residual;  ///< found less predicted [px]
+};
+
+/// Where a point that stands still before the rig is projected to: standard deviation in the direction in
+/// which it is largest, by node of the grid [px]; NaN where no ray is known to lead to the pixel.
+struct ProjectionUncertainty {
+  double distance_m = std::numeric_limits<double>::infinity();
+  std::vector<double> std_px;
+  double middle_px = 0, median_px = 0, worst_px = 0;
+};
+
+/// Two calibrations, each from every second image: where they project the same ray to.
+struct SplitHalfCamera {
+  std::vector<double> difference_px;  ///< by node of the grid; NaN where one of them has no ray for the pixel
+  double rms_px = 0, largest_px = 0;
+  double expected_rms_px = 0;  ///< what noise of the stated sigma alone gives
+  double chi2 = 0;             ///< of the difference of the lens parameters
+  int dof = 0;
+  double probability = 1;  ///< that noise alone gives such a chi2 or a larger one
+};
+
+struct SplitHalf {
+  std::string why_not;  ///< empty, or why there is none
+  std::vector<SplitHalfCamera> cameras;
+};
+
+struct CameraQuality {
+  ImageGrid grid;
+  std::vector<CornerResidual> residuals;                 ///< by image, then as in the file
+  std::vector<ProjectionUncertainty> projection;         ///< at the distance of the boards, and at infinity
+  std::vector<double> distances_m, middle_px, worst_px;  ///< how it depends on the distance
+};
+
+/// Between the parameters that all images share.
+struct Correlations {
+  struct Pair {
+    std::string a, b;
+    double coefficient = 0;
+  };
+  std::vector<std::string> names;
+  std::vector<double> matrix;  ///< symmetric, 1 on the diagonal, row by row; estimated parameters alone
+  std::vector<Pair> strong;    ///< the largest by magnitude, from 0.9 on
+
+  std::size_t size() const { return names.size(); }
+  double coefficient(std::size_t i, std::size_t j) const { return matrix[i * size() + j]; }
+};
+
+/// A board that is not there yet, and what it would bring.
+struct FurtherView {
+  std::size_t camera = 0;
+  vec2 pixel;               ///< of its centre in that camera
+  int column = 0, row = 0;  ///< third of the image, from the top left
+  double tilt_deg = 0;      ///< against the image plane
+  std::string
+      edge_away;  ///< which edge of the board is farther away: left, right, upper, lower; empty if none
+  double distance_m = 0;
+  double before_px = 0, after_px = 0;  ///< worst projection uncertainty at the distance of the boards
+  SE3 left2world;
+};
+
+struct WorstResidual {
+  std::size_t camera = 0;
+  CornerResidual corner;
+  double error_px = 0;
+};
+
+struct PhaseTime {
+  std::string phase;
+  double seconds = 0;
+};
+
+/// Everything after `worst` exists for a calibration that succeeded, as far as there was time.
+struct Quality {
+  std::vector<CameraQuality> cameras;
+  std::vector<WorstResidual> worst;  ///< the worst first
+  double board_distance_m = 0;  ///< median distance of the boards' centres from the cameras that saw them
+  SplitHalf split_half;
+  Correlations correlations;
+  std::vector<FurtherView> further_views;  ///< one after the other: each with those before it added
+  std::vector<PhaseTime> times;
+  std::string cut_short{};  ///< empty, or why something is missing: `time limit of 5 s reached`
+
+  /// Whether the projection uncertainty is there.
+  bool hasProjection() const { return !cameras.empty() && !cameras.back().projection.empty(); }
+};
+
+}  // namespace slom::calibration

@@ -1,0 +1,124 @@
+/// What the calibration found, as plain numbers. It does not know where it is written, if anywhere.
+/// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data
+/// leave the value open (`undetermined` then says what).
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slom/calibration/comparison.hpp"
+#include "slom/calibration/options.hpp"
+#include "slom/calibration/quality.hpp"
+
+namespace slom::calibration {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct Parameter {
+  std::string name;
+  double value = 0, std = unknown;
+};
+
+struct CameraResult {
+  std::string name, file, model;  ///< file: CameraData::file; model: Model::name
+  std::vector<Parameter> parameters;
+  Eigen::Matrix3d camera_matrix;
+  std::vector<double> distortion;  ///< as OpenCV orders it: k1 k2 p1 p2 k3 [k4 k5 k6]; fisheye: k1 k2 k3 k4
+  SE3 left2camera;                 ///< from the reference camera; the identity for that one
+  vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
+  vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
+  vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
+  std::size_t images = 0, corners = 0;
+  double rms_px = 0;              ///< sqrt(sum of squared corner distances / corners)
+  double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
+  std::optional<ImageSize> image_size;
+  int board_symmetry = 1;           ///< CameraData::board_symmetry
+  std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
+  std::vector<Copy> copies;         ///< views that repeat others
+
+  /// The pixel of a point in this camera's frame [m]; NaN where it has none.
+  vec2 project(const vec3& point) const;
+  /// The direction, of length 1, that is seen at a pixel; nothing where none is known to be, as beyond a fold of the model.
+  std::optional<vec3> ray(const vec2& pixel) const;
+};
+
+/// Largest standard deviations of the axes; 0 for what is fixed.
+struct ImuPrecision {
+  double rotation = unknown;  ///< [rad]
+  double acc_bias = unknown;  ///< [m/s^2]
+  double gravity = unknown;   ///< [m/s^2]
+};
+
+struct ImuResult {
+  std::string file;
+  std::size_t readings = 0;
+  SO3 left2imu;
+  vec3 rotation_std = vec3(unknown, unknown, unknown);  ///< about the axes of the reference camera [rad]
+  vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
+  vec3 acc_bias;                                               ///< [m/s^2]
+  vec3 acc_bias_std = vec3(unknown, unknown, unknown);
+  double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
+  double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]
+  bool acc_bias_is_fixed = false, gravity_is_fixed = false;
+  ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
+  double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
+  double sign_evidence = 0;  ///< ImuStart::sign_evidence
+};
+
+struct WorstCorner {
+  std::size_t camera = 0;  ///< index into Result::cameras
+  int number = 0, line = 0;
+  double error_px = 0;
+  std::string place{};  ///< CameraData::place
+};
+
+struct ImageResult {
+  int image = 0;
+  SE3 left2world;
+  std::vector<std::optional<double>> rms_px;  ///< by camera; nothing where it did not see the image
+  std::optional<double> acc_error;            ///< length of the difference of the reading [m/s^2]
+  double chi2 = 0;                            ///< sum of squared whitened residuals
+  int measurements = 0;                       ///< scalar residuals
+  WorstCorner worst_corner;
+
+  double chi2PerMeasurement() const { return chi2 / measurements; }
+};
+
+/// A view that the start values of the rig, the consensus of all common images, do not fit.
+struct Stray {
+  std::string camera;
+  int image = 0;
+  double error_px = 0;  ///< root mean square distance of its corners before the joint fit
+  std::string photo{};  ///< where it is known
+};
+
+struct Result {
+  bool converged = false;
+  std::string stop_reason;  ///< as slom::toString says it
+  std::string message;      ///< the library's sentence on the stop
+  int iterations = 0;
+  int measurements = 0, unknowns = 0, redundancy = 0;
+  double rss = 0;
+  double sigma_px = 0, sigma_acc = 0;
+  std::optional<double> sigma_denominator;  ///< Settings::sigma_denominator
+  std::vector<std::string> active_bounds;   ///< `left.k3 is at its upper bound 1`
+  std::string undetermined;                 ///< empty, or why there are no standard deviations
+  std::vector<CameraResult> cameras;
+  std::optional<ImuResult> imu;
+  std::vector<Stray> strays;
+  std::vector<ImageResult> images;       ///< by rising number
+  std::optional<Comparison> comparison;  ///< where it was asked for
+  std::optional<Quality> quality;        ///< where it was asked for
+
+  double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
+  bool success() const { return converged && undetermined.empty(); }
+  /// Takes back all standard deviations; why: for `undetermined`.
+  void declareUndetermined(std::string why);
+  /// The `count` images with the largest chi2 per measurement, the worst first.
+  std::vector<const ImageResult*> worstImages(std::size_t count) const;
+};
+
+}  // namespace slom::calibration

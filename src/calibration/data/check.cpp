@@ -1,0 +1,184 @@
+#include "calibration/data/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slom/calibration/board.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double world_line_tolerance = 1e-4;  // boards are known to better than this part of their size
+constexpr double pixel_line_tolerance = 2e-3;  // 1 px over a board that fills 500 px
+constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other targets are not
+
+std::string firstPlace(const CameraData& camera) {
+  return camera.place(camera.views.front(), camera.views.front().corners.front());
+}
+
+void checkView(const CameraData& camera, const View& view) {
+  const std::string place = fmt::format("{}: image {}", camera.place(view, view.corners.front()), view.image);
+  const std::size_t count = view.corners.size();
+  if (count < 4) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{} has only {} corner{}; a pose needs at least 4, so add corners or remove the image",
+                    place, count, count == 1 ? "" : "s"));
+  }
+  const BoardPlane plane = fitPlane(view.corners);
+  std::vector<vec2> on_board, in_image;
+  for (const Corner& corner : view.corners) {
+    on_board.push_back(plane.coordinates(corner.world));
+    in_image.push_back(corner.pixel);
+  }
+  if (onLineButOne(on_board, world_line_tolerance)) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two "
+                    "off it, so add corners or remove the image",
+                    place));
+  }
+  if (onLineButOne(in_image, pixel_line_tolerance)) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; "
+                    "remove the image",
+                    place));
+  }
+  if (plane.thickness > plane_tolerance * plane.size) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
+                    "values need a flat board, so correct the points or remove the image",
+                    place, plane.thickness));
+  }
+}
+
+/// A point of the board that is at the same pixel twice, under two numbers, was measured once.
+void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
+  std::vector<const Corner*> corners;
+  for (const Corner& corner : view.corners) corners.push_back(&corner);
+  const auto place = [](const Corner& c) {
+    return std::tuple(c.world.x(), c.world.y(), c.world.z(), c.pixel.x(), c.pixel.y(), c.line);
+  };
+  std::sort(corners.begin(), corners.end(),
+            [&](const Corner* a, const Corner* b) { return place(*a) < place(*b); });
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const Corner &one = *corners[i - 1], &other = *corners[i];
+    if (one.world != other.world || one.pixel != other.pixel) continue;
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format(
+            "{}: corner {} of image {} repeats corner {} of line {}, the same point of the board at the same "
+            "pixel; remove one of the two rows",
+            camera.place(view, other), other.number, view.image, one.number, one.line));
+  }
+}
+
+}  // namespace
+
+void checkViews(const CameraData& camera) {
+  if (camera.views.empty())
+    throw DataError("slom.calibration.too-few-views",
+                    fmt::format("{}: there is no corner in it; add some", nameOf(camera)));
+  for (const View& view : camera.views) {
+    checkView(camera, view);
+    requireNoRepeatedCorner(camera, view);
+  }
+  if (camera.views.size() < 2) {
+    throw DataError(
+        "slom.calibration.too-few-views",
+        fmt::format("{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
+                    "different directions, so add images",
+                    firstPlace(camera), camera.views.front().image, camera.name));
+  }
+}
+
+void checkConnected(const Dataset& data) {
+  std::set<int> reached;  // images of the cameras tied to the first one so far
+  std::vector<bool> tied(data.cameras.size(), false);
+  const auto shares = [&](const View& view) { return reached.empty() || reached.contains(view.image); };
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+      const auto& views = data.cameras[c].views;
+      if (tied[c] || !std::any_of(views.begin(), views.end(), shares)) continue;
+      tied[c] = grew = true;
+      for (const View& view : views) reached.insert(view.image);
+    }
+  }
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    if (tied[c]) continue;
+    const CameraData& camera = data.cameras[c];
+    throw DataError(
+        "slom.calibration.unconnected",
+        fmt::format(
+            "{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
+            "board with both at the same time, or calibrate them apart",
+            firstPlace(camera), camera.name, data.cameras.front().name));
+  }
+}
+
+void checkImuImages(const Dataset& data) {
+  if (!data.imu) return;
+  const std::vector<int> images = data.images();
+  for (const ImuReading& reading : data.imu->readings) {
+    if (std::binary_search(images.begin(), images.end(), reading.image)) continue;
+    throw DataError(
+        "slom.calibration.imu-images",
+        fmt::format("{}:{}: there are no corners of image {} in any camera; correct the number, or leave the "
+                    "reading out",
+                    data.imu->file, reading.line, reading.image));
+  }
+}
+
+void checkSettings(const Dataset& data, const Settings& settings) {
+  const auto refuse = [](const std::string& sentence) {
+    throw DataError("slom.calibration.bad-settings", sentence);
+  };
+  const auto require_positive = [&](const char* name, double value) {
+    if (!(value > 0 && std::isfinite(value)))
+      refuse(fmt::format("Settings::{} is {}; give a positive number", name, value));
+  };
+  require_positive("sigma_px", settings.sigma_px);
+  require_positive("sigma_acc", settings.sigma_acc);
+  if (settings.sigma_denominator) require_positive("sigma_denominator", *settings.sigma_denominator);
+  if (settings.fixed.gravity) require_positive("fixed.gravity", *settings.fixed.gravity);
+  if (settings.fixed.acc_bias && !settings.fixed.acc_bias->allFinite())
+    refuse("Settings::fixed.acc_bias is not finite; give numbers in m/s^2");
+  if (settings.max_iterations < 1)
+    refuse(fmt::format("Settings::max_iterations is {}; give a number from 1 on", settings.max_iterations));
+  if (!(settings.limits.max_seconds >= 0))
+    refuse(fmt::format("Settings::limits.max_seconds is {}; give a number from 0 on",
+                       settings.limits.max_seconds));
+  if (data.cameras.empty()) refuse("the data set has no camera; add one");
+  const std::vector<std::string>& parameters = settings.model.parameters();
+  for (const LensConstraint& constraint : settings.lens) {
+    if (std::find(parameters.begin(), parameters.end(), constraint.parameter) == parameters.end()) {
+      refuse(fmt::format("the model {} has no parameter {} to constrain; its parameters are {}",
+                         settings.model.name(), constraint.parameter, fmt::join(parameters, ", ")));
+    }
+    const auto concerns = [&](const CameraData& camera) { return constraint.concerns(camera.name); };
+    if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns))
+      refuse(fmt::format("there is no camera {} to constrain {} of; correct the name", constraint.camera,
+                         constraint.parameter));
+    if (!(constraint.lower <= constraint.upper))
+      refuse(fmt::format("{} cannot lie between {} and {}; give the lower limit first", constraint.parameter,
+                         constraint.lower, constraint.upper));
+  }
+}
+
+void checkDataset(const Dataset& data) {
+  for (const CameraData& camera : data.cameras) checkViews(camera);
+  checkConnected(data);
+  checkImuImages(data);
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,49 @@
+#include "slom/calibration/dataset.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace slom::calibration {
+
+bool isPlausible(const ImageSize& size) {
+  return size.width > 0 && size.height > 0 && size.width <= most_side_px && size.height <= most_side_px;
+}
+
+std::string nameOf(const CameraData& camera) {
+  return camera.file.empty() ? "camera " + camera.name : camera.file;
+}
+
+std::size_t CameraData::cornerCount() const {
+  std::size_t count = 0;
+  for (const View& view : views) count += view.corners.size();
+  return count;
+}
+
+const View* CameraData::find(int image) const {
+  const auto view = std::lower_bound(views.begin(), views.end(), image,
+                                     [](const View& v, int number) { return v.image < number; });
+  return view != views.end() && view->image == image ? &*view : nullptr;
+}
+
+std::string CameraData::place(const View& view, const Corner& corner) const {
+  if (corner.line == 0) return view.photo.empty() ? nameOf(*this) : view.photo;
+  return nameOf(*this) + ":" + std::to_string(corner.line);
+}
+
+std::vector<int> Dataset::images() const {
+  std::set<int> numbers;
+  for (const CameraData& camera : cameras) {
+    for (const View& view : camera.views) numbers.insert(view.image);
+  }
+  return {numbers.begin(), numbers.end()};
+}
+
+Dataset Dataset::withImages(const std::function<bool(int)>& is_wanted) const {
+  Dataset part;
+  part.cameras = cameras;
+  for (CameraData& camera : part.cameras)
+    std::erase_if(camera.views, [&](const View& view) { return !is_wanted(view.image); });
+  return part;
+}
+
+}  // namespace slom::calibration

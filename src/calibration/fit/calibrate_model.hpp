@@ -1,0 +1,236 @@
+// The way from data to result for one camera model. Each model is compiled in a file of its own, in
+// fit/models.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibration/fit/cross_validation.hpp"
+#include "calibration/fit/rig.hpp"
+#include "calibration/fit/single_camera.hpp"
+#include "calibration/initialization/parallel_views.hpp"
+#include "calibration/limits.hpp"
+#include "slom/calibration/calibrate.hpp"
+#include "slom/calibration/comparison.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+
+/// Fewer numbers measured than unknown: nothing to fit.
+inline void requireEnoughMeasurements(const Dataset& data, const Settings& settings,
+                                      int parameters_per_camera) {
+  std::size_t measured = 0;
+  for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
+  const std::size_t cameras = data.cameras.size();
+  std::size_t fixed = 0;
+  for (const LensConstraint& constraint : settings.lens)
+    fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
+  const std::size_t unknowns =
+      cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
+  if (measured > unknowns) return;
+  throw DataError(
+      "slom.calibration.too-few-data",
+      fmt::format("{}: the corners give {} numbers for {} unknowns of the model {}; add images or "
+                  "corners, or choose a model with fewer parameters",
+                  nameOf(data.cameras.front()), measured, unknowns, settings.model.name()));
+}
+
+/// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
+/// images that were not taken at the same time.
+template <class Camera>
+std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig) {
+  std::vector<Stray> views;
+  std::vector<double> errors;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    for (const View& view : data.cameras[c].views) {
+      const SE3 world2camera = rig.left2camera[c] * rig.left2world.at(view.image).inverse();
+      const double square = squaredPixelError(cameras[c], world2camera, view);
+      errors.push_back(std::sqrt(square / double(view.corners.size())));
+      views.push_back({data.cameras[c].name, view.image, errors.back(), view.photo});
+    }
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  const double limit = std::max(10.0, 10 * errors[errors.size() / 2]);
+  std::erase_if(views, [&](const Stray& view) { return view.error_px <= limit; });
+  return views;
+}
+
+/// A camera whose focal length is not known to a fifth of it, as far as anything is known.
+inline bool hasOpenFocalLength(const Result& result) {
+  if (!result.success()) return true;
+  return std::any_of(result.cameras.begin(), result.cameras.end(), [](const CameraResult& camera) {
+    const Parameter& f = camera.parameters.front();
+    return f.std > 0.2 * std::abs(f.value);
+  });
+}
+
+/// Each camera alone, then the rig from these.
+template <class Camera>
+struct ModelStart {
+  std::vector<Camera> cameras;
+  std::vector<double> rms_px_alone;
+  RigStart rig;
+};
+
+using PlanesByCamera = std::vector<std::vector<PlaneView>>;
+
+inline PlanesByCamera planesOf(const Dataset& data) {
+  PlanesByCamera planes;
+  for (const CameraData& camera : data.cameras) planes.push_back(planeViews(camera));
+  return planes;
+}
+
+template <class Camera>
+ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
+                              const Progress& progress) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  ModelStart<Camera> start;
+  std::vector<ViewPoses> world2camera;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    const CameraData& camera = data.cameras[c];
+    const auto fit = fitAlone<Camera>(camera, planes[c], settings);
+    start.cameras.push_back(fit.camera);
+    world2camera.push_back(fit.world2camera);
+    start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
+    if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
+  }
+  start.rig = startRig(data, world2camera);
+  return start;
+}
+
+/// From start values to the result. Boards that are all `parallel` (the sentence says so) rarely allow a fit: it is not tried
+/// for long.
+template <class Camera>
+Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel,
+                     Settings settings, const Progress& progress) {
+  constexpr int few_iterations = 20;
+  if (!parallel.empty()) settings.max_iterations = std::min(settings.max_iterations, few_iterations);
+  const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, planes, settings, progress);
+
+  std::optional<ImuStart> imu;
+  std::vector<TiltPair> tilts;
+  if (data.imu) {
+    tilts = tiltPairs(*data.imu, rig.left2world);
+    imu = startImu(tilts, settings.fixed, settings.sigma_acc);
+    requireImuDetermined(*data.imu, tilts, *imu, settings.fixed, settings.sigma_acc);
+  }
+
+  JointProblem<Camera> problem(data, settings, cameras, rig, imu);
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  applyLimits(settings.limits, options);
+  options.observer = progress.iteration;
+  Result result = problem.result(problem.optimize(options));
+  if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
+  for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
+  result.strays = findStrays(data, cameras, rig);
+  if (imu) {
+    result.imu->tilt_spread = tiltSpread(tilts);
+    result.imu->sign_evidence = imu->sign_evidence;
+  }
+  return result;
+}
+
+/// Numerator and denominator of opencv8 can do the same, and then k4, k5, k6 run off together with k1, k2, k3 on the way to
+/// nowhere: they are held near 0 then, by a prior.
+inline constexpr double sigma_of_denominator = 1;
+
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+  const PlanesByCamera planes = planesOf(data);
+  const std::string parallel = parallelViews(planes, data.images().size());
+  if constexpr (has_prior<Camera>) {
+    std::vector<AloneReport> alone;
+    std::vector<IterationRecord> iterations;
+    const Progress kept{[&](const AloneReport& report) { alone.push_back(report); },
+                        [&](const IterationRecord& record) { iterations.push_back(record); }};
+    const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
+    if (result.success() || !parallel.empty() || !reasonToEnd(settings.limits).empty()) {
+      for (const AloneReport& report : alone) {
+        if (progress.alone) progress.alone(report);
+      }
+      for (const IterationRecord& record : iterations) {
+        if (progress.iteration) progress.iteration(record);
+      }
+      return result;
+    }
+    Settings with_prior = settings;
+    with_prior.sigma_denominator = sigma_of_denominator;
+    return calibrateOnce<Camera>(data, planes, parallel, with_prior, progress);
+  } else {
+    return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
+  }
+}
+
+template <class Camera>
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  requireEnoughMeasurements(data, settings, Camera::DOF);
+  std::vector<Camera> cameras;
+  RigStart rig;
+  for (const CameraResult& camera : start.cameras) {
+    cameras.emplace_back();
+    for (int i = 0; i < Camera::DOF; ++i) cameras.back()[i] = camera.parameters[std::size_t(i)].value;
+    rig.left2camera.push_back(camera.left2camera);
+  }
+  const std::vector<int> wanted = data.images();
+  for (const ImageResult& image : start.images) {
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image))
+      rig.left2world[image.image] = image.left2world;
+  }
+  Settings same = settings;
+  same.sigma_denominator = start.sigma_denominator;
+  JointProblem<Camera> problem(data, same, cameras, rig, {});
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  applyLimits(settings.limits, options);
+  options.most_parameters = 0;
+  options.decrease_tolerance =
+      rough_tolerance;  // from so near, what then is left is far below a standard deviation
+  return problem.result(problem.optimize(options));
+}
+
+template <class Camera>
+ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
+  ModelTrial trial{settings.model};
+  try {
+    const auto start = startModel<Camera>(data, planes, settings, {});
+    JointProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
+    Options options;
+    options.max_iterations = settings.max_iterations;
+    options.deviation_tolerance = enough_deviations;
+    applyLimits(settings.limits, options);
+    options.most_parameters = 0;
+    const Summary summary = problem.optimize(options);
+    trial.unknowns = summary.unknowns;
+    trial.redundancy = summary.redundancy;
+    trial.rss = summary.final_rss;
+    trial.rms_px = problem.rmsOfAll();
+    if (!summary.converged) return trial.failure = summary.message, trial;
+    trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig());
+    if (!std::isfinite(trial.heldOutRms()))
+      trial.failure = "corners that it was not fitted to have no image in it";
+  } catch (const DataError& error) {
+    trial.failure = error.sentence();
+    trial.failure_id = error.id();
+  } catch (const slom::Error& error) {
+    trial.failure = sentenceOf(error);
+  }
+  return trial;
+}
+
+template <class Camera>
+ModelTrial tryModel(const Dataset& data, const Settings& settings) {
+  const PlanesByCamera planes = planesOf(data);
+  ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
+  if (trial.failure.empty() || !has_prior<Camera> || !reasonToEnd(settings.limits).empty()) return trial;
+  Settings with_prior = settings;
+  with_prior.sigma_denominator = sigma_of_denominator;
+  return tryModelOnce<Camera>(data, planes, with_prior);
+}
+
+}  // namespace slom::calibration

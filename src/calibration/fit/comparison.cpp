@@ -1,0 +1,97 @@
+#include "slom/calibration/comparison.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "calibration/data/check.hpp"
+#include "calibration/fit/joint_fit.hpp"
+#include "calibration/limits.hpp"
+#include "calibration/models/definition.hpp"
+
+namespace slom::calibration {
+namespace {
+
+/// Behind the best by more standard errors than this: clearly worse. One would be too few, as the images of a
+/// fold share one fitted lens: in one of five simulations it chose a parameter that is 0 in truth.
+constexpr double clearly_worse_errors = 2;
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+/// Mean logarithm of the ratio of two models' squares over its standard error; 0 for the same model.
+double standardErrors(const std::vector<double>& worse, const std::vector<double>& best) {
+  std::vector<double> ratios(worse.size());
+  for (std::size_t i = 0; i < worse.size(); ++i) ratios[i] = std::log(worse[i] / best[i]);
+  const double average = mean(ratios), count = double(ratios.size());
+  double square = 0;
+  for (const double ratio : ratios) square += (ratio - average) * (ratio - average);
+  const double error = std::sqrt(square / (count - 1) / count);
+  return average == 0 ? 0 : average / error;
+}
+
+ModelTrial fitOne(const Dataset& data, Settings settings, const Model& model) {
+  settings.model = model;
+  return model.definition().try_model(data, settings);
+}
+
+/// Notes in the comparison when there is no time left to try this one to the end.
+ModelTrial tryOne(const Dataset& data, const Settings& settings, const Model& model, Comparison& comparison) {
+  ModelTrial trial{model};
+  std::string reason;
+  try {
+    requireTime(settings.limits);
+    trial = fitOne(data, settings, model);
+    if (!trial.failure.empty()) reason = reasonToEnd(settings.limits);
+  } catch (const WorkEnded& ended) {
+    reason = ended.what();
+  }
+  if (reason.empty()) return trial;
+  comparison.cut_short = reason;
+  trial.failure = "not tried to the end, " + reason;
+  return trial;
+}
+
+}  // namespace
+
+double ModelTrial::heldOutRms() const { return std::sqrt(mean(held_out_squares)); }
+
+void judge(Comparison& comparison) {
+  const auto& trials = comparison.trials;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (!trials[i].failure.empty()) continue;
+    if (!comparison.best || trials[i].heldOutRms() < trials[*comparison.best].heldOutRms())
+      comparison.best = i;
+  }
+  comparison.standard_errors.assign(trials.size(), std::numeric_limits<double>::quiet_NaN());
+  if (!comparison.best) return;
+  const ModelTrial& best = trials[*comparison.best];
+  comparison.chosen = comparison.best;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (!trials[i].failure.empty()) continue;
+    const double behind = standardErrors(trials[i].held_out_squares, best.held_out_squares);
+    comparison.standard_errors[i] = behind;
+    const ModelTrial& chosen = comparison.chosenTrial();
+    const bool is_simpler =
+        trials[i].unknowns < chosen.unknowns ||
+        (trials[i].unknowns == chosen.unknowns && trials[i].heldOutRms() < chosen.heldOutRms());
+    if (behind <= clearly_worse_errors && is_simpler) comparison.chosen = i;
+  }
+}
+
+Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models) {
+  for (const Model& model : models) {
+    Settings of_model = settings;
+    of_model.model = model;
+    checkSettings(data, of_model);
+  }
+  checkDataset(data);
+  Comparison comparison;
+  const Settings from_now = started(settings);
+  for (const Model& model : models) comparison.trials.push_back(tryOne(data, from_now, model, comparison));
+  judge(comparison);
+  return comparison;
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,21 @@
+// The joint fit from values that are known already, and what models are tried by.
+#pragma once
+
+#include "slom/calibration/calibrate.hpp"
+#include "slom/calibration/comparison.hpp"
+
+namespace slom::calibration {
+
+/// The joint fit alone, of images that are among those of an earlier result, from the values found there. An IMU is left
+/// out.
+Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings);
+
+/// From the trials: best, standard errors and choice. The logarithm of the ratio of a model's squares to the
+/// best one's is averaged over the images, and its standard error follows from how much it varies between
+/// them.
+void judge(Comparison& comparison);
+
+/// What is wrong, without the library's id before it and its remedy for programmers behind it.
+std::string sentenceOf(const slom::Error& error);
+
+}  // namespace slom::calibration

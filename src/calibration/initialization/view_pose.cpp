@@ -1,0 +1,55 @@
+#include "calibration/initialization/view_pose.hpp"
+
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+namespace slom::calibration {
+
+namespace {
+
+/// NaN for what is no rotation, as that of a homography that overflows.
+SE3 poseOf(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
+  const double determinant = R.determinant();
+  if (!(determinant > 0.5 && determinant < 2))
+    return SE3(vec3(vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
+  return SE3(SO3(R), vec3(t));
+}
+
+}  // namespace
+
+SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera) {
+  // The origin of the plane is the centre of the corners, so H(2,2) > 0 is its depth, up to scale.
+  Eigen::Matrix3d M = camera.matrix().inverse() * view.homography;
+  M *= 2 / (M.col(0).norm() + M.col(1).norm());
+  const Eigen::Vector3d centre = M.col(2);
+  M.col(2) = M.col(0).cross(M.col(1));
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();  // det M > 0, so det R = 1
+  return poseOf(R, centre) * view.plane.plane2world.inverse();
+}
+
+SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera) {
+  const SE3 plane2camera = world2camera * view.plane.plane2world;
+  const Eigen::Vector3d sight = plane2camera.pos.normalized();
+  const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2 * sight * sight.transpose();
+  Eigen::Matrix3d R = mirror * plane2camera.orient.toRotationMatrix();
+  R.col(2) = -R.col(2);
+  return poseOf(R, plane2camera.pos) * view.plane.plane2world.inverse();
+}
+
+double squaredPixelError(const PlaneView& view, const Pinhole& camera, const SE3& world2camera) {
+  const SE3 plane2camera = world2camera * view.plane.plane2world;
+  double sum = 0;
+  for (std::size_t i = 0; i < view.board.size(); ++i) {
+    const vec3 p = plane2camera * vec3(view.board[i].x(), view.board[i].y(), 0.);
+    if (!(p.z() > 0)) return std::numeric_limits<double>::infinity();
+    const vec2 pixel(camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy);
+    sum += (pixel - view.pixels[i]).squaredNorm();
+  }
+  return sum;
+}
+
+}  // namespace slom::calibration

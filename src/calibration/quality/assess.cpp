@@ -1,0 +1,121 @@
+#include "slom/calibration/assess.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "calibration/limits.hpp"
+#include "calibration/quality/correlations.hpp"
+#include "calibration/quality/next_best_view.hpp"
+#include "calibration/quality/projection.hpp"
+#include "calibration/quality/residuals.hpp"
+#include "calibration/quality/split_half.hpp"
+#include "slom/calibration/board.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr int grid_columns = 33;
+constexpr std::size_t worst_corners = 20;
+
+/// Nodes as far apart along u as along v, as near as that can be; an odd number of them, so that there is a
+/// middle.
+ImageGrid gridOver(const ImageBox& box) {
+  const double ratio = (box.height - 1.0) / std::max(box.width - 1.0, 1.0);
+  const int rows = 2 * int(std::lround((grid_columns - 1) * std::min(ratio, 3.0) / 2)) + 1;
+  return {grid_columns, std::max(rows, 5), box};
+}
+
+class Clock {
+ public:
+  explicit Clock(std::vector<PhaseTime>& times) : times_(times) {}
+  void record(const char* phase) {
+    const auto now = std::chrono::steady_clock::now();
+    times_.push_back({phase, std::chrono::duration<double>(now - last_).count()});
+    last_ = now;
+  }
+
+ private:
+  std::vector<PhaseTime>& times_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void addProjection(const FittedRig& rig, const Posterior& knowledge, double board_distance_m,
+                   const Settings& settings, std::vector<CameraQuality>& cameras) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    requireTime(settings.limits);
+    CameraQuality& camera = cameras[c];
+    const CameraPosterior known(rig, knowledge, c);
+    const double infinity = std::numeric_limits<double>::infinity();
+    camera.projection =
+        known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
+    ImageGrid coarse = camera.grid;
+    coarse.columns = 9, coarse.rows = 7;
+    constexpr int distances = 25;  // from a third of the boards' distance to far behind them
+    for (int i = 0; i < distances; ++i)
+      camera.distances_m.push_back(board_distance_m * std::pow(10, -0.5 + 2.0 * i / (distances - 1)));
+    for (const ProjectionUncertainty& map :
+         known.maps(coarse, raysOf(*rig.lenses[c], coarse), camera.distances_m)) {
+      camera.middle_px.push_back(map.middle_px);
+      camera.worst_px.push_back(map.worst_px);
+    }
+  }
+}
+
+/// What is to be expected of a calibration that succeeded. WorkEnded when there is no time left for all of it.
+void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
+                     const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
+                     Quality& quality) {
+  const std::map<int, Observation> sights = sightsOf(data, rig);
+  Information information(rig.columns);
+  for (const auto& [image, sight] : sights) {
+    requireTime(settings.limits);
+    information.add(informationOf(rig, sight));
+  }
+  information.addPrior(rig);
+  const Posterior knowledge(information);
+  quality.board_distance_m = boardDistance(sights, rig);
+  quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
+  clock.record("covariance");
+  addProjection(rig, knowledge, quality.board_distance_m, settings, quality.cameras);
+  clock.record("projection");
+  quality.split_half = splitHalf(data, settings, result, grids);
+  clock.record("split_half");
+  FurtherViewOptions options;
+  options.board_distance_m = quality.board_distance_m;
+  options.limits = settings.limits;
+  quality.further_views = furtherViews(rig, information, fullestView(data), grids, options);
+  clock.record("further_views");
+}
+
+void cutShort(const std::string& reason, Quality& quality) {
+  quality.cut_short = reason;
+  if (quality.split_half.cameras.empty() && quality.split_half.why_not.empty())
+    quality.split_half.why_not = reason;
+}
+
+}  // namespace
+
+Quality assess(const Dataset& data, const Settings& settings, const Result& result) {
+  Quality quality;
+  Clock clock(quality.times);
+  const FittedRig rig(result);
+  std::vector<ImageGrid> grids;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    grids.push_back(gridOver(imageBoxOf(data.cameras[c], result.cameras[c])));
+    CameraQuality camera;
+    camera.grid = grids.back();
+    camera.residuals = residualsOf(data.cameras[c], rig, c);
+    quality.cameras.push_back(std::move(camera));
+  }
+  quality.worst = worstResiduals(quality.cameras, worst_corners);
+  clock.record("residuals");
+  if (!result.success()) return quality;
+  try {
+    addExpectations(data, started(settings), result, rig, grids, clock, quality);
+  } catch (const WorkEnded& ended) {
+    cutShort(ended.what(), quality);
+  }
+  return quality;
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,205 @@
+#include "calibration/quality/information.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "calibration/cross_matrix.hpp"
+#include "calibration/models/definition.hpp"
+
+namespace slom::calibration {
+namespace {
+
+void addColumns(SharedColumns& columns, const std::string& name, bool is_free) {
+  if (is_free) columns.free.push_back(columns.size);
+  columns.names.push_back(name);
+  ++columns.size;
+}
+
+/// Fixed parameters and those at a bound have the standard deviation 0.
+SharedColumns columnsOf(const Result& result) {
+  SharedColumns columns;
+  const std::string& reference = result.cameras.front().name;
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const CameraResult& camera = result.cameras[c];
+    columns.lens.push_back(columns.size);
+    for (const int i : Model(camera.model).definition().held_near_zero)
+      columns.held_near_zero.push_back(columns.size + i);
+    for (const Parameter& p : camera.parameters) addColumns(columns, camera.name + "." + p.name, p.std > 0);
+    columns.pose.push_back(c == 0 ? -1 : columns.size);
+    if (c == 0) continue;
+    const std::string pose = reference + "2" + camera.name;
+    for (const char axis : {'x', 'y', 'z'}) addColumns(columns, pose + ".translation." + axis, true);
+    for (const char axis : {'x', 'y', 'z'}) addColumns(columns, pose + ".rotation." + axis, true);
+  }
+  if (!result.imu) return columns;
+  columns.imu = columns.size;
+  for (const char axis : {'x', 'y', 'z'}) addColumns(columns, std::string("imu.rotation.") + axis, true);
+  for (const char axis : {'x', 'y', 'z'})
+    addColumns(columns, std::string("imu.acc_bias.") + axis, !result.imu->acc_bias_is_fixed);
+  addColumns(columns, "imu.gravity", !result.imu->gravity_is_fixed);
+  return columns;
+}
+
+/// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
+/// by left2camera, times `pose`.
+void addCorners(const FittedRig& rig, std::size_t c, const Observation& sight, Eigen::MatrixXd& H) {
+  const Eigen::Matrix3d world2left = sight.left2world.orient.toRotationMatrix().transpose();
+  Matrix6 pose = Matrix6::Zero();
+  pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
+  pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+  const double weight = 1 / (rig.sigma_px * rig.sigma_px);
+  const Lens::Square square =
+      weight * rig.lenses[c]->square(rig.left2camera[c], sight.left2world, sight.points[c]);
+  const int n = rig.lenses[c]->parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
+  const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
+  H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
+  H.bottomRows<6>().middleCols(lens, n) += pose.transpose().lazyProduct(square.bottomRows<6>().leftCols(n));
+  H.bottomRightCorner<6, 6>() += by_pose * pose;
+  if (c == 0) return;
+  H.block(left2camera, lens, 6, n) += square.bottomRows<6>().leftCols(n);
+  H.block<6, 6>(left2camera, left2camera) += square.bottomRightCorner<6, 6>();
+  H.bottomRows<6>().middleCols<6>(left2camera) += by_pose;
+}
+
+/// Likewise for a reading: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
+void addReading(const FittedRig& rig, const Observation& sight, Eigen::MatrixXd& H) {
+  const Eigen::Matrix3d left2world = sight.left2world.orient.toRotationMatrix();
+  const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
+  const Eigen::Vector3d in_left = imu2left * (*sight.acc - rig.imu->acc_bias);
+  Eigen::Matrix<double, 3, 7> by_imu;
+  by_imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
+  Eigen::Matrix<double, 3, 6> by_pose;
+  by_pose << Eigen::Matrix3d::Zero(), -left2world * crossMatrix(in_left);
+  const double weight = 1 / (rig.sigma_acc * rig.sigma_acc);
+  H.block<7, 7>(rig.columns.imu, rig.columns.imu) += weight * by_imu.transpose() * by_imu;
+  H.bottomRows<6>().middleCols<7>(rig.columns.imu) += weight * by_pose.transpose() * by_imu;
+  H.bottomRightCorner<6, 6>() += weight * by_pose.transpose() * by_pose;
+}
+
+}  // namespace
+
+FittedRig::FittedRig(const Result& result)
+    : imu(result.imu),
+      sigma_px(result.sigma_px),
+      sigma_acc(result.sigma_acc),
+      sigma_denominator(result.sigma_denominator),
+      columns(columnsOf(result)) {
+  for (const CameraResult& camera : result.cameras) {
+    lenses.push_back(makeLens(camera));
+    left2camera.push_back(camera.left2camera);
+  }
+  for (const ImageResult& image : result.images) left2world[image.image] = image.left2world;
+}
+
+Information::Information(const SharedColumns& columns) : free_(columns.free), all_(columns.size) {
+  const auto n = Eigen::Index(free_.size());
+  shared_.setZero(n, n);
+  motion_shared_.setZero(6, n);
+}
+
+void Information::add(const Information& images) {
+  shared_ += images.shared_;
+  motion_shared_ += images.motion_shared_;
+  motion_ += images.motion_;
+  noise_ += images.noise_;
+}
+
+void Information::setSum(const Information& a, const Information& b) {
+  shared_ = a.shared_ + b.shared_;
+  motion_shared_ = a.motion_shared_ + b.motion_shared_;
+  motion_ = a.motion_ + b.motion_;
+  noise_ = a.noise_ + b.noise_;
+}
+
+void Information::addPrior(const FittedRig& rig) {
+  if (!rig.sigma_denominator) return;
+  for (const int column : rig.columns.held_near_zero) {
+    const auto at = std::find(free_.begin(), free_.end(), column);
+    if (at == free_.end()) continue;
+    const auto k = Eigen::Index(at - free_.begin());
+    shared_(k, k) += 1 / (*rig.sigma_denominator * *rig.sigma_denominator);
+  }
+}
+
+Eigen::MatrixXd Information::covariance() const { return Posterior(*this).covarianceOfShared(); }
+
+Information informationOf(const FittedRig& rig, const Observation& sight) {
+  const int n = rig.columns.size;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 6, n + 6);
+  for (std::size_t c = 0; c < sight.points.size(); ++c) {
+    if (!sight.points[c].empty()) addCorners(rig, c, sight, H);
+  }
+  const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
+  if (sight.acc) addReading(rig, sight, H);
+  const Eigen::LDLT<Matrix6> pose(H.bottomRightCorner<6, 6>());
+  Matrix6 motion = Matrix6::Zero();  // P
+  motion.topLeftCorner<3, 3>() = -sight.left2world.orient.toRotationMatrix();
+  motion.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
+  const Matrix6 from_motion = motion.transpose() * from_corners;
+
+  Information share(rig.columns);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> pose_shared = H.bottomRows<6>()(Eigen::all, share.free_);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = pose.solve(pose_shared);
+  share.shared_ = H(share.free_, share.free_);  // 0 above the diagonal, where nothing is looked at
+  share.shared_.noalias() -= pose_shared.transpose() * solved;
+  share.motion_shared_.noalias() = from_motion * solved;
+  share.motion_ = from_motion * motion;
+  share.noise_ = from_motion * pose.solve(from_motion.transpose());
+  return share;
+}
+
+Posterior::Posterior(const Information& information)
+    : free_(information.free_),
+      all_(information.all_),
+      scale_(information.shared_.diagonal().cwiseSqrt().cwiseInverse()),
+      factor_(scale_.asDiagonal() * information.shared_ * scale_.asDiagonal()) {
+  const Matrix6 inverse = information.motion_.ldlt().solve(Matrix6::Identity());
+  motion_by_shared_ = inverse.lazyProduct(information.motion_shared_);
+  const Matrix6 L = information.noise_.llt().matrixL();
+  noise_root_ = L.transpose() * inverse;
+}
+
+Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
+                                    const Eigen::MatrixXd& by_motion) const {
+  const auto n = Eigen::Index(free_.size());
+  Eigen::MatrixXd w(n + 6, by_motion.rows());
+  auto shared = w.topRows(n);
+  shared.noalias() = motion_by_shared_.transpose() * by_motion.transpose();
+  for (Eigen::Index i = 0; i < n; ++i) shared.row(i) += by_shared.col(free_[std::size_t(i)]).transpose();
+  shared = scale_.asDiagonal() * shared;
+  factor_.matrixL().solveInPlace(shared);
+  w.bottomRows<6>().noalias() = noise_root_ * by_motion.transpose();
+  return w;
+}
+
+Eigen::VectorXd Posterior::solve(const Eigen::VectorXd& by_free) const {
+  return scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(by_free)));
+}
+
+Eigen::MatrixXd Posterior::covarianceOfShared() const {
+  const auto n = Eigen::Index(free_.size());
+  const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(all_, all_);
+  C(free_, free_) = scale_.asDiagonal() * inverse * scale_.asDiagonal();
+  return C;
+}
+
+std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig) {
+  std::map<int, Observation> sights;
+  for (const auto& [image, pose] : rig.left2world) {
+    Observation sight{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
+    for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+      const View* view = data.cameras[c].find(image);
+      if (!view) continue;
+      for (const Corner& corner : view->corners) sight.points[c].push_back(corner.world);
+    }
+    sights.emplace(image, std::move(sight));
+  }
+  if (!data.imu || !rig.imu) return sights;
+  for (const ImuReading& reading : data.imu->readings) sights.at(reading.image).acc = reading.acc;
+  return sights;
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,115 @@
+// What images say about the parameters that all of them share: lenses, camera to camera, IMU.
+//
+// The pose of the board in image i is seen by that image alone, so the normal equations are an arrow, and
+// eliminating the poses leaves a sum over the images:
+//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs,   covariance of the shared parameters  C = (sum_i
+//   Lambda_i)^-1
+// s: shared parameters, f: the pose left2world of image i, H = J^T J of its whitened measurements.
+//
+// A calibration knows its own frame only through the boards: another sample of the noise gives another one.
+// The motion between the two is where the boards, moved by it, are seen best by the cameras as they are
+// ("cross-reprojection", https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To
+// first order it is
+//   motion = G^-1 F ds + noise of covariance G^-1 N G^-1, independent of ds,
+//   G = sum P^T H_cc P,  F = sum P^T H_cc H_ff^-1 H_fs,  N = sum P^T H_cc H_ff^-1 H_cc P
+// with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "calibration/quality/lens.hpp"
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/result.hpp"
+
+namespace slom::calibration {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// Where the shared parameters stand: for each camera its lens and, but for the first, its pose left2camera
+/// (translation, rotation); then the IMU's rotation, acc_bias and gravity.
+struct SharedColumns {
+  std::vector<int> lens, pose;  ///< first column, by camera; -1 where there is none
+  int imu = -1;
+  int size = 0;
+  std::vector<int> free;            ///< those that are estimated, rising
+  std::vector<int> held_near_zero;  ///< those of the prior Settings::sigma_denominator
+  std::vector<std::string> names;   ///< `left.fx`
+};
+
+/// The calibrated rig.
+struct FittedRig {
+  explicit FittedRig(const Result& result);
+
+  std::vector<std::unique_ptr<Lens>> lenses;
+  std::vector<SE3> left2camera;
+  std::map<int, SE3> left2world;
+  std::optional<ImuResult> imu;
+  double sigma_px, sigma_acc;
+  std::optional<double> sigma_denominator;
+  SharedColumns columns;
+};
+
+/// What is seen in one image: by camera the points of the board that it sees, in the world, and a reading.
+struct Observation {
+  SE3 left2world;
+  std::vector<std::vector<vec3>> points;
+  std::optional<vec3> acc;
+};
+
+/// The sums over images; of one image, its share.
+class Information {
+ public:
+  explicit Information(const SharedColumns& columns);
+  void add(const Information& images);
+  /// Of two disjoint sets of images of one rig.
+  void setSum(const Information& a, const Information& b);
+  /// The prior Settings::sigma_denominator, where the result has it.
+  void addPrior(const FittedRig& rig);
+  /// Of the shared parameters; 0 for those that are not estimated.
+  Eigen::MatrixXd covariance() const;
+
+ private:
+  friend Information informationOf(const FittedRig& rig, const Observation& sight);
+  friend struct Posterior;
+  friend class VarianceBound;
+
+  std::vector<int> free_;
+  int all_;                 // shared parameters, free or not
+  Eigen::MatrixXd shared_;  // of the free ones, sum of Lambda: the lower triangle
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;      // F, likewise
+  Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
+};
+Information informationOf(const FittedRig& rig, const Observation& sight);
+
+/// What a set of images knows, ready to be propagated. A number that changes by a ds + e dm, with the shared parameters and with
+/// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
+struct Posterior {
+  explicit Posterior(const Information& information);
+  /// Columns w, of rows a (of all shared parameters) and e.
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const;
+  /// 0 for those that are not estimated.
+  Eigen::MatrixXd covarianceOfShared() const;
+
+ private:
+  friend class VarianceBound;
+  /// (sum of Lambda)^-1 times a vector of the free ones.
+  Eigen::VectorXd solve(const Eigen::VectorXd& by_free) const;
+
+  std::vector<int> free_;
+  int all_;
+  Eigen::VectorXd
+      scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_shared_;  // G^-1 F
+  Matrix6 noise_root_;                                         // its square is G^-1 N G^-1
+};
+
+/// By image number.
+std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig);
+
+}  // namespace slom::calibration

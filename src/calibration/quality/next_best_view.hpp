@@ -1,0 +1,32 @@
+// Which further image of the board would help most, found without taking it: for boards at places all over
+// the images, at tilts and distances, the information of the corners that the cameras would see is added, and
+// the worst projection uncertainty follows from the sum.
+#pragma once
+
+#include <vector>
+
+#include "calibration/quality/projection.hpp"
+#include "slom/calibration/options.hpp"
+#include "slom/calibration/quality.hpp"
+
+namespace slom::calibration {
+
+struct FurtherViewOptions {
+  int count = 3;
+  double board_distance_m =
+      0;  ///< where the projection uncertainty is looked at; boards stand there or nearer
+  int grid_columns = 7, grid_rows = 5;
+  Limits limits;
+};
+
+/// The best one, the best one when that is added, and so on. `view`: has all corners of the board. WorkEnded
+/// when there is no time left for all.
+std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& information, const View& view,
+                                      const std::vector<ImageGrid>& grids, const FurtherViewOptions& options);
+
+/// The worst projection uncertainty over all cameras at these points [px].
+double worstStd(const ProjectedPoints& points, const Posterior& knowledge);
+ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                                   double distance_m);
+
+}  // namespace slom::calibration

@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibration/text.hpp"
+#include "slom/calibration/assess.hpp"
+#include "slom/calibration/number_text.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double far_off = 4;      // corner: distance over RMS, which noise exceeds once in 10^7 corners
+constexpr double much_worse = 3;   // image: chi2 per measurement over the median
+constexpr double too_noisy = 1.5;  // corners: observed over stated sigma
+constexpr double halves_disagree = 1e-3;  // probability
+constexpr double halves_differ = 1.5;     // over what noise gives
+constexpr double worst_bearable_px = 3;
+
+double medianChi2(const Result& result) {
+  std::vector<double> all;
+  for (const ImageResult& image : result.images) all.push_back(image.chi2PerMeasurement());
+  std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
+  return all[all.size() / 2];
+}
+
+void doubtCompleteness(const Quality& quality, std::vector<std::string>& doubts) {
+  if (!quality.cut_short.empty())
+    doubts.push_back(fmt::format("the assessment was cut short: {}", quality.cut_short));
+}
+
+void doubtStrays(const Result& result, std::vector<std::string>& doubts) {
+  for (const Stray& stray : result.strays) {
+    doubts.push_back(fmt::format("image {} of camera {} contradicts the others by {} px", stray.image,
+                                 stray.camera, fixedDecimals(stray.error_px, 0)));
+  }
+}
+
+void doubtImages(const Result& result, std::vector<std::string>& doubts) {
+  const double limit = much_worse * std::max(medianChi2(result), 1e-12);
+  for (const ImageResult* image : result.worstImages(3)) {
+    if (image->chi2PerMeasurement() < limit) return;
+    doubts.push_back(
+        fmt::format("image {} should be looked at: its residuals are {} times the usual ones", image->image,
+                    fixedDecimals(std::sqrt(image->chi2PerMeasurement() / medianChi2(result)), 1)));
+  }
+}
+
+void doubtCorners(const Result& result, std::vector<std::string>& doubts) {
+  int count = 0;
+  for (const WorstResidual& worst : result.quality->worst) {
+    const CameraResult& camera = result.cameras[worst.camera];
+    if (worst.error_px < far_off * camera.rms_px || ++count > 3) return;
+    doubts.push_back(fmt::format("corner {} of image {} of {} is {} px off", worst.corner.corner,
+                                 worst.corner.image, camera.name, twoDigits(worst.error_px)));
+  }
+}
+
+void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
+  const double observed = std::sqrt(result.chi2PerDof());
+  if (!(observed > too_noisy)) return;
+  doubts.push_back(
+      fmt::format("the residuals are {} times what the stated sigmas allow, so all uncertainties here "
+                  "are too small by "
+                  "about that factor",
+                  fixedDecimals(observed, 1)));
+}
+
+void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
+  const SplitHalf& split = result.quality->split_half;
+  // Where the residuals are larger than stated, so may the difference of the halves be.
+  const double noise = std::max(1.0, std::sqrt(result.chi2PerDof()));
+  for (std::size_t c = 0; c < split.cameras.size(); ++c) {
+    const SplitHalfCamera& camera = split.cameras[c];
+    if (!std::isfinite(camera.rms_px) || !std::isfinite(camera.expected_rms_px) ||
+        !std::isfinite(camera.probability)) {
+      doubts.push_back(fmt::format(
+          "two halves of the images of {} cannot be compared, as one of them gives no usable lens",
+          result.cameras[c].name));
+      continue;
+    }
+    if (camera.probability > halves_disagree ||
+        camera.rms_px < halves_differ * noise * camera.expected_rms_px)
+      continue;
+    doubts.push_back(
+        fmt::format("two halves of the images of {} disagree by {} px where noise alone gives {} px",
+                    result.cameras[c].name, twoDigits(camera.rms_px), twoDigits(camera.expected_rms_px)));
+  }
+}
+
+void doubtProjection(const Result& result, std::vector<std::string>& doubts) {
+  if (!result.quality->hasProjection()) return;
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    const CameraQuality& camera = result.quality->cameras[c];
+    const auto& std_px = camera.projection.front().std_px;
+    const auto open = std::count_if(std_px.begin(), std_px.end(), [](double s) { return !std::isfinite(s); });
+    if (open > 0) {
+      doubts.push_back(
+          fmt::format("the lens of {} folds over within the image, {:.0f} % of which no ray is known for",
+                      result.cameras[c].name, std::max(1.0, 100.0 * double(open) / double(std_px.size()))));
+    } else if (camera.projection.front().worst_px > worst_bearable_px) {
+      doubts.push_back(
+          fmt::format("corners do not reach far enough in the image of {}, so that its projection is "
+                      "uncertain by up to {} px",
+                      result.cameras[c].name, twoDigits(camera.projection.front().worst_px)));
+    }
+  }
+}
+
+/// The largest of all cameras.
+double largest(const Quality& quality, double ProjectionUncertainty::*figure) {
+  double most = 0;
+  for (const CameraQuality& camera : quality.cameras) {
+    if (std::isfinite(camera.projection.front().*figure))
+      most = std::max(most, camera.projection.front().*figure);
+  }
+  return most;
+}
+
+std::string failure(const Result& result) {
+  const char* advice = "The values below must not be used.";
+  if (!result.undetermined.empty()) {
+    return fmt::format("The images do not determine all parameters: {}. {}", result.undetermined, advice);
+  }
+  return fmt::format("The calibration did not converge: {}. {}", result.stop_reason, advice);
+}
+
+/// How well the projection is known, as far as that was found out.
+std::string knownProjection(const Quality& quality) {
+  if (!quality.hasProjection()) return "";
+  return fmt::format(
+      "; the projection is known to {} px in the middle of the image and to {} px at the worst place",
+      twoDigits(largest(quality, &ProjectionUncertainty::middle_px)),
+      twoDigits(largest(quality, &ProjectionUncertainty::worst_px)));
+}
+
+}  // namespace
+
+const char* toString(Verdict::Level level) {
+  switch (level) {
+    case Verdict::Level::trustworthy:
+      return "trustworthy";
+    case Verdict::Level::doubtful:
+      return "doubtful";
+    case Verdict::Level::failed:
+      return "failed";
+  }
+  return "";
+}
+
+double rmsOfAll(const Result& result) {
+  double squares = 0, corners = 0;
+  for (const CameraResult& camera : result.cameras) {
+    squares += camera.rms_px * camera.rms_px * double(camera.corners);
+    corners += double(camera.corners);
+  }
+  return std::sqrt(squares / corners);
+}
+
+Verdict verdictOf(const Result& result) {
+  Verdict verdict;
+  doubtStrays(result, verdict.doubts);
+  if (!result.success()) {
+    verdict.sentence = failure(result);
+    return verdict;
+  }
+  doubtCompleteness(*result.quality, verdict.doubts);
+  doubtImages(result, verdict.doubts);
+  doubtCorners(result, verdict.doubts);
+  doubtHalves(result, verdict.doubts);
+  doubtNoise(result, verdict.doubts);
+  doubtProjection(result, verdict.doubts);
+  verdict.level = verdict.doubts.empty() ? Verdict::Level::trustworthy : Verdict::Level::doubtful;
+  verdict.sentence = fmt::format("Calibrated to {} px with {}", fixedDecimals(rmsOfAll(result), 2),
+                                 counted(result.images.size(), "image")) +
+                     knownProjection(*result.quality);
+  verdict.sentence += verdict.doubts.empty() ? "." : "; but " + verdict.doubts.front() + ".";
+  return verdict;
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,31 @@
+#include <array>
+
+#include <fmt/format.h>
+
+#include "slom/calibration/assess.hpp"
+#include "slom/calibration/number_text.hpp"
+
+namespace slom::calibration {
+namespace {
+
+std::string placeOf(const FurtherView& view) {
+  constexpr std::array<const char*, 3> rows{"upper", "middle", "lower"}, columns{"left", "middle", "right"};
+  if (view.row == 1 && view.column == 1) return "middle";
+  if (view.row == 1) return columns[std::size_t(view.column)];
+  if (view.column == 1) return fmt::format("{} middle", rows[std::size_t(view.row)]);
+  return fmt::format("{} {}", rows[std::size_t(view.row)], columns[std::size_t(view.column)]);
+}
+
+}  // namespace
+
+std::string sentenceOf(const FurtherView& view, const Result& result) {
+  const std::string attitude =
+      view.edge_away.empty()
+          ? "facing the camera"
+          : fmt::format("tilted by {:.0f} degrees, its {} edge farther away", view.tilt_deg, view.edge_away);
+  return fmt::format("a board {}, in the {} of the image of {}, at {} m: from {} to {} px", attitude,
+                     placeOf(view), result.cameras[view.camera].name, twoDigits(view.distance_m),
+                     twoDigits(view.before_px), twoDigits(view.after_px));
+}
+
+}  // namespace slom::calibration
