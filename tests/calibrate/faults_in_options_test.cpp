@@ -36,7 +36,8 @@ TEST(CalibrateFaults, CameraNamedTwice) {
 }
 TEST(CalibrateFaults, UnknownModel) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--intrinsics", "pinhole"},
-                "--intrinsics pinhole: the models are opencv4, opencv5, opencv8, fisheye and radial1");
+                "--intrinsics pinhole: the models are opencv4, opencv5, opencv8, fisheye, radial1 and "
+                "double_sphere");
 }
 TEST(CalibrateFaults, Sigmas) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--sigma-px", "0"},
@@ -66,7 +67,7 @@ TEST(CalibrateFaults, Fix) {
   expectRefused(
       Files(), with({"--fix", "k7"}),
       "--fix k7: nothing is called \"k7\"; what can be fixed is acc_bias, gravity and cameras' parameters, f, fx, fy, cx, cy, "
-      "k1, k2, p1, p2, k3, k4, k5, k6");
+      "k1, k2, p1, p2, k3, k4, k5, k6, xi, alpha");
   expectRefused(Files(), with({"--fix", "k3"}),
                 "--fix k3: the model radial1 has no k3; its parameters are f, cx, cy, k1");
   expectRefused(Files(), with({"--fix", "cx"}), "--fix cx: say at which value [px], as in --fix cx=320");
@@ -104,7 +105,7 @@ TEST(CalibrateFaults, Bound) {
     return options;
   };
   const std::string how =
-      ": write PARAMETER=LOWER,UPPER with a camera's parameter (f, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6), as in "
+      ": write PARAMETER=LOWER,UPPER with a camera's parameter (f, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6, xi, alpha), as in "
       "--bound k3=-1,1 or --bound left.fx=400,600";
   expectRefused(Files(), with("gravity=9,10"), "--bound gravity=9,10" + how);
   expectRefused(Files(), with("k3"), "--bound k3" + how);

@@ -14,6 +14,7 @@
 
 #include "calibrate/detect/board.hpp"
 #include "calibrate/detect/photograph.hpp"
+#include "calibration/models/fisheye.hpp"
 #include "calibration/models/opencv.hpp"
 #include "support/temporary_folder.hpp"
 

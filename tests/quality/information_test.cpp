@@ -42,8 +42,8 @@ TEST(Information, IsThatOfTheJointFit) {
 
 TEST(Information, OfFixedAndBoundedParametersIsNone) {
   Settings settings;
-  settings.lens.push_back({"--fix k3", "", "k3", 0, 0});
-  settings.lens.push_back({"--bound a.fx=300,500", "a", "fx", 300, 500});  // the truth is 600: it ends at 500
+  settings.lens.push_back({"", "k3", 0, 0});
+  settings.lens.push_back({"a", "fx", 300, 500});  // the truth is 600: it ends at 500
   settings.fixed.gravity = 9.81;
   const auto rig = testing::calibratedRig(testing::RigOptions(), settings, 2, true);
   EXPECT_EQ(rig.result.active_bounds.size(), 1u);

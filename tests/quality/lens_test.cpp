@@ -21,7 +21,8 @@ TEST(Lens, DerivativesAreThoseOfTheProjection) {
        {barrel, camera("opencv4", {500, 510, 320, 240, 0.1, -0.2, 0.002, 0.001}),
         camera("radial1", {700, 300, 200, -0.1}),
         camera("opencv8", {500, 510, 320, 240, 0.3, -0.1, 0.001, -0.002, 0.02, 0.5, -0.05, 0.01}),
-        camera("fisheye", {300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4})}) {
+        camera("fisheye", {300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4}),
+        camera("double_sphere", {300, 310, 320, 240, -0.2, 0.6})}) {
     const auto lens = makeLens(one);
     const vec3 point(0.3, -0.2, 1.1);
     const Lens::Projection at = lens->differentiate(point);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <slom/slom.hpp>
@@ -117,17 +119,14 @@ void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings
   fit.rms_px = std::sqrt(error / double(data.cornerCount()));
 }
 
-/// From the views as planes: start values, then all together. A fit that fails leaves the start values, with better poses.
+/// From one camera and the views as planes that `pinhole` sees. A fit that fails leaves the start values, with better poses.
 template <class Camera>
-FitAlone<Camera> fitAlone(const CameraData& data, std::vector<PlaneView> planes, const Settings& settings) {
-  constexpr bool is_equidistant = Camera::start_lens == StartLens::equidistant;
-  const IntrinsicsStart start = is_equidistant ? startFisheye(planes) : startIntrinsics(planes);
-  if (is_equidistant) planes = flattened(planes, start.pinhole);
+FitAlone<Camera> fitAloneFrom(const Camera& camera, const Pinhole& pinhole, const CameraData& data,
+                              const std::vector<PlaneView>& planes, const Settings& settings) {
   FitAlone<Camera> fit;
-  fit.camera = constrained(Camera::fromPinhole(start.pinhole), data.name, settings);
-  fit.start = start.source;
+  fit.camera = constrained(camera, data.name, settings);
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const SE3 rough = poseFromHomography(planes[i], start.pinhole);
+    const SE3 rough = poseFromHomography(planes[i], pinhole);
     fit.world2camera[data.views[i].image] =
         poseResolvingAmbiguity(fit.camera, planes[i], rough, data.views[i], settings);
   }
@@ -142,6 +141,34 @@ FitAlone<Camera> fitAlone(const CameraData& data, std::vector<PlaneView> planes,
     pose = fitPose(fit.camera, pose, view, settings);
   }
   return fit;
+}
+
+/// Of a model that has several minima, one start in the reach of each.
+template <class Camera>
+std::vector<Camera> startsFrom(const Pinhole& pinhole) {
+  if constexpr (requires { Camera::startsFromPinhole(pinhole); }) {
+    const auto starts = Camera::startsFromPinhole(pinhole);
+    return {starts.begin(), starts.end()};
+  } else {
+    return {Camera::fromPinhole(pinhole)};
+  }
+}
+
+/// From the views as planes: start values, then all together; of several starts the one whose fit is best.
+template <class Camera>
+FitAlone<Camera> fitAlone(const CameraData& data, std::vector<PlaneView> planes, const Settings& settings) {
+  constexpr bool is_equidistant = Camera::start_lens == StartLens::equidistant;
+  const IntrinsicsStart start = is_equidistant ? startFisheye(planes) : startIntrinsics(planes);
+  if (is_equidistant) planes = flattened(planes, start.pinhole);
+  std::optional<FitAlone<Camera>> best;
+  for (const Camera& camera : startsFrom<Camera>(start.pinhole)) {
+    FitAlone<Camera> fit = fitAloneFrom(camera, start.pinhole, data, planes, settings);
+    const bool is_better = !best || fit.converged > best->converged ||
+                           (fit.converged == best->converged && fit.rms_px < best->rms_px);
+    if (is_better) best = std::move(fit);
+  }
+  best->start = start.source;
+  return *best;
 }
 
 }  // namespace slom::calibration

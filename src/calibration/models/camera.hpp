@@ -1,6 +1,7 @@
 // What a camera model is made of. A class template over its number type, a vector of named parameters, with
 //   model_name, component_names       its name, the names of its parameters
-//   fromPinhole(p)                    start values, from a pinhole without distortion
+//   fromPinhole(p)                    start values, from a pinhole without distortion; or startsFromPinhole(p), several of them, where
+//                                     a fit may end in several minima: the best one goes on
 //   project(point)                    the pixel [px] of a point in the camera's frame; NaN where it has none
 //   cameraMatrix(), distortion()      the pinhole that it is near the axis, and the other parameters
 //   start_lens                        which lens its start values take it for
