@@ -41,7 +41,7 @@ bool isDetermined(const ImuPrecision& precision);
 /// Root mean square angle between the directions of up and their mean [rad].
 double tiltSpread(const std::vector<TiltPair>& pairs);
 
-/// UserError with the remedy when the pairs do not determine what is not fixed.
+/// DataError with the remedy when the pairs do not determine what is not fixed.
 void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs, const ImuStart& at,
                           const Fixed& fixed, double sigma_acc);
 
