@@ -26,9 +26,9 @@ struct Factor {
   explicit Factor(const Matrix& C) {
     for (int i = 0; i < C.rows(); ++i) {
       if (!(C(i, i) >= 0) || !std::isfinite(C(i, i)))
-        throw Error("slom.singular-covariance",
-                    "entry " + std::to_string(i) + " of the diagonal of a covariance is " +
-                        number(C(i, i)) + "; variances are finite and not negative");
+        throw Error("slom.singular-covariance", "entry " + std::to_string(i) +
+                                                    " of the diagonal of a covariance is " + number(C(i, i)) +
+                                                    "; variances are finite and not negative");
       if (C(i, i) > 0) components.push_back(i);
     }
     const auto n = static_cast<Eigen::Index>(components.size());
