@@ -64,6 +64,7 @@ class Update {
 
   StructureChanges run(std::span<const Change> changes) {
     for (const Change& change : changes) note(change);
+    has_other_held_ = has_other_held_ || hasHeldGroup() == problem_.activeSet().constrained().empty();
     resizeBlocks();
     addPools();
     for (std::size_t p = 0; p < touched_.size(); ++p) updateGroup(p);
@@ -92,9 +93,11 @@ class Update {
     }
   }
 
+  bool hasHeldGroup() const { return static_cast<int>(structure_.system.groups.size()) > structure_.pools; }
+
   bool isOrWasHeld(int variable) const {
     if (problem_.activeSet().isConstrained(variable)) return true;
-    if (static_cast<int>(structure_.system.groups.size()) == structure_.pools) return false;
+    if (!hasHeldGroup()) return false;
     const std::vector<int>& held = structure_.system.groups.back().blocks;
     return std::binary_search(held.begin(), held.end(), variable);
   }

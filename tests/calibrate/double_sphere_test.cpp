@@ -131,8 +131,9 @@ TEST(DoubleSphere, SaysWhereXiIsOpen) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     const Result result = calibrated({420, 425, 322, 243, 0, 0.4}, scene, seed);
     const Parameter& xi = result.cameras[0].parameters.at(4);
-    EXPECT_TRUE(!result.undetermined.empty() || xi.std > 0.1)
-        << xi.value << " +- " << xi.std << " seed " << seed;
+    if (!result.undetermined.empty()) continue;
+    EXPECT_LT(std::abs(xi.value), 4 * xi.std) << "seed " << seed;
+    EXPECT_GT(xi.std, 0.03) << "seed " << seed;  // of a number between -1 and 1
   }
 }
 
