@@ -36,6 +36,12 @@ struct BlockSolver::Implementation {
   NormalEquations equations;
   std::unique_ptr<BlockMethod> method;  // null before analyze()
 
+  void choose(CompactStructure now) {
+    method.reset();
+    compact = std::move(now);
+    method = chooseMethod(compact.structure, options, equations);
+  }
+
   BlockMethod& ready() {
     if (!method)
       throw mtk::Error("slom.not-analyzed", "the block solver knows no structure yet; call analyze() first");
@@ -51,16 +57,16 @@ BlockSolver::~BlockSolver() = default;
 
 void BlockSolver::analyze(const BlockStructure& structure) {
   ++counts_.analyses;
-  impl_->method.reset();
-  impl_->compact = compact(structure);
-  impl_->method = chooseMethod(impl_->compact.structure, impl_->options, impl_->equations);
+  impl_->choose(compact(structure));
 }
 
 void BlockSolver::update(const BlockStructure& structure, const StructureChanges& changes) {
   if (changes.blocks || !impl_->method) return analyze(structure);
   CompactStructure now = compact(structure);
-  if (changes.meetings && makeGraph(now.structure) != makeGraph(impl_->compact.structure))
-    return analyze(structure);
+  if (changes.meetings && makeGraph(now.structure) != makeGraph(impl_->compact.structure)) {
+    ++counts_.analyses;
+    return impl_->choose(std::move(now));
+  }
   std::unique_ptr<BlockMethod> method = std::move(impl_->method);  // gone when memory is
   impl_->compact = std::move(now);
   impl_->equations.layOutMeasurements();
