@@ -10,84 +10,87 @@ namespace slom {
 
 using Eigen::VectorXd;
 
-struct BlockQR::Implementation {
-  double pivot_tolerance = kPivotTolerance;
-  BlockStructure structure;
-  JacobianRows rows;
-  MultifrontalQR factor;
-  VectorXd gradient, diagonal, scale;
-  bool has_undamped_factor = false;
-  SolveStatus undamped_status;
+namespace {
 
-  SolveStatus factorize(const VectorXd& damping, SolverCounts& counts) {
-    const bool is_undamped = damping.size() == 0;
-    if (is_undamped && has_undamped_factor) return undamped_status;
-    ++counts.factorizations;
-    scale = diagonal;
-    if (!is_undamped) scale += damping;
-    for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
-    const SolveStatus status = factor.factorize(rows, scale, damping, pivot_tolerance);
-    has_undamped_factor = is_undamped;
-    if (is_undamped) undamped_status = status;
+class SparseQR final : public LinearSolver {
+ public:
+  explicit SparseQR(double pivot_tolerance) : pivot_tolerance_(pivot_tolerance) {}
+
+  void analyze(const BlockStructure& structure) override {
+    ++counts_.analyses;
+    structure_ = compact(structure).structure;
+    has_undamped_factor_ = false;
+    rows_.analyze(structure_);
+    factor_.analyze(structure_, chooseFronts(makeGraph(structure_)));
+  }
+
+  void beginLinearization() override {
+    rows_.clear();
+    has_undamped_factor_ = false;
+  }
+  void add(const JacobianBatch& batch) override { rows_.add(batch); }
+  void endLinearization() override {
+    gradient_ = rows_.gradient();
+    diagonal_ = rows_.diagonal();
+  }
+
+  SolveStatus solve(const VectorXd& damping, VectorXd& step) override {
+    {
+      const detail::Stopwatch watch(seconds_.factorize);
+      const SolveStatus status = factorize(damping);
+      if (!status.ok) return status;
+    }
+    const detail::Stopwatch watch(seconds_.solve);
+    step = scale_.cwiseProduct(factor_.solve());
+    return {};
+  }
+
+  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override {
+    const SolveStatus status = factorize({});
+    if (!status.ok) return status;
+    X.resize(B.rows(), B.cols());
+    for (Eigen::Index j = 0; j < B.cols(); ++j) {
+      X.col(j) = scale_.cwiseProduct(factor_.solveNormal(scale_.cwiseProduct(B.col(j))));
+    }
     return status;
   }
+
+  const VectorXd& gradient() const override { return gradient_; }
+  const VectorXd& diagonal() const override { return diagonal_; }
+  double squaredNormOfJd(const VectorXd& d) const override { return rows_.squaredNormOfJd(d); }
+  double leastOfColumn() const override { return pivot_tolerance_; }
+
+  std::string description() const override {
+    return "sparse QR, " + std::to_string(rows_.rows()) + " x " + std::to_string(structure_.unknowns()) +
+           " in " + std::to_string(structure_.blockCount()) + " blocks, " + factor_.fronts().ordering +
+           " order";
+  }
+
+ private:
+  SolveStatus factorize(const VectorXd& damping) {
+    const bool is_undamped = damping.size() == 0;
+    if (is_undamped && has_undamped_factor_) return undamped_status_;
+    ++counts_.factorizations;
+    scale_ = diagonal_;
+    if (!is_undamped) scale_ += damping;
+    for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
+    const SolveStatus status = factor_.factorize(rows_, scale_, damping, pivot_tolerance_);
+    has_undamped_factor_ = is_undamped;
+    if (is_undamped) undamped_status_ = status;
+    return status;
+  }
+
+  double pivot_tolerance_;
+  BlockStructure structure_;
+  JacobianRows rows_;
+  MultifrontalQR factor_;
+  VectorXd gradient_, diagonal_, scale_;
+  bool has_undamped_factor_ = false;
+  SolveStatus undamped_status_;
 };
 
-BlockQR::BlockQR(double pivot_tolerance) : impl_(new Implementation) {
-  impl_->pivot_tolerance = pivot_tolerance;
-}
-BlockQR::~BlockQR() = default;
+}  // namespace
 
-double BlockQR::leastOfColumn() const { return impl_->pivot_tolerance; }
-
-void BlockQR::analyze(const BlockStructure& structure) {
-  ++counts_.analyses;
-  impl_->structure = compact(structure).structure;
-  impl_->has_undamped_factor = false;
-  impl_->rows.analyze(impl_->structure);
-  impl_->factor.analyze(impl_->structure, chooseFronts(makeGraph(impl_->structure)));
-}
-
-void BlockQR::beginLinearization() {
-  impl_->rows.clear();
-  impl_->has_undamped_factor = false;
-}
-void BlockQR::add(const JacobianBatch& batch) { impl_->rows.add(batch); }
-void BlockQR::endLinearization() {
-  impl_->gradient = impl_->rows.gradient();
-  impl_->diagonal = impl_->rows.diagonal();
-}
-
-SolveStatus BlockQR::solve(const VectorXd& damping, VectorXd& step) {
-  {
-    const detail::Stopwatch watch(seconds_.factorize);
-    const SolveStatus status = impl_->factorize(damping, counts_);
-    if (!status.ok) return status;
-  }
-  const detail::Stopwatch watch(seconds_.solve);
-  step = impl_->scale.cwiseProduct(impl_->factor.solve());
-  return {};
-}
-
-SolveStatus BlockQR::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
-  const SolveStatus status = impl_->factorize({}, counts_);
-  if (!status.ok) return status;
-  X.resize(B.rows(), B.cols());
-  for (Eigen::Index j = 0; j < B.cols(); ++j) {
-    X.col(j) = impl_->scale.cwiseProduct(impl_->factor.solveNormal(impl_->scale.cwiseProduct(B.col(j))));
-  }
-  return status;
-}
-
-const VectorXd& BlockQR::gradient() const { return impl_->gradient; }
-const VectorXd& BlockQR::diagonal() const { return impl_->diagonal; }
-double BlockQR::squaredNormOfJd(const VectorXd& d) const { return impl_->rows.squaredNormOfJd(d); }
-
-std::string BlockQR::description() const {
-  return "sparse QR, " + std::to_string(impl_->rows.rows()) + " x " +
-         std::to_string(impl_->structure.unknowns()) + " in " +
-         std::to_string(impl_->structure.blockCount()) + " blocks, " + impl_->factor.fronts().ordering +
-         " order";
-}
+BlockQR::BlockQR(double pivot_tolerance) : ForwardingSolver(std::make_unique<SparseQR>(pivot_tolerance)) {}
 
 }  // namespace slom

@@ -19,109 +19,128 @@ namespace {
 /// A pivot below this share of its diagonal entry is rounding error.
 constexpr double kPivotTolerance = 1e-12;
 
-}  // namespace
-
-struct Cholmod::Implementation {
-  BlockStructure structure;
-  NormalEquations equations;  // in the structure's order
-  VectorXd scale;
-  std::vector<int> start, row;  // of H's lower triangle, scaled to a unit diagonal, by columns
-  std::vector<double> values;
-  cholmod_sparse A{};
-  cholmod_common common{};
-  cholmod_factor* factor = nullptr;
-  bool has_undamped_factor = false;
-  SolveStatus undamped_status;
-
-  Implementation() {
-    cholmod_start(&common);
-    common.print = 0;
-    common.quick_return_if_not_posdef = 1;
-    common.final_ll = 1;
+class CholmodSolver final : public LinearSolver {
+ public:
+  CholmodSolver() {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.quick_return_if_not_posdef = 1;
+    common_.final_ll = 1;
   }
-  ~Implementation() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
+  ~CholmodSolver() override {
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
   }
-  Implementation(const Implementation&) = delete;
-  Implementation& operator=(const Implementation&) = delete;
+  CholmodSolver(const CholmodSolver&) = delete;
+  CholmodSolver& operator=(const CholmodSolver&) = delete;
 
+  void analyze(const BlockStructure& now) override;
+  void beginLinearization() override {
+    equations_.setZero();
+    has_undamped_factor_ = false;
+  }
+  void add(const JacobianBatch& batch) override { equations_.add(batch); }
+  void endLinearization() override { equations_.addUp(); }
+  SolveStatus solve(const VectorXd& damping, VectorXd& step) override;
+  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
+  const VectorXd& gradient() const override { return equations_.gradient(); }
+  const VectorXd& diagonal() const override { return equations_.diagonal(); }
+  double squaredNormOfJd(const VectorXd& d) const override { return equations_.squaredNormOfJd(d); }
+  double leastOfColumn() const override { return std::sqrt(kPivotTolerance); }
+  std::string description() const override {
+    return "CHOLMOD, " +
+           std::string(factor_ != nullptr && factor_->is_super != 0 ? "supernodal" : "simplicial") + ", " +
+           std::to_string(structure_.unknowns()) + " unknowns";
+  }
+
+ private:
   void layOut();
   void fill(const VectorXd& damping);
   SolveStatus factorize(const VectorXd& damping);
   SolveStatus smallestPivot();
-  VectorXd solve(const VectorXd& b);
+  VectorXd solved(const VectorXd& b);
+
+  BlockStructure structure_;
+  NormalEquations equations_;  // in the structure's order
+  VectorXd scale_;
+  std::vector<int> start_, row_;  // of H's lower triangle, scaled to a unit diagonal, by columns
+  std::vector<double> values_;
+  cholmod_sparse A_{};
+  cholmod_common common_{};
+  cholmod_factor* factor_ = nullptr;
+  bool has_undamped_factor_ = false;
+  SolveStatus undamped_status_;
 };
 
-void Cholmod::Implementation::layOut() {
-  const BlockLower& H = equations.H();
-  start.assign(1, 0);
-  row.clear();
+void CholmodSolver::layOut() {
+  const BlockLower& H = equations_.H();
+  start_.assign(1, 0);
+  row_.clear();
   for (int j = 0; j < H.columns(); ++j) {
     for (int c = 0; c < H.dof(j); ++c) {
       for (int k = H.begin(j); k < H.begin(j + 1); ++k) {
         const int i = H.row(k);
-        for (int r = i == j ? c : 0; r < H.dof(i); ++r) row.push_back(structure.offset[at(i)] + r);
+        for (int r = i == j ? c : 0; r < H.dof(i); ++r) row_.push_back(structure_.offset[at(i)] + r);
       }
-      start.push_back(static_cast<int>(row.size()));
+      start_.push_back(static_cast<int>(row_.size()));
     }
   }
-  values.assign(row.size(), 0.0);
-  A.nrow = A.ncol = at(structure.unknowns());
-  A.nzmax = row.size();
-  A.p = start.data();
-  A.i = row.data();
-  A.x = values.data();
-  A.stype = -1;
-  A.itype = CHOLMOD_INT;
-  A.xtype = CHOLMOD_REAL;
-  A.dtype = CHOLMOD_DOUBLE;
-  A.sorted = A.packed = 1;
-  cholmod_free_factor(&factor, &common);
-  factor = cholmod_analyze(&A, &common);
+  values_.assign(row_.size(), 0.0);
+  A_.nrow = A_.ncol = at(structure_.unknowns());
+  A_.nzmax = row_.size();
+  A_.p = start_.data();
+  A_.i = row_.data();
+  A_.x = values_.data();
+  A_.stype = -1;
+  A_.itype = CHOLMOD_INT;
+  A_.xtype = CHOLMOD_REAL;
+  A_.dtype = CHOLMOD_DOUBLE;
+  A_.sorted = A_.packed = 1;
+  cholmod_free_factor(&factor_, &common_);
+  factor_ = cholmod_analyze(&A_, &common_);
 }
 
-void Cholmod::Implementation::fill(const VectorXd& damping) {
-  scale = equations.diagonal();
-  if (damping.size() > 0) scale += damping;
-  for (double& s : scale) s = s > 0 ? 1 / std::sqrt(s) : 1;
-  const BlockLower& H = equations.H();
-  auto value = values.begin();
-  auto i = row.begin();
+void CholmodSolver::fill(const VectorXd& damping) {
+  scale_ = equations_.diagonal();
+  if (damping.size() > 0) scale_ += damping;
+  for (double& s : scale_) s = s > 0 ? 1 / std::sqrt(s) : 1;
+  const BlockLower& H = equations_.H();
+  auto value = values_.begin();
+  auto i = row_.begin();
   for (int j = 0; j < H.columns(); ++j) {
     for (int c = 0; c < H.dof(j); ++c) {
-      const int column = structure.offset[at(j)] + c;
+      const int column = structure_.offset[at(j)] + c;
       for (int k = H.begin(j); k < H.begin(j + 1); ++k) {
         const int height = H.dof(H.row(k));
         for (int r = H.row(k) == j ? c : 0; r < height; ++r, ++value, ++i) {
           double h = H.values(k)[c * height + r];
           if (*i == column && damping.size() > 0) h += damping[column];
-          *value = h * scale[*i] * scale[column];
+          *value = h * scale_[*i] * scale_[column];
         }
       }
     }
   }
 }
 
-SolveStatus Cholmod::Implementation::factorize(const VectorXd& damping) {
+SolveStatus CholmodSolver::factorize(const VectorXd& damping) {
   const bool is_undamped = damping.size() == 0;
-  if (is_undamped && has_undamped_factor) return undamped_status;
+  if (is_undamped && has_undamped_factor_) return undamped_status_;
   fill(damping);
-  cholmod_factorize(&A, factor, &common);
+  cholmod_factorize(&A_, factor_, &common_);
   SolveStatus status;
-  if (factor->minor < factor->n) {
-    status = {false, static_cast<int*>(factor->Perm)[factor->minor], 0};
-  } else if (cholmod_rcond(factor, &common) < kPivotTolerance) {
+  if (factor_->minor < factor_->n) {
+    status = {false, static_cast<int*>(factor_->Perm)[factor_->minor], 0};
+  } else if (cholmod_rcond(factor_, &common_) < kPivotTolerance) {
     status = smallestPivot();
   }
-  has_undamped_factor = is_undamped;
-  if (is_undamped) undamped_status = status;
+  has_undamped_factor_ = is_undamped;
+  if (is_undamped) undamped_status_ = status;
   return status;
 }
 
-SolveStatus Cholmod::Implementation::smallestPivot() {
-  cholmod_factor* simple = cholmod_copy_factor(factor, &common);
-  cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, simple, &common);
+SolveStatus CholmodSolver::smallestPivot() {
+  cholmod_factor* simple = cholmod_copy_factor(factor_, &common_);
+  cholmod_change_factor(CHOLMOD_REAL, 1, 0, 1, 1, simple, &common_);
   const int* const columns = static_cast<int*>(simple->p);
   const double* const L = static_cast<double*>(simple->x);
   SolveStatus status{false, -1, 1};
@@ -129,77 +148,59 @@ SolveStatus Cholmod::Implementation::smallestPivot() {
     const double pivot = L[columns[j]] * L[columns[j]];
     if (pivot < status.pivot) status = {false, static_cast<int*>(simple->Perm)[j], pivot};
   }
-  cholmod_free_factor(&simple, &common);
+  cholmod_free_factor(&simple, &common_);
   return status.pivot < kPivotTolerance ? status : SolveStatus{};
 }
 
-VectorXd Cholmod::Implementation::solve(const VectorXd& b) {
-  VectorXd scaled = scale.cwiseProduct(b);
+VectorXd CholmodSolver::solved(const VectorXd& b) {
+  VectorXd scaled = scale_.cwiseProduct(b);
   cholmod_dense right{};
   right.nrow = right.d = right.nzmax = static_cast<std::size_t>(scaled.size());
   right.ncol = 1;
   right.x = scaled.data();
   right.xtype = CHOLMOD_REAL;
   right.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, &right, &common);
+  cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor_, &right, &common_);
   const VectorXd result =
-      scale.cwiseProduct(Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), scaled.size()));
-  cholmod_free_dense(&x, &common);
+      scale_.cwiseProduct(Eigen::Map<const VectorXd>(static_cast<const double*>(x->x), scaled.size()));
+  cholmod_free_dense(&x, &common_);
   return result;
 }
 
-bool Cholmod::isAvailable() { return true; }
-
-Cholmod::Cholmod() : impl_(new Implementation) {}
-Cholmod::~Cholmod() = default;
-double Cholmod::leastOfColumn() const { return std::sqrt(kPivotTolerance); }
-
-void Cholmod::analyze(const BlockStructure& structure) {
+void CholmodSolver::analyze(const BlockStructure& now) {
   ++counts_.analyses;
-  impl_->structure = compact(structure).structure;
-  impl_->has_undamped_factor = false;
-  std::vector<int> position(at(impl_->structure.blockCount()));
+  structure_ = compact(now).structure;
+  has_undamped_factor_ = false;
+  std::vector<int> position(at(structure_.blockCount()));
   std::iota(position.begin(), position.end(), 0);
-  impl_->equations.layOut(impl_->structure, makeGraph(impl_->structure), position);
-  impl_->layOut();
+  equations_.layOut(structure_, makeGraph(structure_), position);
+  layOut();
 }
 
-void Cholmod::beginLinearization() {
-  impl_->equations.setZero();
-  impl_->has_undamped_factor = false;
-}
-void Cholmod::add(const JacobianBatch& batch) { impl_->equations.add(batch); }
-void Cholmod::endLinearization() { impl_->equations.addUp(); }
-
-SolveStatus Cholmod::solve(const VectorXd& damping, VectorXd& step) {
+SolveStatus CholmodSolver::solve(const VectorXd& damping, VectorXd& step) {
   {
     const detail::Stopwatch watch(seconds_.factorize);
     ++counts_.factorizations;
-    const SolveStatus status = impl_->factorize(damping);
+    const SolveStatus status = factorize(damping);
     if (!status.ok) return status;
   }
   const detail::Stopwatch watch(seconds_.solve);
-  step = impl_->solve(-gradient());
+  step = solved(-gradient());
   return {};
 }
 
-SolveStatus Cholmod::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
+SolveStatus CholmodSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) {
   ++counts_.factorizations;
-  const SolveStatus status = impl_->factorize({});
+  const SolveStatus status = factorize({});
   if (!status.ok) return status;
   X.resize(B.rows(), B.cols());
-  for (Eigen::Index j = 0; j < B.cols(); ++j) X.col(j) = impl_->solve(B.col(j));
+  for (Eigen::Index j = 0; j < B.cols(); ++j) X.col(j) = solved(B.col(j));
   return status;
 }
 
-const VectorXd& Cholmod::gradient() const { return impl_->equations.gradient(); }
-const VectorXd& Cholmod::diagonal() const { return impl_->equations.diagonal(); }
-double Cholmod::squaredNormOfJd(const VectorXd& d) const { return impl_->equations.squaredNormOfJd(d); }
+}  // namespace
 
-std::string Cholmod::description() const {
-  return "CHOLMOD, " +
-         std::string(impl_->factor != nullptr && impl_->factor->is_super != 0 ? "supernodal" : "simplicial") +
-         ", " + std::to_string(impl_->structure.unknowns()) + " unknowns";
-}
+bool Cholmod::isAvailable() { return true; }
+Cholmod::Cholmod() : ForwardingSolver(std::make_unique<CholmodSolver>()) {}
 
 }  // namespace slom

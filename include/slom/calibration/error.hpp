@@ -16,6 +16,8 @@ namespace slom::calibration {
 ///   no-pose        common images of two cameras that give no finite pose between them
 ///   imu-images     a reading of an image that no camera has
 ///   imu-open       readings that do not determine the IMU
+///   no-result      uncertainty asked of a calibration that did not succeed, or of other data
+///   bad-question   a camera, a pixel or a distance that is not there
 ///   copies         two cameras with the same views, or a camera with one view and copies of it
 struct DataError : mtk::Error {
   using mtk::Error::Error;

@@ -4,8 +4,7 @@
 
 #include <memory>
 
-#include "slom/model/pimpl.hpp"
-#include "slom/solve/linear_solver.hpp"
+#include "slom/solve/forwarding_solver.hpp"
 
 namespace slom {
 
@@ -39,45 +38,19 @@ struct BlockSolverOptions {
 
 /// Solves (J^T J + damping) d = -J^T r. The order of elimination and the layout of the factor are found on the graph of
 /// variables, once for each structure. Dense arithmetic is chosen for the processor at run time.
-class BlockSolver final : public LinearSolver {
+class BlockSolver final : public ForwardingSolver {
  public:
   /// Throws [slom.bad-option].
   explicit BlockSolver(const BlockSolverOptions& options = {});
-  ~BlockSolver() override;
-  void analyze(const BlockStructure& structure) override;
-  /// Keeps order, fronts and plans where the same blocks meet as before.
-  void update(const BlockStructure& structure, const StructureChanges& changes) override;
-  void beginLinearization() override;
-  void add(const JacobianBatch& batch) override;
-  std::span<const MeasurementPlace> parts() const override;
-  void endLinearization() override;
-  SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
-  bool isExact() const override;
-  const Eigen::VectorXd& gradient() const override;
-  const Eigen::VectorXd& diagonal() const override;
-  double squaredNormOfJd(const Eigen::VectorXd& d) const override;
-  SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) override;
-  /// By selected inversion of the factor, which takes about as long as two more factorisations.
-  ///   source   Takahashi, Fagan and Chen 1973; Campbell and Davis 1995
-  SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) override;
   /// Solves (H + damping) X = B. `damping`: an entry >= 0 for each unknown.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, const Eigen::MatrixXd& B, Eigen::MatrixXd& X);
   /// Blocks of (H + damping)^-1, for exact methods.
   SolveStatus invertDamped(const Eigen::VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks);
-  double leastOfColumn() const override;
-  /// A BlockQR, for exact methods.
-  std::unique_ptr<LinearSolver> careful(double least) const override;
-  /// What was chosen, as "reduced system 49 x 9 after elimination of 7776 x 3, dense Cholesky, minimum degree order".
-  std::string description() const override;
-
   /// Additions and multiplications of one factorisation; 0 with conjugate gradients.
   double flops() const;
 
  private:
-  SolveStatus prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x = nullptr);
-
   struct Implementation;
-  detail::Pimpl<Implementation> impl_;
 };
 
 }  // namespace slom

@@ -82,8 +82,8 @@ class LinearSolver : public JacobianSink {
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;
-  const SolverSeconds& seconds() const { return seconds_; }
-  const SolverCounts& counts() const { return counts_; }
+  virtual const SolverSeconds& seconds() const { return seconds_; }
+  virtual const SolverCounts& counts() const { return counts_; }
 
  protected:
   SolverSeconds seconds_;

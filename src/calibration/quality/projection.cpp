@@ -125,9 +125,9 @@ CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& knowledg
   }
 }
 
-double CameraPosterior::Spread::largestStdAt(double distance_m) const {
+PixelCovariance CameraPosterior::Spread::at(double distance_m) const {
   const Eigen::Matrix2d sum = far + (mixed + near / distance_m) / distance_m;
-  return largestStd(sum(0, 0), sum(0, 1), sum(1, 1));
+  return {sum(0, 0), sum(0, 1), sum(1, 1)};
 }
 
 CameraPosterior::Spread CameraPosterior::spreadOf(const vec3& ray) const {
@@ -162,7 +162,7 @@ CameraPosterior::Spread CameraPosterior::spreadOf(const vec3& ray) const {
 std::vector<double> CameraPosterior::stdOfRays(const std::vector<std::optional<vec3>>& rays) const {
   std::vector<double> result;
   for (const auto& ray : rays) {
-    if (ray) result.push_back(spreadOf(*ray).largestStdAt(std::numeric_limits<double>::infinity()));
+    if (ray) result.push_back(covarianceAt(*ray, std::numeric_limits<double>::infinity()).largestStd());
   }
   return result;
 }
@@ -181,7 +181,7 @@ std::vector<ProjectionUncertainty> CameraPosterior::maps(const ImageGrid& grid,
       continue;
     }
     const Spread spread = spreadOf(*ray);
-    for (ProjectionUncertainty& map : maps) map.std_px.push_back(spread.largestStdAt(map.distance_m));
+    for (ProjectionUncertainty& map : maps) map.std_px.push_back(spread.at(map.distance_m).largestStd());
   }
   for (ProjectionUncertainty& map : maps) summarise(grid, map);
   return maps;

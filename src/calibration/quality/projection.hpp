@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calibration/quality/information.hpp"
+#include "slom/calibration/pixel_uncertainty.hpp"
 #include "slom/calibration/quality.hpp"
 
 namespace slom::calibration {
@@ -55,6 +56,10 @@ class ProjectedPoints {
 class CameraPosterior {
  public:
   CameraPosterior(const FittedRig& rig, const Posterior& knowledge, std::size_t c);
+  /// Of the pixel of distance * ray; the distance may be infinite.
+  PixelCovariance covarianceAt(const vec3& ray, double distance_m) const {
+    return spreadOf(ray).at(distance_m);
+  }
   /// Of the pixels of the rays that are there, at infinity [px].
   std::vector<double> stdOfRays(const std::vector<std::optional<vec3>>& rays) const;
   /// Over a grid, whose rays these are, at distances that may be infinite. Without summary figures where no node has a ray.
@@ -66,7 +71,7 @@ class CameraPosterior {
   /// The covariance of a pixel, far + mixed / distance + near / distance^2 [px^2].
   struct Spread {
     Eigen::Matrix2d far, mixed, near;
-    double largestStdAt(double distance_m) const;
+    PixelCovariance at(double distance_m) const;
   };
   Spread spreadOf(const vec3& ray) const;
 

@@ -1,0 +1,89 @@
+#include "slom/calibration/pixel_uncertainty.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibration/quality/projection.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+[[noreturn]] void refuseResult(const std::string& why) {
+  throw DataError(
+      "slom.calibration.no-result",
+      fmt::format("there is no uncertainty of pixels: {}; pass the result of calibrate() with these data",
+                  why));
+}
+
+void requireResultOf(const Dataset& data, const Result& result) {
+  if (!result.success()) {
+    refuseResult(result.undetermined.empty() ? "the calibration did not converge" : result.undetermined);
+  }
+  if (data.cameras.size() != result.cameras.size()) {
+    refuseResult(fmt::format("there are cameras: {} in the data, {} in the result", data.cameras.size(),
+                             result.cameras.size()));
+  }
+  std::vector<int> found;
+  for (const ImageResult& image : result.images) found.push_back(image.image);
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) {
+      if (!std::binary_search(found.begin(), found.end(), view.image)) {
+        refuseResult(fmt::format("image {} of {} is not in the result", view.image, camera.name));
+      }
+    }
+  }
+}
+
+Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
+  Information information(rig.columns);
+  for (const auto& [image, seen] : sightsOf(data, rig)) information.add(informationOf(rig, seen));
+  information.addPrior(rig);
+  return Posterior(information);
+}
+
+[[noreturn]] void refuseQuestion(const std::string& sentence) {
+  throw DataError("slom.calibration.bad-question", sentence);
+}
+
+}  // namespace
+
+double PixelCovariance::largestStd() const { return calibration::largestStd(uu, uv, vv); }
+
+struct PixelUncertainty::Implementation {
+  explicit Implementation(const Dataset& data, const Result& result) : rig(result) {
+    const Posterior posterior = posteriorOf(data, rig);
+    for (std::size_t c = 0; c < rig.lenses.size(); ++c) cameras.emplace_back(rig, posterior, c);
+  }
+
+  FittedRig rig;
+  std::vector<CameraPosterior> cameras;  // which point into the rig
+};
+
+PixelUncertainty::PixelUncertainty(const Dataset& data, const Result& result) {
+  requireResultOf(data, result);
+  impl_ = std::make_shared<const Implementation>(data, result);
+}
+
+std::optional<PixelCovariance> PixelUncertainty::at(std::size_t camera, const vec2& pixel,
+                                                    double distance_m) const {
+  const std::size_t count = impl_->cameras.size();
+  if (camera >= count) {
+    refuseQuestion(fmt::format("there is no camera {}; pass a number from 0 to {}", camera, count - 1));
+  }
+  if (!pixel.allFinite()) {
+    refuseQuestion(fmt::format("the pixel is ({}, {}); pass finite numbers", pixel.x(), pixel.y()));
+  }
+  if (!(distance_m > 0)) {
+    refuseQuestion(fmt::format("the distance is {} m; pass a positive number, or infinity", distance_m));
+  }
+  const std::optional<vec3> ray = impl_->rig.lenses[camera]->unproject(pixel);
+  if (!ray) return std::nullopt;
+  return impl_->cameras[camera].covarianceAt(*ray, distance_m);
+}
+
+}  // namespace slom::calibration
