@@ -16,7 +16,9 @@
 #include "analyze/singular.hpp"
 #include "base/threads.hpp"
 #include "base/words.hpp"
+#include "linearize/marginal_information.hpp"
 #include "slom/analyze/losses.hpp"
+#include "slom/measurements/gaussian_prior.hpp"
 #include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
 
@@ -194,6 +196,36 @@ std::string Estimator::State::messageFor(const Summary& summary, const SolveStat
   if (summary.stop_reason == StopReason::time_limit)
     return "time limit of " + number(max_seconds, 6) + " s reached";
   return toString(summary.stop_reason);
+}
+
+std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyVarID>& ids) {
+  Problem& all = problem();
+  std::vector<int> variables;
+  for (const AnyVarID& id : ids) variables.push_back(all.indexOf(static_cast<const VariableHandle&>(id)));
+  std::sort(variables.begin(), variables.end());
+  variables.erase(std::unique(variables.begin(), variables.end()), variables.end());
+  const std::vector<MeasurementIndex> measurements = measurementsOf(all, variables);
+  const std::vector<InformationFactor> factors =
+      state_->run([&] { return marginalInformation(all, state_->linearizer, measurements, variables); });
+
+  std::vector<MeasID<GaussianPrior>> priors;
+  priors.reserve(factors.size());
+  try {
+    for (const InformationFactor& factor : factors) {
+      std::vector<AnyVarID> left;
+      for (const int v : factor.variables) left.emplace_back(all.handleOf(v));
+      priors.push_back(insertMeasurement(GaussianPrior(std::move(left), factor.R, factor.b)));
+    }
+  } catch (...) {  // memory is short
+    for (const MeasID<GaussianPrior>& id : priors) removeMeasurement(id);
+    throw;
+  }
+  // From the last one on, as the last one of a pool takes the place of one that is removed.
+  for (auto m = measurements.rbegin(); m != measurements.rend(); ++m) {
+    all.removeMeasurement(*all.pools()[static_cast<std::size_t>(m->first)], m->second);
+  }
+  for (const int v : variables) all.removeVariable(v);
+  return priors;
 }
 
 void Estimator::changeAlgorithm(Algorithm* algorithm) {

@@ -1,5 +1,5 @@
-// Section 3 of the paper: online model fitting with bounded effort. Poses come in one by one; those older than the window
-// are fixed, and once no optimised pose refers to them they and their measurements are removed.
+// Section 3 of the paper: online model fitting with bounded effort. Poses come in one by one; the oldest one of a window is
+// marginalised: what its measurements say of the others stays, as a prior.
 #include <slom/slom.hpp>
 
 #include <cmath>
@@ -26,47 +26,33 @@ int main() {
   SLOM::Estimator est;
   SLOM::VarID<MTK::Scalar<>> offset = est.insertRV(MTK::Scalar<>(0.0), false, "compass offset");  // known later
 
-  struct Frame {
-    SLOM::VarID<Pose> pose;
-    SLOM::MeasID<Odometry> odometry;
-    SLOM::MeasID<Compass> compass;
-    SLOM::MeasID<Fix> fix;
-  };
-  std::deque<Frame> frames;
+  std::deque<SLOM::VarID<Pose>> poses;
   const Pose motion(MTK::SO2< >(0.1), vec2(1, 0));
   const double true_offset = 0.3;
   Pose truth;
   for (int k = 0; k < 200; ++k) {
-    Frame frame;
-    frame.pose = est.insertRV(frames.empty() ? Pose() : *frames.back().pose * motion, "pose" + std::to_string(k));
-    if (!frames.empty()) {
+    const Pose start = poses.empty() ? Pose() : *poses.back() * motion;
+    SLOM::VarID<Pose> pose = est.insertRV(start, "pose" + std::to_string(k));
+    if (!poses.empty()) {
       // Wheels that slip a little: the odometry is 1 % short.
       const Pose measured(motion.orient, vec2(0.99 * motion.pos));
-      frame.odometry = est.insertMeasurement(Odometry(frames.back().pose, frame.pose, measured),
-                                             SLOM::StandardDeviation(vec3(0.05, 0.05, 0.01)));
+      est.insertMeasurement(Odometry(poses.back(), pose, measured), SLOM::StandardDeviation(vec3(0.05, 0.05, 0.01)));
     }
-    frame.compass = est.insertMeasurement(
-        Compass(frame.pose, offset, truth.orient * MTK::SO2<>(true_offset + 0.02 * std::sin(7.0 * k))), SLOM::StandardDeviation(0.02));
-    frame.fix = est.insertMeasurement(Fix(frame.pose, truth.pos + vec2(0.2 * std::sin(3.0 * k), 0.2 * std::cos(5.0 * k))),
-                                      SLOM::StandardDeviation(0.2));
-    frames.push_back(frame);
+    est.insertMeasurement(Compass(pose, offset, truth.orient * MTK::SO2<>(true_offset + 0.02 * std::sin(7.0 * k))),
+                          SLOM::StandardDeviation(0.02));
+    est.insertMeasurement(Fix(pose, truth.pos + vec2(0.2 * std::sin(3.0 * k), 0.2 * std::cos(5.0 * k))),
+                          SLOM::StandardDeviation(0.2));
+    poses.push_back(pose);
     if (k == 5) est.optimizeRV(offset, true);  // enough poses to tell the offset from the heading: "un-fix" it
 
-    if (frames.size() > window + 1) {  // fix what leaves the window ...
-      est.optimizeRV(frames[frames.size() - window - 1].pose, false);
-      const Frame old = frames.front();  // ... and remove what is fixed on both sides
-      if (frames.size() > window + 2) {
-        est.removeMeasurement(frames[1].odometry);
-        est.removeMeasurement(old.compass);
-        est.removeMeasurement(old.fix);
-        est.removeRV(old.pose);
-        frames.pop_front();
-      }
-    }
     est.optimizeStep();
+    if (poses.size() > window) {
+      est.marginalize({poses.front()});
+      poses.pop_front();
+    }
     if (k % 40 == 39) {
-      std::printf("pose %3d: %2d unknowns, %2d residuals, position error %.2f m, compass offset %.3f\n", k, est.getN(), est.getM(),
-                  (frames.back().pose->pos - truth.pos).norm(), double(*offset));
+      std::printf("pose %3d: %2d unknowns, %2d residuals, position error %.2f m, compass offset %.3f +- %.3f\n", k, est.getN(),
+                  est.getM(), (poses.back()->pos - truth.pos).norm(), double(*offset), est.standardDeviation(offset)[0]);
     }
     truth = truth * motion;
   }

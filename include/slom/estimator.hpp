@@ -41,6 +41,7 @@
 namespace slom {
 
 class Archive;
+class GaussianPrior;
 
 namespace detail {
 
@@ -229,6 +230,16 @@ class Estimator {
     const auto [pool, i] = problem().locate(id);
     problem().removeMeasurement(*pool, i);
   }
+
+  /// Forgets variables without losing what their measurements say of others: these measurements, linearised at the current values, are
+  /// replaced by GaussianPriors on the variables that they share with the rest of the problem, and the variables are removed. Any set of
+  /// them will do; one prior for each set of variables that remains in touch. Steps of a linear problem do not notice; of others they
+  /// no longer notice what has changed since, so marginalise where the fit has converged. A handle that is there twice counts once.
+  /// Losses enter by their weights at the current values, fixed variables and components as known. The RSS falls by what no value
+  /// of the remaining variables could explain, and the number of residuals by those that it consisted of. Throws
+  /// [slom.stale-handle], [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw], with nothing changed.
+  ///   source   Sibley, Matthies, Sukhatme, "Sliding window filter with application to planetary landing", 2010
+  std::vector<MeasID<GaussianPrior>> marginalize(const std::vector<AnyVarID>& ids);
 
   // Optimisation.
 

@@ -238,6 +238,14 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
   return std::accumulate(rss.begin(), rss.end(), 0.0);
 }
 
+JacobianBatch Linearizer::linearizeOne(const Problem& problem, const ActiveSet& active, int pool, int i) {
+  if (chunks_.empty()) chunks_.resize(1);
+  Chunk& chunk = chunks_.front();
+  linearizeChunk(problem, active, {pool, i, i + 1}, false, chunk);
+  requireGood(problem, chunk);
+  return chunk.batch();
+}
+
 void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
                            const double* r, double* J, std::vector<HeldColumn>* held) {
   const MeasurementPool& pool = *problem.pools()[at(chunk.group)];

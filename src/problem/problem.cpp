@@ -62,6 +62,19 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   return VariableHandle(store, ref);
 }
 
+int Problem::indexOf(const VariableHandle& id) const {
+  if (id.store_ == nullptr) detail::raiseStaleHandle("AnyVarID", false);
+  return checkedIndex(id.store_.get(), id.ref_, nullptr);
+}
+
+VariableHandle Problem::handleOf(int variable) const {
+  const VariableRecord& record = table_[at(variable)];
+  for (const TypedStore& own : stores_) {
+    if (own.store.get() == record.store) return {own.store, own.store->refTo(record.slot)};
+  }
+  return {};
+}
+
 int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const {
   const auto name = [&] { return "VarID<" + (type != nullptr ? type() : store->typeName()) + ">"; };
   for (const TypedStore& own : stores_) {

@@ -39,6 +39,10 @@ class Problem {
   int indexOf(const VarID<T>& id) const {
     return checkedIndex(id.store_.get(), id.ref_, &slom::typeName<T>);
   }
+  /// The same of a handle to a variable of any type.
+  int indexOf(const VariableHandle& id) const;
+  /// The handle of a variable, in the table.
+  VariableHandle handleOf(int variable) const;
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {
     setValue(indexOf(id), &value);
