@@ -3,6 +3,7 @@
 #include "base/stopwatch.hpp"
 #include "block/jacobian_rows.hpp"
 #include "block/multifrontal_qr.hpp"
+#include "solve/named_list.hpp"
 #include "symbolic/compact.hpp"
 #include "symbolic/ordering.hpp"
 
@@ -89,5 +90,8 @@ std::string BlockQR::description() const {
          std::to_string(impl_->structure.blockCount()) + " blocks, " + impl_->factor.fronts().ordering +
          " order";
 }
+
+const NamedSolver detail::solvers::block_qr{"qr", "QR decomposition of J, for ill-conditioned problems",
+                                            &makeSolver<BlockQR>};
 
 }  // namespace slom

@@ -1,5 +1,6 @@
 #include "mtk/error.hpp"
 #include "slom/solve/cholmod.hpp"
+#include "solve/named_list.hpp"
 
 namespace slom {
 
@@ -28,5 +29,8 @@ double Cholmod::squaredNormOfJd(const Eigen::VectorXd&) const { return 0; }
 SolveStatus Cholmod::solveFor(const Eigen::MatrixXd&, Eigen::MatrixXd&) { return {}; }
 double Cholmod::leastOfColumn() const { return 0; }
 std::string Cholmod::description() const { return ""; }
+
+const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>,
+                                           "CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"};
 
 }  // namespace slom

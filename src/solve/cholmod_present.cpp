@@ -8,6 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "block/normal_equations.hpp"
 #include "slom/solve/cholmod.hpp"
+#include "solve/named_list.hpp"
 #include "symbolic/compact.hpp"
 
 namespace slom {
@@ -201,5 +202,7 @@ std::string Cholmod::description() const {
          std::string(impl_->factor != nullptr && impl_->factor->is_super != 0 ? "supernodal" : "simplicial") +
          ", " + std::to_string(impl_->structure.unknowns()) + " unknowns";
 }
+
+const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>};
 
 }  // namespace slom

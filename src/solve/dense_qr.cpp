@@ -2,6 +2,7 @@
 
 #include "base/decompositions.hpp"
 #include "base/stopwatch.hpp"
+#include "solve/named_list.hpp"
 
 namespace slom {
 
@@ -159,5 +160,8 @@ SolveStatus DenseQR::solveFor(const MatrixXd& B, MatrixXd& X) {
 std::string DenseQR::description() const {
   return "dense QR, " + std::to_string(impl_->J.rows()) + " x " + std::to_string(impl_->J.cols());
 }
+
+const NamedSolver detail::solvers::dense_qr{"dense-qr", "a dense one, for small problems",
+                                            &makeSolver<DenseQR>};
 
 }  // namespace slom
