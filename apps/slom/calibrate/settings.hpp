@@ -18,7 +18,7 @@ struct CameraFile {
   std::vector<std::string> patterns{};  ///< of the photographs
 };
 
-/// Of --output.
+/// What --output writes.
 enum class OutputFormat { opencv, ros, kalibr };
 
 /// A constraint of --fix or --bound, and the option as the user wrote it.

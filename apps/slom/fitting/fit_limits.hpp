@@ -18,7 +18,7 @@ namespace slom::app {
 /// Adds --max-seconds; 0: no limit.
 void addTimeLimit(CLI::App& command, double& max_seconds);
 
-/// UserError where the value of --max-seconds is negative or no number. Called before any file is read.
+/// UserError where the value of --max-seconds is negative or not a number. Called before any file is read.
 void requireTimeLimit(double max_seconds);
 
 /// Thrown out of work that is of no use unfinished; the text is FitLimits::reasonToEnd().

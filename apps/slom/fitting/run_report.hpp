@@ -31,7 +31,7 @@ struct RunReport {
 /// The keys are those of docs/graph.md.
 std::string toJson(const RunReport& report);
 
-/// The most memory that this process has held so far [MB, 10^6 bytes].
+/// Peak memory of this process so far [MB, 10^6 bytes].
 double peakMemoryMb();
 
 }  // namespace slom::app

@@ -94,7 +94,7 @@ bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   return found.size() >= least && !onLineButOne(on_board, 1e-4) && !onLineButOne(in_image, 2e-3);
 }
 
-/// Threads of our own look at photographs side by side; OpenCV's within them would hold more of them in
+/// Threads of the command search photographs in parallel; OpenCV's own threads within them would keep more photographs in
 /// memory.
 void keepToOneThread() {
   static std::once_flag once;
