@@ -26,7 +26,7 @@ struct LensOption : LensConstraint {
   std::string option;
 };
 
-/// What the library is told, and what the command does beside that.
+/// The settings of the library, and what the command does besides calibrating.
 struct CommandSettings : Settings {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files

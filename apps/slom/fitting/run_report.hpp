@@ -22,7 +22,7 @@ struct RunReport {
   Summary summary;
   int threads = 1;
   int free_directions =
-      0;  ///< of the unknowns, that no measurement of this kind can determine: they add to the redundancy
+      0;  ///< dimension of the gauge, which no measurement of this kind can determine; it adds to the redundancy
   double load_seconds = 0;   ///< reading, checking and starting
   double setup_seconds = 0;  ///< putting variables and measurements into the estimator
   double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it

@@ -83,7 +83,7 @@ Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   return corners;
 }
 
-/// Whether the corners that were seen pin down where the board stands.
+/// Whether the corners that were seen determine the pose of the board.
 bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   constexpr std::size_t least = 6;
   std::vector<vec2> on_board, in_image;
