@@ -37,8 +37,8 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// What CLI11 ends parsing by: --help and --version; CLI::RuntimeError, by which a subcommand that has said
-/// all there is to say sets the exit code; and options that are wrong.
+/// The exit code for what CLI11 throws to end parsing: --help and --version; CLI::RuntimeError, by which a subcommand that
+/// has already reported its failure sets the exit code; and wrong options, which are reported here.
 int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_name() == "CallForVersion") return say(fmt::format("{}\n", error.what())), exit_success;
   if (error.get_exit_code() == exit_success) return app.exit(error);

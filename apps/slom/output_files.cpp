@@ -68,7 +68,7 @@ void requireFile(const NamedFile& result) {
                               fs::is_directory(status) ? "a folder" : "a device or a pipe"));
 }
 
-/// Sixteen letters and digits that nobody can foretell.
+/// Sixteen letters and digits that nobody can predict.
 std::string randomName() {
   constexpr char digits[] = "abcdefghijklmnopqrstuvwxyz012345";
   std::array<unsigned char, 16> bytes{};
@@ -161,8 +161,8 @@ void OutputFiles::add(const fs::path& name, std::string_view content) {
   const fs::path path = resolved(name);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) cannotWrite(name, "it is a folder");
-  // Of a length of its own, as the name may be as long as names can be. Nobody's link stands there: O_EXCL
-  // follows none.
+  // The temporary name has a fixed length, as the file's name may be as long as names can be. O_EXCL follows no link that
+  // somebody may have put there.
   const fs::path temporary = path.parent_path() / (".slom-" + randomName());
   expectUnfinished(temporary);
   files_.push_back({temporary, path});

@@ -1,4 +1,4 @@
-// What no measurement can be. Beyond these limits lie slips in files, and squares that are no longer finite.
+// Limits of plausible values. Values beyond them are mistakes in files, or have squares that are not finite.
 #pragma once
 
 namespace slom::app {
@@ -10,8 +10,8 @@ inline constexpr double most_m_s2 = 1e6;        ///< magnitude of an acceleratio
 inline constexpr double most_distortion = 1e6;  ///< magnitude of a coefficient
 inline constexpr double least_square_m = 1e-6, most_square_m = 1e3;  ///< side of a square, tag or marker [m]
 inline constexpr double least_spacing = 1e-3,
-                        most_spacing = 10;                     ///< gap between tags, as a part of their side
+                        most_spacing = 10;  ///< gap between tags, as a fraction of their side
 inline constexpr double least_sigma = 1e-6, most_sigma = 1e6;  ///< of a pixel [px] or an acceleration [m/s^2]
-inline constexpr double least_gravity = 1e-3;  ///< the least magnitude that --fix holds gravity at [m/s^2]
+inline constexpr double least_gravity = 1e-3;  ///< the least magnitude at which --fix fixes gravity [m/s^2]
 
 }  // namespace slom::app

@@ -6,15 +6,14 @@
 
 namespace slom::app {
 
-/// For terminals: control characters other than the end of a line and a tabulator, and bytes that are no
-/// UTF-8, as \x1b.
+/// The text for terminals: control characters other than newline and tab, and bytes that are not UTF-8, are escaped as \x1b.
 std::string printable(std::string_view text);
 
-/// The same without lines and columns: the end of a line as \x0a, a tabulator as \x09. For names of files,
-/// and sentences that hold some, before they enter a text of several lines.
+/// The same without lines and columns: newline as \x0a, tab as \x09. For names of files, and sentences that contain them,
+/// before they enter a text of several lines.
 std::string oneLine(std::string_view text);
 
-/// For elements and attributes of XML 1.0 in UTF-8: & < > " escaped; what no such text may hold, as the
+/// The text for elements and attributes of XML 1.0 in UTF-8: & < > " are escaped; characters that XML does not allow become the
 /// replacement character.
 std::string xmlText(std::string_view text);
 

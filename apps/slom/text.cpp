@@ -1,7 +1,5 @@
 #include "text.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace slom::app {
@@ -20,19 +18,37 @@ std::string shortened(std::string_view text, std::size_t most) {
   return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
 }
 
-std::string bulleted(const std::string& sentence) {
-  constexpr std::size_t text_width = 100;
-  std::string text = "  *";
-  std::size_t column = 3, begin = 0;
-  while (begin < sentence.size()) {
-    const std::size_t end = std::min(sentence.find(' ', begin), sentence.size());
-    if (column + 1 + end - begin > text_width) text += "\n   ", column = 3;
-    text += ' ';
-    text.append(sentence, begin, end - begin);
-    column += 1 + end - begin;
-    begin = end + 1;
+std::string listed(const std::vector<std::string>& words, std::string_view separator,
+                   std::string_view last_separator) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 < words.size() ? separator : last_separator;
+    text += words[i];
   }
-  return text + "\n";
+  return text;
+}
+
+std::string wrapped(std::string_view text, std::size_t width, std::string_view indent) {
+  std::string lines;
+  std::size_t column = 0, begin = 0;
+  while (begin < text.size()) {
+    const std::string_view word = text.substr(begin, text.find(' ', begin) - begin);
+    if (begin > 0) {
+      const bool fits = column + 1 + word.size() <= width;
+      lines += fits ? " " : "\n";
+      if (!fits) lines += indent;
+      column = fits ? column + 1 : 0;
+    }
+    lines += word;
+    column += word.size();
+    begin += word.size() + 1;
+  }
+  return lines;
+}
+
+std::string bulleted(const std::string& sentence) {
+  constexpr std::size_t text_width = 96;
+  return "  * " + wrapped(sentence, text_width, "    ") + "\n";
 }
 
 }  // namespace slom::app

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 namespace slom::app {
 
@@ -25,6 +26,13 @@ bool parseNumber(std::string_view text, T& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size();
 }
+
+/// `a, b and c` with the last separator " and ".
+std::string listed(const std::vector<std::string>& words, std::string_view separator,
+                   std::string_view last_separator);
+
+/// The text as lines of at most `width` characters, broken at spaces; all but the first begin with `indent`, which does not count.
+std::string wrapped(std::string_view text, std::size_t width, std::string_view indent = "");
 
 /// A sentence as lines of at most 100 characters, broken at spaces, the first with a bullet.
 std::string bulleted(const std::string& sentence);

@@ -11,11 +11,11 @@ namespace slom::app {
 
 namespace {
 
-/// Those that end a program that does not handle them, but for faults of its own and what cannot be handled.
+/// Signals that end a program that does not handle them, except those of its own faults and those that cannot be handled.
 constexpr int ending_signals[] = {SIGINT,  SIGTERM, SIGHUP,  SIGPIPE, SIGQUIT,
                                   SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 
-/// Of a list that only grows, so that a signal handler can walk it at any time. Names that are no longer
+/// An entry of a list that only grows, so that a signal handler can walk it at any time. Entries whose names are no longer
 /// needed are used again.
 struct Entry {
   std::string file;

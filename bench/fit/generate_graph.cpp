@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "support/random.hpp"
+#include <mtk/testing/random.hpp>
 
 namespace slom::bench {
 
@@ -11,6 +11,7 @@ namespace {
 
 using io::dim;
 using io::dof;
+using mtk::testing::Random;
 
 constexpr double kEdgeMetres = 0.05, kEdgeRadians = 0.02;
 constexpr double kStartMetres = 0.2, kStartRadians = 0.05;

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/random.hpp"
+#include <mtk/testing/random.hpp>
 
 namespace slom::bench {
 
 namespace {
 
 using io::Camera;
+using mtk::testing::Random;
 using Vec3 = mtk::vect<3>;
 
 constexpr int kViews = 5, kObservationsPerCamera = 1000, kFewestCameras = 9;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "base/words.hpp"
@@ -12,57 +11,8 @@ namespace slom {
 
 namespace {
 
-/// For b = 2 - alpha beyond this, Barron's loss is Welsch's to all digits.
-constexpr double kWelsch = 1e100;
 /// The squares of scales within [1 / kLargestScale, kLargestScale] are normal numbers.
 constexpr double kLargestScale = 1e150;
-
-// Each of these is for c = 1, where s = t: phi(t), phi'(t), phi''(t).
-
-LossValue huber(double t, double) {
-  if (t <= 1) return {t, 1, 0};
-  const double root = std::sqrt(t);
-  return {2 * root - 1, 1 / root, -0.5 / (t * root)};
-}
-
-LossValue pseudoHuber(double t, double) {
-  const double root = std::sqrt(1 + t);
-  return {2 * t / (root + 1), 1 / root, -0.5 / ((1 + t) * root)};
-}
-
-LossValue cauchy(double t, double) {
-  const double weight = 1 / (1 + t);
-  return {std::log1p(t), weight, -weight * weight};
-}
-
-LossValue tukey(double t, double) {
-  if (t >= 1) return {1.0 / 3, 0, 0};
-  return {t * (1 - t * (1 - t / 3)), (1 - t) * (1 - t), -2 * (1 - t)};
-}
-
-LossValue gemanMcClure(double t, double) {
-  const double root = 1 / (1 + t);  // of the weight
-  return {t * root, root * root, -2 * root * root * root};
-}
-
-LossValue welsch(double t) {
-  const double weight = std::exp(-t / 2);
-  return {-2 * std::expm1(-t / 2), weight, -weight / 2};
-}
-
-LossValue barron(double t, double alpha) {
-  const double b = 2 - alpha;
-  if (b == 0) return {t, 1, 0};
-  if (b > kWelsch) return welsch(t);
-  const double log = std::log1p(t / b);
-  const double weight = std::exp(-b / 2 * log);
-  // phi = 2 b/alpha ((1 + t/b)^(alpha/2) - 1), in a form for each end: for small b the power is t/b times the weight,
-  // for alpha around 0 the quotient tends to the logarithm.
-  const double x = alpha / 2 * log;
-  const double phi = alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log))
-                                : b * log * (x == 0 ? 1 : std::expm1(x) / x);
-  return {phi, weight, -weight / 2 * (b / (b + t))};
-}
 
 /// What is wrong with a function that a user wrote, at scale 1; empty when nothing is.
 std::string faultOfFunction(const LossKind& kind) {
@@ -91,18 +41,18 @@ std::string faultOfFunction(const LossKind& kind) {
 
 }  // namespace
 
-const LossKind detail::kLossKinds[6] = {{"Huber", "huber", false, &huber},
-                                        {"PseudoHuber", "pseudo-huber", false, &pseudoHuber},
-                                        {"Cauchy", "cauchy", false, &cauchy},
-                                        {"Tukey", "tukey", false, &tukey},
-                                        {"GemanMcClure", "geman-mcclure", false, &gemanMcClure},
-                                        {"Barron", "barron", true, &barron}};
+std::span<const LossKind* const> losses() {
+#define SLOM_LOSS_KIND(Name) &detail::losses::Name,
+  static constexpr const LossKind* all[] = {SLOM_LOSSES(SLOM_LOSS_KIND, SLOM_LOSS_KIND)};
+#undef SLOM_LOSS_KIND
+  return all;
+}
 
 const LossKind* lossNamed(std::string_view stored_name) {
-  const auto* const found =
-      std::find_if(std::begin(detail::kLossKinds), std::end(detail::kLossKinds),
-                   [&](const LossKind& kind) { return kind.stored_name == stored_name; });
-  return found == std::end(detail::kLossKinds) ? nullptr : found;
+  const std::span<const LossKind* const> all = losses();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const LossKind* kind) { return kind->stored_name == stored_name; });
+  return found == all.end() ? nullptr : *found;
 }
 
 LossValue Loss::evaluate(double s, double graduation) const {

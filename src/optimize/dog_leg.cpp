@@ -4,6 +4,7 @@
 
 #include "base/words.hpp"
 #include "mtk/error.hpp"
+#include "optimize/named_list.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
 
@@ -126,5 +127,7 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
     }
   }
 }
+
+const NamedAlgorithm detail::algorithms::dog_leg{"dogleg", "Powell's dog leg", &makeAlgorithm<DogLeg>};
 
 }  // namespace slom

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "optimize/named_list.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
 
@@ -28,5 +29,9 @@ StepOutcome GaussNewton::step(System& system, const Options&) {
   outcome.rss_after = rss;
   return outcome;
 }
+
+const NamedAlgorithm detail::algorithms::gauss_newton{
+    "gn", "Gauss-Newton, which goes on as Levenberg-Marquardt where it leads uphill",
+    &makeAlgorithm<GaussNewton>};
 
 }  // namespace slom

@@ -4,6 +4,7 @@
 
 #include "base/words.hpp"
 #include "mtk/error.hpp"
+#include "optimize/named_list.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/optimize/system.hpp"
 
@@ -112,5 +113,8 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
     }
   }
 }
+
+const NamedAlgorithm detail::algorithms::levenberg_marquardt{"lm", "Levenberg-Marquardt",
+                                                             &makeAlgorithm<LevenbergMarquardt>};
 
 }  // namespace slom

@@ -3,6 +3,7 @@
 #include "base/stopwatch.hpp"
 #include "block/jacobian_rows.hpp"
 #include "block/multifrontal_qr.hpp"
+#include "solve/named_list.hpp"
 #include "symbolic/compact.hpp"
 #include "symbolic/ordering.hpp"
 
@@ -92,5 +93,8 @@ class SparseQR final : public LinearSolver {
 }  // namespace
 
 BlockQR::BlockQR(double pivot_tolerance) : ForwardingSolver(std::make_unique<SparseQR>(pivot_tolerance)) {}
+
+const NamedSolver detail::solvers::block_qr{"qr", "QR decomposition of J, for ill-conditioned problems",
+                                            &makeSolver<BlockQR>};
 
 }  // namespace slom

@@ -6,6 +6,7 @@
 #include "block/block_method.hpp"
 #include "mtk/error.hpp"
 #include "slom/solve/block_qr.hpp"
+#include "solve/named_list.hpp"
 #include "symbolic/compact.hpp"
 #include "symbolic/graph.hpp"
 
@@ -159,5 +160,20 @@ SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<I
 }
 
 double BlockSolver::flops() const { return static_cast<const Implementation&>(solver()).flops(); }
+
+namespace {
+
+template <BlockSolverOptions::Method method>
+std::unique_ptr<LinearSolver> makeBlockSolver() {
+  return std::make_unique<BlockSolver>(BlockSolverOptions{.method = method});
+}
+
+}  // namespace
+
+const NamedSolver detail::solvers::automatic{"auto", "chosen by predicted cost", &makeSolver<BlockSolver>};
+const NamedSolver detail::solvers::cholesky{"cholesky", "Cholesky decomposition of J^T J in blocks",
+                                            &makeBlockSolver<BlockSolverOptions::Method::cholesky>};
+const NamedSolver detail::solvers::conjugate_gradients{
+    "cg", "conjugate gradients", &makeBlockSolver<BlockSolverOptions::Method::conjugate_gradients>};
 
 }  // namespace slom

@@ -1,5 +1,6 @@
 #include "mtk/error.hpp"
 #include "slom/solve/cholmod.hpp"
+#include "solve/named_list.hpp"
 
 namespace slom {
 
@@ -15,5 +16,8 @@ std::unique_ptr<LinearSolver> makeCholmod() {
 
 bool Cholmod::isAvailable() { return false; }
 Cholmod::Cholmod() : ForwardingSolver(makeCholmod()) {}
+
+const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>,
+                                           "CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"};
 
 }  // namespace slom

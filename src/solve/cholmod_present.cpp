@@ -8,6 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "block/normal_equations.hpp"
 #include "slom/solve/cholmod.hpp"
+#include "solve/named_list.hpp"
 #include "symbolic/compact.hpp"
 
 namespace slom {
@@ -202,5 +203,7 @@ SolveStatus CholmodSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X
 
 bool Cholmod::isAvailable() { return true; }
 Cholmod::Cholmod() : ForwardingSolver(std::make_unique<CholmodSolver>()) {}
+
+const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>};
 
 }  // namespace slom

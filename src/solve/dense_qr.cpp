@@ -2,6 +2,7 @@
 
 #include "base/decompositions.hpp"
 #include "base/stopwatch.hpp"
+#include "solve/named_list.hpp"
 
 namespace slom {
 
@@ -156,5 +157,8 @@ DenseQR::DenseQR() : ForwardingSolver(std::make_unique<Implementation>()) {}
 
 const MatrixXd& DenseQR::jacobian() const { return static_cast<const Implementation&>(solver()).J; }
 const VectorXd& DenseQR::residual() const { return static_cast<const Implementation&>(solver()).r; }
+
+const NamedSolver detail::solvers::dense_qr{"dense-qr", "a dense one, for small problems",
+                                            &makeSolver<DenseQR>};
 
 }  // namespace slom

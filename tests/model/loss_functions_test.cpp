@@ -2,6 +2,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -166,6 +168,19 @@ TEST(Loss, IsCalledByItsNameInTheCode) {
   EXPECT_EQ(slom::Tukey(4.685).text(), "Tukey(4.685)");
   EXPECT_EQ(slom::GemanMcClure(1e-3).text(), "GemanMcClure(0.001)");
   EXPECT_EQ(slom::Barron(-kInfinity, 1.5).text(), "Barron(-inf, 1.5)");
+}
+
+TEST(Loss, IsFoundByTheNameThatItHasAlone) {
+  std::set<std::string> names, stored_names;
+  for (const slom::LossKind* const kind : slom::losses()) {
+    EXPECT_TRUE(names.insert(kind->name).second) << kind->name << " is there twice";
+    EXPECT_TRUE(stored_names.insert(kind->stored_name).second) << kind->stored_name << " is there twice";
+    EXPECT_EQ(slom::lossNamed(kind->stored_name), kind);
+  }
+  EXPECT_EQ(stored_names,
+            (std::set<std::string>{"barron", "cauchy", "geman-mcclure", "huber", "pseudo-huber", "tukey"}));
+  EXPECT_EQ(slom::lossNamed("Huber"), nullptr);
+  EXPECT_EQ(slom::lossNamed("tukey"), slom::Tukey(1).kind());
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 #pragma once
-// Random values for the tests of priors, the same on every machine up to rounding.
+// Random vectors, poses and matrices for the tests of priors.
 
-#include <random>
-
+#include <mtk/testing/random.hpp>
 #include <slom/slom.hpp>
 
 namespace slom::testing {
@@ -15,8 +14,8 @@ using Vec3 = mtk::vect<3>;
 
 class Random {
  public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  double operator()() { return normal_(engine_); }
+  explicit Random(unsigned seed) : numbers_(seed) {}
+  double operator()() { return numbers_.normal(); }
   Vec3 vector(double size) { return Vec3(size * (*this)(), size * (*this)(), size * (*this)()); }
   SE3 pose(double size) { return SE3(SO3::exp(vector(size)), vector(5 * size)); }
   MatrixXd matrix(int rows, int columns) {
@@ -24,8 +23,7 @@ class Random {
   }
 
  private:
-  std::mt19937 engine_;
-  std::normal_distribution<double> normal_;
+  mtk::testing::Random numbers_;
 };
 
 }  // namespace slom::testing

@@ -43,7 +43,7 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   FitLimits::applyTo(options);
   options.decrease_tolerance = settings.tolerance;
   options.deviation_tolerance =
-      std::numeric_limits<double>::infinity();  // nobody has said what a pixel is worth
+      std::numeric_limits<double>::infinity();  // the standard deviation of a pixel is unknown
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
   Summary summary = fit.optimize(options);

@@ -1,4 +1,4 @@
-// Bundle adjustments as the library reads them, and their parts.
+// Bundle adjustments as the library reads them, with their cameras and observations.
 #pragma once
 
 #include <slom/io/scene.hpp>

@@ -12,12 +12,12 @@ namespace slom::app::bundle {
 
 namespace {
 
-void checkAlgorithm(AlgorithmName algorithm) {
-  if (algorithm == AlgorithmName::lm) return;
+void checkAlgorithm(const NamedAlgorithm& algorithm) {
+  if (algorithm.name == kAlgorithm) return;
   throw UserError(fmt::format(
-      "--algorithm {}: place, rotation and scale of a scene are free, and lm alone can hold them, by its "
+      "--algorithm {}: place, rotation and scale of a scene are free, and {} alone can hold them, by its "
       "damping; leave the option out",
-      algorithm == AlgorithmName::gn ? "gn" : "dogleg"));
+      algorithm.name, kAlgorithm));
 }
 
 void checkTolerance(double tolerance) {

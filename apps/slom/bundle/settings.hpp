@@ -2,12 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 
 namespace slom::app::bundle {
+
+/// The algorithm of all scenes, whose place, rotation and scale are free: its damping keeps them where they are.
+inline constexpr std::string_view kAlgorithm = "lm";
 
 struct Settings {
   std::string file;
@@ -19,7 +23,11 @@ struct Settings {
 
 /// The options as text, as CLI11 hands them over.
 struct RawOptions {
-  RawFitOptions fit{.algorithm = "lm", .loss = "", .threads = 0, .max_iterations = 100};
+  RawFitOptions fit{.algorithm = std::string(kAlgorithm),
+                    .solver = solvers().front().name,
+                    .loss = "",
+                    .threads = 0,
+                    .max_iterations = 100};
   Settings rest;
 };
 

@@ -129,8 +129,9 @@ std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings
   if (settings.compared.empty()) return {};
   Comparison comparison =
       inWordsOfOptions(settings, [&] { return compareModels(data, settings, settings.compared); });
-  for (ModelTrial& trial : comparison.trials)
-    trial.failure = inWordsOfOptions(settings, trial.failure_id, trial.failure);
+  for (ModelTrial& trial : comparison.trials) {
+    if (trial.error) trial.failure = inWordsOfOptions(settings, *trial.error);
+  }
   if (!settings.quiet) say(comparisonText(comparison));
   if (!settings.model_is_given && comparison.chosen) settings.model = comparison.chosenTrial().model;
   return comparison;

@@ -6,14 +6,14 @@
 
 namespace slom::app::calib {
 
-/// By the text of --format, or where that is empty by the file: Kalibr's are called camchain, ROS wants one
+/// The format that --format names or, where that is empty, the name of the file: Kalibr's are called camchain, ROS wants one
 /// for each camera, whose place in the name is `{name}`.
 OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras);
 
-/// Of --output: one, or one for each camera; none where none is wanted.
+/// The files of --output: one, or one for each camera; none where none is wanted.
 std::vector<std::string> outputFiles(const CommandSettings& settings);
 
-/// Of --corners-out, one for each camera; none where none are wanted.
+/// The files of --corners-out, one for each camera; none where none are wanted.
 std::vector<std::string> cornerFiles(const CommandSettings& settings);
 
 /// All of them, with their options.

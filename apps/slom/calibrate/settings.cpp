@@ -96,7 +96,7 @@ const std::vector<std::string>& lensParameters() {
   return names;
 }
 
-/// `k3` or `left.k3`; nothing where it is no camera's parameter.
+/// `k3` or `left.k3`; nothing where no camera has such a parameter.
 std::optional<LensOption> parseLensName(const std::string& option, const std::string& name) {
   const auto dot = name.rfind('.');
   LensOption constraint;
@@ -125,7 +125,7 @@ LensLimits limitsOf(const std::string& parameter) {
   return {"a coefficient of distortion", -most_distortion, most_distortion, ""};
 }
 
-/// Distortion is held at 0 unless the option says where.
+/// Distortion is fixed at 0 unless the option gives a value.
 LensOption fixLens(LensOption constraint, const std::string* value) {
   if (value == nullptr && (isFocalLength(constraint.parameter) || isCentre(constraint.parameter))) {
     throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
@@ -164,7 +164,7 @@ std::vector<LensOption> parseBounds(const std::vector<std::string>& texts) {
   return bounds;
 }
 
-/// Each is about a parameter and a camera that there are, and no two about the same.
+/// Each names a parameter and a camera that exist, and no two name the same.
 void checkLens(const CommandSettings& settings, const Model& model) {
   const std::vector<std::string>& parameters = model.parameters();
   for (std::size_t i = 0; i < settings.lens_options.size(); ++i) {

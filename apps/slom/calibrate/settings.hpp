@@ -18,7 +18,7 @@ struct CameraFile {
   std::vector<std::string> patterns{};  ///< of the photographs
 };
 
-/// Of --output.
+/// What --output writes.
 enum class OutputFormat { opencv, ros, kalibr };
 
 /// A constraint of --fix or --bound, and the option as the user wrote it.
@@ -26,7 +26,7 @@ struct LensOption : LensConstraint {
   std::string option;
 };
 
-/// What the library is told, and what the command does beside that.
+/// The settings of the library, and what the command does besides calibrating.
 struct CommandSettings : Settings {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files

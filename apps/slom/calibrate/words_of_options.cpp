@@ -1,27 +1,45 @@
 #include "calibrate/words_of_options.hpp"
 
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
 namespace slom::app::calib {
 namespace {
 
-void replace(std::string& text, const std::string& part, const std::string& by) {
-  if (const auto at = text.rfind(part); at != std::string::npos) text.replace(at, part.size(), by);
+std::string tooFewData(const CommandSettings& settings, const DataError::Parts& parts) {
+  // The rows of a corner file begin below its header, line 1.
+  return fmt::format(
+      "{}{}: {}; add images or corners, or choose a model with fewer parameters by --intrinsics", parts.place,
+      settings.board ? "" : ":2", parts.fault);
+}
+
+std::string imuOpen(const CommandSettings&, const DataError::Parts& parts) {
+  const auto option_for = [](const std::string& name) {
+    return name == "gravity" ? std::string("--fix gravity=9.81") : "--fix " + name;
+  };
+  std::string sentence = fmt::format("{}: {}; {}", parts.place, parts.fault, parts.remedy);
+  for (const std::vector<std::string>& names : parts.worth_fixing) {
+    sentence += ", or pass";
+    for (const std::string& name : names) sentence += " " + option_for(name);
+  }
+  return sentence;
+}
+
+std::string imuImages(const CommandSettings&, const DataError::Parts& parts) {
+  return fmt::format("{}: {}; correct the number, or set valid to 0", parts.place, parts.fault);
 }
 
 }  // namespace
 
-std::string inWordsOfOptions(const CommandSettings& settings, const std::string& id, std::string sentence) {
-  if (id == "slom.calibration.too-few-data") {
-    // All of a file, whose rows begin below its header.
-    if (!settings.board) replace(sentence, ": the corners give", ":2: the corners give");
-    return sentence + " by --intrinsics";
-  }
-  if (id == "slom.calibration.imu-open") {
-    replace(sentence, ", or fix gravity and acc_bias", ", or pass --fix gravity=9.81 --fix acc_bias");
-    replace(sentence, ", or fix gravity", ", or pass --fix gravity=9.81");
-    replace(sentence, ", or fix acc_bias", ", or pass --fix acc_bias");
-  }
-  if (id == "slom.calibration.imu-images") replace(sentence, "leave the reading out", "set valid to 0");
-  return sentence;
+std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error) {
+  using Sentence = std::string (*)(const CommandSettings&, const DataError::Parts&);
+  static const std::map<std::string, Sentence> sentences{{"slom.calibration.too-few-data", &tooFewData},
+                                                         {"slom.calibration.imu-open", &imuOpen},
+                                                         {"slom.calibration.imu-images", &imuImages}};
+  const auto found = sentences.find(error.id());
+  return found == sentences.end() ? std::string(error.sentence()) : found->second(settings, error.parts());
 }
 
 Limits limitsOf(const FitLimits& limits) {

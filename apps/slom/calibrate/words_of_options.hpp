@@ -9,8 +9,8 @@
 
 namespace slom::app::calib {
 
-/// Of an error with this id and sentence; as it is, where the id is of none that the command says otherwise.
-std::string inWordsOfOptions(const CommandSettings& settings, const std::string& id, std::string sentence);
+/// The sentence of `error`, composed anew from its parts where the remedy is an option or a column of a file.
+std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error);
 
 /// f(), whose errors become UserError.
 template <class F>
@@ -18,7 +18,7 @@ auto inWordsOfOptions(const CommandSettings& settings, const F& f) {
   try {
     return f();
   } catch (const DataError& error) {
-    throw UserError(inWordsOfOptions(settings, error.id(), std::string(error.sentence())));
+    throw UserError(inWordsOfOptions(settings, error));
   }
 }
 

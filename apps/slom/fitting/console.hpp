@@ -8,7 +8,7 @@
 
 namespace slom::app {
 
-/// The options that say who is told about a fit.
+/// The options that say where a fit is reported.
 struct ReportOptions {
   std::string json_file;  ///< empty: none; "-": standard output
   bool quiet = false;

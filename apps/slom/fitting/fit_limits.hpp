@@ -18,16 +18,16 @@ namespace slom::app {
 /// Adds --max-seconds; 0: no limit.
 void addTimeLimit(CLI::App& command, double& max_seconds);
 
-/// UserError where the value of --max-seconds is negative or no number. Called before any file is read.
+/// UserError where the value of --max-seconds is negative or not a number. Called before any file is read.
 void requireTimeLimit(double max_seconds);
 
-/// Thrown out of work that is of no use unfinished; the text is FitLimits::reasonToEnd().
+/// Thrown to end work that is useless when unfinished; the text is FitLimits::reasonToEnd().
 struct RunEnded : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// While it lives, SIGINT ends the work, with the best values reached, instead of the program; a second one
-/// ends that, and one that was ignored stays so. Its time counts from its construction. One at a time.
+/// While an object lives, the first SIGINT ends the work with the best values reached, the second one ends the program; where
+/// SIGINT was ignored before, it stays ignored. The time limit counts from construction. There is at most one object at a time.
 class FitLimits {
  public:
   /// What SIGINT does until catchInterrupts() is called.
@@ -42,15 +42,14 @@ class FitLimits {
   void catchInterrupts();
 
   double maxSeconds() const { return max_seconds_; }
-  /// From when its time counts.
+  /// When the time limit began to count.
   std::chrono::steady_clock::time_point start() const { return start_; }
-  /// Whether SIGINT came since the last one was made.
+  /// Whether SIGINT arrived after the latest object was made.
   static bool wasInterrupted();
 
-  /// Gives a fit the limits of the one that lives now, if any.
+  /// Gives a fit the limits of the object that lives now, if any.
   static void applyTo(Options& options);
-  /// Names the limit that the user gave in the message of such a fit, which knows of what was left of it
-  /// alone.
+  /// Puts the limit that the user gave into the message of such a fit, which names the time that was left instead.
   static void nameIn(Summary& summary);
   /// `time limit of 5 s reached` or `interrupted`; empty while the work may go on.
   static std::string reasonToEnd();

@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <span>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <slom/estimator.hpp>
-#include <slom/solve/block_qr.hpp>
-#include <slom/solve/block_solver.hpp>
-#include <slom/solve/cholmod.hpp>
-#include <slom/solve/dense_qr.hpp>
 
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
@@ -34,44 +30,34 @@ std::vector<std::string> splitAtColons(const std::string& text) {
   return words;
 }
 
-AlgorithmName parseAlgorithm(const std::string& text) {
-  if (text == "gn") return AlgorithmName::gn;
-  if (text == "lm") return AlgorithmName::lm;
-  if (text == "dogleg") return AlgorithmName::dogleg;
-  throw UserError(fmt::format("--algorithm {}: the algorithms are gn, lm and dogleg", text));
+/// The field `name` or `description` of all entries of a table of the library.
+template <class Entry>
+std::vector<std::string> allOf(std::span<const Entry> table, const char* Entry::*field) {
+  std::vector<std::string> words;
+  for (const Entry& entry : table) words.emplace_back(entry.*field);
+  return words;
 }
 
-SolverName parseSolver(const std::string& text) {
-  if (text == "auto") return SolverName::automatic;
-  if (text == "cholesky") return SolverName::cholesky;
-  if (text == "cg") return SolverName::cg;
-  if (text == "qr") return SolverName::qr;
-  if (text == "dense-qr") return SolverName::dense_qr;
-  if (text == "cholmod" && Cholmod::isAvailable()) return SolverName::cholmod;
-  throw UserError(fmt::format("--solver {}: the solvers are auto, cholesky, cg, qr and dense-qr{}", text,
-                              Cholmod::isAvailable() ? " and cholmod"
-                              : text == "cholmod" ? "; this build is without CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"
-                                                  : ""));
+/// What a help text says of one option, in lines that fit beside its name.
+std::string help(const std::string& text) { return wrapped(text, 76); }
+
+NamedAlgorithm parseAlgorithm(const std::string& text) {
+  if (const NamedAlgorithm* const found = algorithmNamed(text)) return *found;
+  throw UserError(fmt::format("--algorithm {}: the algorithms are {}", text,
+                              listed(allOf(algorithms(), &NamedAlgorithm::name), ", ", " and ")));
 }
 
-std::unique_ptr<LinearSolver> makeSolver(SolverName name) {
-  switch (name) {
-    case SolverName::qr:
-      return std::make_unique<BlockQR>();
-    case SolverName::dense_qr:
-      return std::make_unique<DenseQR>();
-    case SolverName::cholmod:
-      return std::make_unique<Cholmod>();
-    case SolverName::cg:
-      return std::make_unique<BlockSolver>(
-          BlockSolverOptions{.method = BlockSolverOptions::Method::conjugate_gradients});
-    case SolverName::cholesky:
-      return std::make_unique<BlockSolver>(
-          BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
-    case SolverName::automatic:
-      break;
-  }
-  return std::make_unique<BlockSolver>();
+NamedSolver parseSolver(const std::string& text) {
+  const NamedSolver* const found = solverNamed(text);
+  if (found != nullptr && found->missing == nullptr) return *found;
+  throw UserError(fmt::format(
+      "--solver {}: the solvers are {}{}", text, listed(allOf(solvers(), &NamedSolver::name), ", ", " and "),
+      found == nullptr ? "" : fmt::format("; this build is without {}", found->missing)));
+}
+
+/// What stands for the loss in `--robust`, without its scale.
+std::string formOf(const LossKind& loss) {
+  return loss.has_shape ? fmt::format("{}:ALPHA", loss.stored_name) : loss.stored_name;
 }
 
 /// `NAME:SCALE`, or `barron:ALPHA:SCALE`
@@ -79,8 +65,9 @@ Loss parseLoss(const std::string& text) {
   const std::vector<std::string> words = splitAtColons(text);
   const LossKind* const known = lossNamed(words[0]);
   if (known == nullptr) {
-    throw UserError(fmt::format(
-        "--robust {}: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron", text));
+    std::vector<std::string> names;
+    for (const LossKind* const loss : losses()) names.emplace_back(loss->stored_name);
+    throw UserError(fmt::format("--robust {}: the losses are {}", text, listed(names, ", ", " and ")));
   }
   std::vector<double> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -93,12 +80,8 @@ Loss parseLoss(const std::string& text) {
     const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
     if (detail::faultOf(loss).empty()) return loss;
   }
-  throw UserError(fmt::format(
-      "--robust {}: {}", text,
-      known->has_shape
-          ? "write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard deviations"
-          : fmt::format("write {}:SCALE, SCALE a positive number of standard deviations",
-                        known->stored_name)));
+  throw UserError(fmt::format("--robust {}: write {}:SCALE, {}SCALE a positive number of standard deviations",
+                              text, formOf(*known), known->has_shape ? "ALPHA not above 2 and " : ""));
 }
 
 }  // namespace
@@ -106,16 +89,14 @@ Loss parseLoss(const std::string& text) {
 void addFitOptions(CLI::App& command, RawFitOptions& raw) {
   command
       .add_option("--algorithm", raw.algorithm,
-                  "Gauss-Newton, which goes on as Levenberg-Marquardt where it leads uphill;\n"
-                  "Levenberg-Marquardt; Powell's dog leg")
-      ->type_name("gn|lm|dogleg")
+                  help(listed(allOf(algorithms(), &NamedAlgorithm::description), "; ", "; ")))
+      ->type_name(listed(allOf(algorithms(), &NamedAlgorithm::name), "|", "|"))
       ->capture_default_str();
   command
-      .add_option("--solver", raw.solver,
-                  "of the linear systems: chosen by predicted cost; Cholesky decomposition of\n"
-                  "J^T J in blocks; conjugate gradients; QR decomposition of J, for\n"
-                  "ill-conditioned problems; a dense one, for small problems")
-      ->type_name("auto|cholesky|cg|qr|dense-qr")
+      .add_option(
+          "--solver", raw.solver,
+          help("of the linear systems: " + listed(allOf(solvers(), &NamedSolver::description), "; ", "; ")))
+      ->type_name(listed(allOf(solvers(), &NamedSolver::name), "|", "|"))
       ->capture_default_str();
   command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
       ->type_name("NUMBER")
@@ -127,10 +108,13 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
 }
 
 void addLossOption(CLI::App& command, RawFitOptions& raw) {
+  std::vector<std::string> forms;
+  for (const LossKind* const loss : losses())
+    forms.push_back(formOf(*loss) + (loss->has_shape ? ":SCALE" : ""));
   command
       .add_option("--robust", raw.loss,
-                  "loss of all measurements, with its scale in standard deviations: huber,\n"
-                  "pseudo-huber, cauchy, tukey, geman-mcclure, or barron:ALPHA:SCALE")
+                  help("loss of all measurements, with its scale in standard deviations: " +
+                       listed(forms, ", ", ", or ")))
       ->type_name("NAME:SCALE");
 }
 
@@ -152,9 +136,8 @@ FitOptions parseFitOptions(const RawFitOptions& raw) {
 
 void apply(const FitOptions& options, Estimator& estimator) {
   estimator.setThreads(options.threads);
-  estimator.changeSolver(makeSolver(options.solver));
-  if (options.algorithm == AlgorithmName::lm) estimator.changeAlgorithm(LevenbergMarquardt());
-  if (options.algorithm == AlgorithmName::dogleg) estimator.changeAlgorithm(DogLeg());
+  estimator.changeSolver(options.solver.make());
+  estimator.changeAlgorithm(options.algorithm.make().release());
 }
 
 int threadsOf(const FitOptions& options) {

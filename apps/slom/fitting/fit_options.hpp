@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 
 #include <slom/model/loss.hpp>
+#include <slom/optimize/named.hpp>
+#include <slom/solve/named.hpp>
 
 namespace slom {
 class Estimator;
@@ -13,13 +15,9 @@ class Estimator;
 
 namespace slom::app {
 
-enum class AlgorithmName { gn, lm, dogleg };
-
-enum class SolverName { automatic, cholesky, cg, qr, dense_qr, cholmod };
-
 struct FitOptions {
-  AlgorithmName algorithm = AlgorithmName::gn;
-  SolverName solver = SolverName::automatic;
+  NamedAlgorithm algorithm = algorithms().front();
+  NamedSolver solver = solvers().front();
   Loss loss;        ///< of all measurements
   int threads = 0;  ///< 0: as many as the machine has
   int max_iterations = 100;
@@ -28,8 +26,8 @@ struct FitOptions {
 
 /// The options as text, as CLI11 hands them over.
 struct RawFitOptions {
-  std::string algorithm = "gn";
-  std::string solver = "auto";
+  std::string algorithm = algorithms().front().name;
+  std::string solver = solvers().front().name;
   std::string loss;
   int threads = 0;
   int max_iterations = 100;

@@ -13,7 +13,7 @@ namespace slom::app {
 std::string iterationHeader();
 std::string iterationText(const IterationRecord& record);
 
-/// What matters of a fit.
+/// The figures by which a fit is reported.
 struct Outcome {
   bool converged = false;
   int iterations = 0;
@@ -23,7 +23,7 @@ struct Outcome {
   int unknowns = 0;
   double rss = 0;
   bool is_robust = false;   ///< some measurements have a loss, so that there is no chi-square
-  int free_directions = 0;  ///< of the unknowns, that no measurement of this kind can determine
+  int free_directions = 0;  ///< dimension of the gauge, which no measurement of this kind can determine
 
   int redundancy() const { return measurements - unknowns + free_directions; }
   /// NaN without redundancy.

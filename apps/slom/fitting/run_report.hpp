@@ -22,7 +22,7 @@ struct RunReport {
   Summary summary;
   int threads = 1;
   int free_directions =
-      0;  ///< of the unknowns, that no measurement of this kind can determine: they add to the redundancy
+      0;  ///< dimension of the gauge, which no measurement of this kind can determine; it adds to the redundancy
   double load_seconds = 0;   ///< reading, checking and starting
   double setup_seconds = 0;  ///< putting variables and measurements into the estimator
   double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it
@@ -31,7 +31,7 @@ struct RunReport {
 /// The keys are those of docs/graph.md.
 std::string toJson(const RunReport& report);
 
-/// The most memory that this process has held so far [MB, 10^6 bytes].
+/// Peak memory of this process so far [MB, 10^6 bytes].
 double peakMemoryMb();
 
 }  // namespace slom::app

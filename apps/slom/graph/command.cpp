@@ -45,7 +45,7 @@ template <class Pose>
 Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   Preparation preparation;
   preparation.repaired = checkInformation(graph, settings.repair_information);
-  preparation.held = holdGauge(graph, settings.hold_parts);
+  preparation.fixed = fixGauge(graph, settings.hold_parts);
   preparation.start = findStart(graph, settings.init, settings.model());
   return preparation;
 }

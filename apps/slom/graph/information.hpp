@@ -1,4 +1,4 @@
-// Information matrices that are none.
+// Information matrices that are not positive definite.
 #pragma once
 
 #include "graph/pose_graph.hpp"

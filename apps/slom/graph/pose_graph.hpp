@@ -1,4 +1,4 @@
-// Pose graphs as the library reads them, and their parts.
+// Pose graphs as the library reads them, with their nodes and edges.
 #pragma once
 
 #include <slom/io/pose_graph.hpp>

@@ -9,7 +9,7 @@ namespace {
 using Point = mtk::vect<3>;
 using Pixel = Measured<mtk::vect<2>>;
 
-/// Of points that are unknown and of points that are known.
+/// Adds images, by one kind of lens, of points whose positions are unknown and of points whose positions are known.
 template <class Lens, class Camera>
 void addLens(Archive& archive) {
   archive.measurement<Projection, VarID<Lens>, Point, Pixel>();

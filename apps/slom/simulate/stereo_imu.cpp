@@ -5,13 +5,14 @@
 
 #include <Eigen/Geometry>
 
-#include "simulate/random.hpp"
+#include <mtk/testing/random.hpp>
 
 namespace slom::app {
 
 namespace {
 
 using SE3 = mtk::trafo<mtk::SO3<>>;
+using mtk::testing::Random;
 
 // The board: 12 x 8 corners.
 constexpr int kBoardColumns = 12;
@@ -77,7 +78,8 @@ std::vector<SimulatedCorner> visibleCorners(int image, const SimulatedCamera& ca
     for (int column = 0; column < kBoardColumns; ++column) {
       const mtk::vect<3> world = boardPoint(column, row);
       const mtk::vect<3> point = world2camera * world;
-      if (point.z() <= 0 || point.head<2>().norm() > point.z()) continue;  // behind, or beyond 45 degrees
+      if (point.z() <= 0 || point.head<2>().norm() > point.z())
+        continue;  // behind the camera, or more than 45 degrees off its axis
       const mtk::vect<2> pixel = camera.project(point);
       const bool inside = pixel.x() >= 0 && pixel.x() <= truth.image_width_px - 1 &&  //
                           pixel.y() >= 0 && pixel.y() <= truth.image_height_px - 1;

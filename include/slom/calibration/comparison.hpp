@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "slom/calibration/dataset.hpp"
+#include "slom/calibration/error.hpp"
 #include "slom/calibration/options.hpp"
 
 namespace slom::calibration {
@@ -19,8 +20,8 @@ namespace slom::calibration {
 /// One model on all images, and in cross-validation.
 struct ModelTrial {
   Model model;
-  std::string failure{};     ///< why there is no fit, or none that can be used; empty otherwise
-  std::string failure_id{};  ///< DataError::id, where that is the reason
+  std::string failure{};             ///< why there is no fit, or none that can be used; empty otherwise
+  std::optional<DataError> error{};  ///< whose sentence that is, if it is one's
   int unknowns = 0, redundancy = 0;
   double rss = 0;
   double rms_px = 0;                       ///< over the corners of all cameras

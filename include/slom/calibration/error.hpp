@@ -1,6 +1,9 @@
 /// Errors of the calibration.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "mtk/error.hpp"
 
 namespace slom::calibration {
@@ -19,8 +22,25 @@ namespace slom::calibration {
 ///   no-result      uncertainty asked of a calibration that did not succeed, or of other data
 ///   bad-question   a camera, a pixel or a distance that is not there
 ///   copies         two cameras with the same views, or a camera with one view and copies of it
-struct DataError : mtk::Error {
+class DataError : public mtk::Error {
+ public:
+  struct Parts {
+    std::string place;   ///< file, or file and line: `imu.csv:2`
+    std::string fault;   ///< `there are no corners of image 7 in any camera`
+    std::string remedy;  ///< `correct the number, or leave the reading out`
+    /// Each of these sets of parameters, fixed, would be a remedy, too: {{"gravity"}, {"acc_bias"}}.
+    std::vector<std::vector<std::string>> worth_fixing{};
+  };
+
   using mtk::Error::Error;
+  /// The sentence is `place: fault; remedy`, followed by `, or fix gravity and acc_bias` for each set of `worth_fixing`.
+  DataError(std::string id, Parts parts);
+
+  /// Empty but for the ids too-few-data, imu-images and imu-open.
+  const Parts& parts() const noexcept { return parts_; }
+
+ private:
+  Parts parts_{};
 };
 
 }  // namespace slom::calibration

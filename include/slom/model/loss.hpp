@@ -20,6 +20,7 @@
 #pragma once
 
 #include <compare>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -43,11 +44,27 @@ struct LossKind {
   LossValue (*evaluate)(double t, double shape);
 };
 
-namespace detail {
-/// The table of losses: a new one is a row there and a struct below.
-extern const LossKind kLossKinds[6];
-}  // namespace detail
+/// The table of losses: SCALED for those with a scale alone, SHAPED for those with a shape before it. A new loss is a line
+/// here, and a file in src/model/losses that defines its kind. All else is made from this table: the class, its kind's
+/// declaration, losses(), the names in archives and those of the command.
+// clang-format off
+#define SLOM_LOSSES(SCALED, SHAPED) \
+  SCALED(Huber)                     \
+  SCALED(PseudoHuber)               \
+  SCALED(Cauchy)                    \
+  SCALED(Tukey)                     \
+  SCALED(GemanMcClure)              \
+  SHAPED(Barron) /* Barron(alpha, c) with alpha <= 2; -infinity is allowed */
+// clang-format on
 
+namespace detail::losses {
+#define SLOM_LOSS_KIND(Name) extern const LossKind Name;
+SLOM_LOSSES(SLOM_LOSS_KIND, SLOM_LOSS_KIND)
+#undef SLOM_LOSS_KIND
+}  // namespace detail::losses
+
+/// The losses of the library, in the order of the table.
+std::span<const LossKind* const> losses();
 /// The library's loss of this stored name; null: there is none.
 const LossKind* lossNamed(std::string_view stored_name);
 
@@ -77,25 +94,17 @@ class Loss {
   double shape_ = 0;
 };
 
-struct Huber : Loss {
-  explicit constexpr Huber(double scale) : Loss(detail::kLossKinds[0], scale) {}
-};
-struct PseudoHuber : Loss {
-  explicit constexpr PseudoHuber(double scale) : Loss(detail::kLossKinds[1], scale) {}
-};
-struct Cauchy : Loss {
-  explicit constexpr Cauchy(double scale) : Loss(detail::kLossKinds[2], scale) {}
-};
-struct Tukey : Loss {
-  explicit constexpr Tukey(double scale) : Loss(detail::kLossKinds[3], scale) {}
-};
-struct GemanMcClure : Loss {
-  explicit constexpr GemanMcClure(double scale) : Loss(detail::kLossKinds[4], scale) {}
-};
-/// `alpha` <= 2; -infinity is allowed.
-struct Barron : Loss {
-  constexpr Barron(double alpha, double scale) : Loss(detail::kLossKinds[5], scale, alpha) {}
-};
+#define SLOM_SCALED_LOSS(Name)                                                   \
+  struct Name : Loss {                                                           \
+    explicit constexpr Name(double scale) : Loss(detail::losses::Name, scale) {} \
+  };
+#define SLOM_SHAPED_LOSS(Name)                                                               \
+  struct Name : Loss {                                                                       \
+    constexpr Name(double shape, double scale) : Loss(detail::losses::Name, scale, shape) {} \
+  };
+SLOM_LOSSES(SLOM_SCALED_LOSS, SLOM_SHAPED_LOSS)
+#undef SLOM_SCALED_LOSS
+#undef SLOM_SHAPED_LOSS
 
 /// A loss of your own: f(t) returns phi(t), phi'(t) and phi''(t) for t = |W r|^2 / c^2 >= 0, with phi(0) = 0, phi'(0) = 1 and
 /// 0 <= phi'(t) <= 1; then rho(s) = c^2 phi(s / c^2). Insertion checks that, and phi' by differences. Files cannot name it,

@@ -131,11 +131,10 @@ void checkImuImages(const Dataset& data) {
   const std::vector<int> images = data.images();
   for (const ImuReading& reading : data.imu->readings) {
     if (std::binary_search(images.begin(), images.end(), reading.image)) continue;
-    throw DataError(
-        "slom.calibration.imu-images",
-        fmt::format("{}:{}: there are no corners of image {} in any camera; correct the number, or leave the "
-                    "reading out",
-                    data.imu->file, reading.line, reading.image));
+    throw DataError("slom.calibration.imu-images",
+                    {.place = fmt::format("{}:{}", data.imu->file, reading.line),
+                     .fault = fmt::format("there are no corners of image {} in any camera", reading.image),
+                     .remedy = "correct the number, or leave the reading out"});
   }
 }
 

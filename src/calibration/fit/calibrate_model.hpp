@@ -31,11 +31,11 @@ inline void requireEnoughMeasurements(const Dataset& data, const Settings& setti
   const std::size_t unknowns =
       cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
-  throw DataError(
-      "slom.calibration.too-few-data",
-      fmt::format("{}: the corners give {} numbers for {} unknowns of the model {}; add images or "
-                  "corners, or choose a model with fewer parameters",
-                  nameOf(data.cameras.front()), measured, unknowns, settings.model.name()));
+  throw DataError("slom.calibration.too-few-data",
+                  {.place = nameOf(data.cameras.front()),
+                   .fault = fmt::format("the corners give {} numbers for {} unknowns of the model {}",
+                                        measured, unknowns, settings.model.name()),
+                   .remedy = "add images or corners, or choose a model with fewer parameters"});
 }
 
 /// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
@@ -216,7 +216,7 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
       trial.failure = "corners that it was not fitted to have no image in it";
   } catch (const DataError& error) {
     trial.failure = error.sentence();
-    trial.failure_id = error.id();
+    trial.error = error;
   } catch (const slom::Error& error) {
     trial.failure = sentenceOf(error);
   }

@@ -50,6 +50,7 @@ ModelTrial tryOne(const Dataset& data, const Settings& settings, const Model& mo
   if (reason.empty()) return trial;
   comparison.cut_short = reason;
   trial.failure = "not tried to the end, " + reason;
+  trial.error.reset();
   return trial;
 }
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -124,19 +127,21 @@ void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs
     if (fix_gravity) more.gravity = std::abs(at.gravity);
     return isDetermined(imuPrecision(pairs, at, more, sigma_acc));
   };
-  std::string remedy;
-  if (!fixed.gravity && helps(false, true)) remedy = ", or fix gravity";
-  if (!fixed.acc_bias && helps(true, false)) remedy += ", or fix acc_bias";
-  if (remedy.empty() && helps(true, true)) remedy = ", or fix gravity and acc_bias";
+  std::vector<std::vector<std::string>> worth_fixing;
+  if (!fixed.gravity && helps(false, true)) worth_fixing.push_back({"gravity"});
+  if (!fixed.acc_bias && helps(true, false)) worth_fixing.push_back({"acc_bias"});
+  if (worth_fixing.empty() && helps(true, true)) worth_fixing.push_back({"gravity", "acc_bias"});
   std::string what = "the orientation of the IMU";
   if (!fixed.acc_bias) what += ", acc_bias";
   if (!fixed.gravity) what += ", gravity";
   throw DataError(
       "slom.calibration.imu-open",
-      fmt::format("{}:{}: {} valid reading{} of tilts that spread by {:.2g} deg do not determine {}; add "
-                  "readings at other tilts, about more than one axis{}",
-                  imu.file, imu.readings.front().line, pairs.size(), pairs.size() == 1 ? "" : "s",
-                  tiltSpread(pairs) * 180 / std::numbers::pi, what, remedy));
+      {.place = fmt::format("{}:{}", imu.file, imu.readings.front().line),
+       .fault = fmt::format("{} valid reading{} of tilts that spread by {:.2g} deg do not determine {}",
+                            pairs.size(), pairs.size() == 1 ? "" : "s",
+                            tiltSpread(pairs) * 180 / std::numbers::pi, what),
+       .remedy = "add readings at other tilts, about more than one axis",
+       .worth_fixing = std::move(worth_fixing)});
 }
 
 }  // namespace slom::calibration

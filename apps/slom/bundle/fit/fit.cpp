@@ -4,14 +4,14 @@ namespace slom::app::bundle {
 
 namespace {
 
-// Points recede from cameras along the way, and old scales would hold them back.
+// Points recede from cameras during the fit; scales of earlier linearisations would make their steps too short.
 constexpr double initial_damping = 1e-4, scale_memory = 0.1;
 
 }  // namespace
 
 BundleFit::BundleFit(const Scene& scene, const FitOptions& options) {
   apply(options, est_);
-  if (options.algorithm == AlgorithmName::lm)
+  if (options.algorithm.name == kAlgorithm)
     est_.changeAlgorithm(LevenbergMarquardt(initial_damping, scale_memory));
   variables_ = io::insert(est_, scene, options.loss);
 }

@@ -13,7 +13,7 @@ enum class Format {
   unknown
 };
 
-/// By the extension: .txt and .bal, .ply.
+/// The format that the extension asks for: .txt and .bal, or .ply.
 Format formatOf(const std::string& file);
 
 /// Points in grey, then the centres of the cameras in red; text.

@@ -1,6 +1,6 @@
 // The calibration boards: where their corners are, and in how many ways a board looks the same.
 //   chessboard  columns x rows inner corners, x along the rows, y down, the first inner square dark where the
-//               colours tell the ends apart
+//               colours distinguish the ends
 //   charuco     columns x rows squares, black ones and white ones with ArUco markers in them; corners are
 //               the inner ones
 //   aprilgrid   columns x rows tags of the family 36h11, small squares between them; x right, y up, four
@@ -20,14 +20,14 @@ struct Board {
   int columns = 0, rows = 0;  ///< inner corners, squares or tags
   double square_m = 0;        ///< side of a square; aprilgrid: of a tag
   double marker_m = 0;        ///< charuco: side of a marker
-  double spacing = 0;         ///< aprilgrid: gap between tags, as a part of their side
+  double spacing = 0;         ///< aprilgrid: gap between tags, as a fraction of their side
   std::string dictionary;     ///< charuco: of the markers, as "5x5_100"
 
-  /// Of the grid of corners.
+  /// Size of the grid of corners.
   int cornerColumns() const;
   int cornerRows() const;
   int cornerCount() const { return cornerColumns() * cornerRows(); }
-  /// Of the corner with this index, row by row [m].
+  /// Position of the corner with this index, which counts row by row [m].
   vec3 corner(int index) const;
   /// In how many ways the board can be turned so that it looks the same: 1, 2 or 4.
   int symmetry() const;

@@ -33,7 +33,7 @@ double brightness(const Photograph& photo, const Eigen::Vector2d& pixel) {
   return photo.grey[std::size_t(v) * photo.size.width + u];
 }
 
-/// By how much the first inner square, and all of its colour, are darker than the others.
+/// How much darker the first inner square, and all of its colour, are than the others.
 double darknessOfFirst(const Grid& grid, const Photograph& photo) {
   double sum = 0;
   for (int row = 0; row + 1 < grid.rows; ++row) {
@@ -76,10 +76,10 @@ std::vector<vec2> inBoardOrder(const Board& board, std::vector<vec2> corners, co
   std::vector<Grid> turned{grid, halfTurned(grid)};
   if (board.columns == board.rows)
     turned.push_back(quarterTurned(turned[0])), turned.push_back(quarterTurned(turned[1]));
-  const bool colours_tell =
+  const bool colours_decide =
       std::any_of(turned.begin(), turned.end(), [&](const Grid& g) { return darknessOfFirst(g, photo) > 0; });
   const auto rank = [&](const Grid& g) {
-    const bool is_wrong = colours_tell && darknessOfFirst(g, photo) <= 0;
+    const bool is_wrong = colours_decide && darknessOfFirst(g, photo) <= 0;
     return std::pair(is_wrong, g.corners[0].sum());
   };
   const auto best = std::min_element(turned.begin(), turned.end(),

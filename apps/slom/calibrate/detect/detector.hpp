@@ -14,9 +14,9 @@ struct FoundCorner {
   vec2 pixel;     ///< the centre of the first pixel is (0, 0)
 };
 
-/// The corners by rising index; none where there is no board. A chessboard is found as a whole, of the other
-/// boards whatever can be seen, if that is enough for a pose. Corners of a chessboard begin at the end that
-/// its colours say; where these leave it open (Board::symmetry) at the end that lies nearest to the upper
+/// The corners by rising index; none where there is no board. A chessboard is found as a whole; of other
+/// boards all visible corners are found, if they suffice for a pose. Corners of a chessboard begin at the end that
+/// its colours say; where these leave that open (Board::symmetry) at the end that lies nearest to the upper
 /// left of the photograph.
 std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo);
 

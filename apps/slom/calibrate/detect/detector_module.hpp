@@ -1,5 +1,5 @@
 // The functions of detector.hpp as the shared object that was linked with OpenCV hands them over. To load
-// OpenCV and what it stands on takes longer than to calibrate from corners, so it is loaded where there are
+// OpenCV and its dependencies takes longer than to calibrate from corners, so it is loaded where there are
 // photographs, and not before.
 #pragma once
 

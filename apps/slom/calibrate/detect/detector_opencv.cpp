@@ -83,7 +83,7 @@ Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   return corners;
 }
 
-/// Whether the corners that were seen pin down where the board stands.
+/// Whether the corners that were seen determine the pose of the board.
 bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   constexpr std::size_t least = 6;
   std::vector<vec2> on_board, in_image;
@@ -94,7 +94,7 @@ bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   return found.size() >= least && !onLineButOne(on_board, 1e-4) && !onLineButOne(in_image, 2e-3);
 }
 
-/// Threads of our own look at photographs side by side; OpenCV's within them would hold more of them in
+/// Threads of the command search photographs in parallel; OpenCV's own threads within them would keep more photographs in
 /// memory.
 void keepToOneThread() {
   static std::once_flag once;

@@ -48,7 +48,7 @@ Seen look(const Board& board, const std::string& file) {
   return seen;
 }
 
-/// By camera and photograph.
+/// What each photograph of each camera shows: the first index is the camera.
 std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board,
                                          bool with_progress) {
   std::vector<std::vector<Seen>> seen;

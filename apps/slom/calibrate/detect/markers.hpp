@@ -5,7 +5,7 @@
 
 namespace slom::app::calib {
 
-/// As findBoard, for boards that are no chessboards.
+/// As findBoard, for boards that are not chessboards.
 std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo);
 
 /// UserError when there is no such dictionary, or it has fewer markers than the board.

@@ -24,7 +24,7 @@ struct Dictionary {
   int name, markers;
 };
 
-/// By bits along a side and number of markers.
+/// OpenCV's dictionaries; a name consists of the bits along a side and the number of markers.
 const std::map<std::string, Dictionary> dictionaries{{"4x4_50", {aruco::DICT_4X4_50, 50}},
                                                      {"4x4_100", {aruco::DICT_4X4_100, 100}},
                                                      {"4x4_250", {aruco::DICT_4X4_250, 250}},
@@ -148,7 +148,7 @@ double bend(const Board& board, const std::vector<FoundCorner>& found) {
 }
 
 /// Where the tags around each tag, and the tag itself, put its corners: a homography that is true for most of
-/// these. In a small part of the image it holds whatever the lens is. Corners that lie elsewhere were taken
+/// these. In a small region of the image it is valid for any lens. Corners that lie elsewhere were taken
 /// from a square between tags.
 std::vector<FoundCorner> smoothed(const Board& board, const std::vector<FoundCorner>& found, double side) {
   std::vector<FoundCorner> kept;

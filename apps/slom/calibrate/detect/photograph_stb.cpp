@@ -1,4 +1,4 @@
-// By stb_image, which reads what cameras write and brings nothing else along.
+// Photographs read by stb_image, which reads the formats that cameras write and has no dependencies.
 #include <algorithm>
 #include <cmath>
 #include <fcntl.h>

@@ -37,7 +37,7 @@ std::vector<std::string> expanded(const std::string& camera, const std::string& 
       camera, pattern));
 }
 
-/// By value: shorter ones first.
+/// Compares texts by the numbers that they are, without leading zeros: the shorter one is smaller.
 struct ByValue {
   bool operator()(const std::string& a, const std::string& b) const {
     return a.size() != b.size() ? a.size() < b.size() : a < b;

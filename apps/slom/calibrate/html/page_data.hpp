@@ -7,7 +7,7 @@
 
 namespace slom::app::calib {
 
-/// Of many corners, images and parameters only as many are there as can be drawn; the page says so.
+/// Where there are many corners, images or parameters, the data contain only as many as can be drawn, and the page says so.
 std::string pageData(const Dataset& data, const Result& result);
 
 }  // namespace slom::app::calib

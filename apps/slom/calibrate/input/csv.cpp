@@ -48,7 +48,7 @@ struct Lines {
 };
 
 constexpr std::size_t longest_text =
-    80;  // in a message: a file that is no table may have lines of any length
+    80;  // in a message: a file that is not a table may have lines of any length
 
 }  // namespace
 

@@ -44,8 +44,8 @@ struct CsvComment {
 /// spaces around fields, Windows line ends and a byte order mark do not matter.
 class CsvTable {
  public:
-  /// Reads all of the file; UserError if it cannot be read, its header is another one, or a row has not as
-  /// many fields as the header, or there is no row at all.
+  /// Reads all of the file; UserError if it cannot be read, its header is another one, a row has another number of
+  /// fields than the header, or there is no row at all.
   CsvTable(std::string file, std::vector<std::string> columns);
   CsvTable(const CsvTable&) = delete;
   CsvTable& operator=(const CsvTable&) = delete;

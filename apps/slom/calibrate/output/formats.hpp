@@ -21,7 +21,7 @@ std::vector<OutputText> outputTexts(const Result& result, const CommandSettings&
 /// The lens as the readers of a format describe it; nothing where they know no such model.
 std::optional<ForeignLens> lensFor(OutputFormat format, const Model& model,
                                    const std::vector<double>& parameters);
-/// Of a camera whose model they know.
+/// The lens of a camera whose model the readers know.
 ForeignLens lensFor(OutputFormat format, const CameraResult& camera);
 
 /// UserError when the readers of the format do not know the model.

@@ -111,7 +111,7 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
             3 * readings, of_imu, notes);
 }
 
-/// Of two cameras.
+/// The name of the other camera, where there are two.
 const std::string& otherThan(const std::string& name, const Result& result) {
   return result.cameras.front().name == name ? result.cameras.back().name : result.cameras.front().name;
 }

@@ -14,7 +14,7 @@ namespace slom::app::graph {
 template <class Pose>
 class GraphFit {
  public:
-  /// Takes start values and what is held from `graph`.
+  /// Takes start values and what is fixed from `graph`.
   GraphFit(const PoseGraph<Pose>& graph, const GraphModel& model);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }

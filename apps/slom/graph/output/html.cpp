@@ -54,13 +54,13 @@ Json dataOf(const Sketch& sketch) {
           {"path", pairs(sketch.path)},
           {"closures", pairs(sketch.closures)},
           {"landmarks", coordinates(sketch.landmarks, centre, size)},
-          {"held", sketch.held}};
+          {"held", sketch.fixed}};
 }
 
 }  // namespace
 
 std::string toHtml(const Sketch& sketch) {
-  return std::string(page_before_data) + scriptText(dataOf(sketch)) + page_behind_data;
+  return std::string(page_before_data) + scriptText(dataOf(sketch)) + page_after_data;
 }
 
 }  // namespace slom::app::graph

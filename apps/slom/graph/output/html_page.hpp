@@ -29,7 +29,7 @@ inline constexpr const char* page_before_data = R"page(<!DOCTYPE html>
 <script>
 const data = )page";
 
-inline constexpr const char* page_behind_data = R"page(;
+inline constexpr const char* page_after_data = R"page(;
 const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
 const home = { turn: data.flat ? 0 : -0.6, tilt: data.flat ? 0 : 1.05, zoom: 1, x: 0, y: 0 };
 let view = { ...home }, waiting = false;

@@ -12,21 +12,21 @@ namespace slom::app::graph {
 namespace {
 
 template <class Value>
-std::size_t heldAmong(const std::vector<Node<Value>>& nodes) {
+std::size_t fixedAmong(const std::vector<Node<Value>>& nodes) {
   return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.held; }));
 }
 
 template <class Pose>
-std::string heldText(const PoseGraph<Pose>& graph, const std::string& held) {
+std::string fixedText(const PoseGraph<Pose>& graph, const std::string& fixed) {
   std::string text;
   if (graph.has_fix_lines) {
-    text = plural(heldAmong(graph.poses), "pose");
-    if (const std::size_t landmarks = heldAmong(graph.landmarks))
+    text = plural(fixedAmong(graph.poses), "pose");
+    if (const std::size_t landmarks = fixedAmong(graph.landmarks))
       text += " and " + plural(landmarks, "landmark");
     text += ", by lines FIX";
-    if (!held.empty()) text += " and --hold-parts (" + held + ")";
+    if (!fixed.empty()) text += " and --hold-parts (" + fixed + ")";
   } else {
-    text = held + ", as there are no lines FIX";
+    text = fixed + ", as there are no lines FIX";
   }
   return text;
 }
@@ -52,7 +52,7 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
                         plural(graph.sightings.size(), "sighting"));
   }
-  text += fmt::format("  held: {}\n  start: {}\n", heldText(graph, preparation.held),
+  text += fmt::format("  held: {}\n  start: {}\n", fixedText(graph, preparation.fixed),
                       startText(preparation.start));
   if (preparation.repaired > 0) {
     text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"

@@ -10,12 +10,12 @@ namespace slom::app::graph {
 
 /// How the fit was prepared.
 struct Preparation {
-  int repaired = 0;  ///< information matrices
-  std::string held;  ///< what holdGauge says
+  int repaired = 0;   ///< information matrices
+  std::string fixed;  ///< what fixGauge returns
   StartFound start;
 };
 
-/// What was read, what is held, where the fit starts, warnings.
+/// What was read, what is fixed, where the fit starts, warnings.
 template <class Pose>
 std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation);
 

@@ -20,7 +20,7 @@ struct Sketch {
   std::vector<Line> path;      ///< edges between poses that follow each other
   std::vector<Line> closures;  ///< all other edges
   std::vector<Place> landmarks;
-  std::vector<int> held;  ///< among poses
+  std::vector<int> fixed;  ///< indices of fixed poses in `poses`
 
   /// Smallest and largest coordinates; the first of them always differ.
   std::pair<Place, Place> bounds() const;

@@ -56,7 +56,7 @@ class Picture {
     lines("edge", "0.7", "0.55", sketch_.closures);
     lines("path", "1.6", "1", sketch_.path);
     landmarks();
-    for (const int pose : sketch_.held) {
+    for (const int pose : sketch_.fixed) {
       const Dot d = dot(sketch_.poses[std::size_t(pose)]);
       append("<circle class=\"held\" stroke-width=\"2\" cx=\"{}\" cy=\"{}\" r=\"5\"/>\n", px(d.x), px(d.y));
     }

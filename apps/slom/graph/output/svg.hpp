@@ -7,7 +7,7 @@
 
 namespace slom::app::graph {
 
-/// SVG with the trajectory, the other edges thin behind it, landmarks as dots, held poses as rings, and a bar
+/// SVG with the trajectory, the other edges thin in the background, landmarks as dots, fixed poses as rings, and a bar
 /// for the scale. Follows the reader's choice of light or dark.
 std::string toSvg(const Sketch& sketch);
 

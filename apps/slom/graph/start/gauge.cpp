@@ -31,36 +31,36 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
-/// Vertices that edges connect.
-struct Part {
-  int first = 0;  ///< its first vertex: a pose where it has one; landmarks count behind the poses
+/// A connected component of the graph; messages call it a part.
+struct Component {
+  int first = 0;  ///< its first vertex: a pose where it has one; landmarks count after the poses
   int vertices = 0;
-  int held_poses = 0;
+  int fixed_poses = 0;
 };
 
 template <class Pose>
-std::vector<Part> partsOf(const PoseGraph<Pose>& graph) {
+std::vector<Component> componentsOf(const PoseGraph<Pose>& graph) {
   const int poses = int(graph.poses.size());
   DisjointSets sets(graph.poses.size() + graph.landmarks.size());
   for (const auto& edge : graph.edges) sets.join(edge.from, edge.to);
   for (const auto& sighting : graph.sightings) sets.join(sighting.from, poses + sighting.to);
-  std::vector<Part> parts;
-  std::vector<int> part_of_first(graph.poses.size() + graph.landmarks.size(), -1);
-  for (int i = 0; i < int(part_of_first.size()); ++i) {
+  std::vector<Component> components;
+  std::vector<int> component_of_first(graph.poses.size() + graph.landmarks.size(), -1);
+  for (int i = 0; i < int(component_of_first.size()); ++i) {
     const int first = sets.find(i);
-    int& part = part_of_first[std::size_t(first)];
-    if (part < 0) {
-      part = int(parts.size());
-      parts.push_back({first});
+    int& component = component_of_first[std::size_t(first)];
+    if (component < 0) {
+      component = int(components.size());
+      components.push_back({first});
     }
-    ++parts[std::size_t(part)].vertices;
-    if (i < poses && graph.poses[std::size_t(i)].held) ++parts[std::size_t(part)].held_poses;
+    ++components[std::size_t(component)].vertices;
+    if (i < poses && graph.poses[std::size_t(i)].held) ++components[std::size_t(component)].fixed_poses;
   }
-  return parts;
+  return components;
 }
 
 template <class Pose>
-void hold(PoseGraph<Pose>& graph, int vertex) {
+void fix(PoseGraph<Pose>& graph, int vertex) {
   const std::size_t v = std::size_t(vertex), poses = graph.poses.size();
   (v < poses ? graph.poses[v].held : graph.landmarks[v - poses].held) = true;
 }
@@ -72,9 +72,10 @@ std::string nameOf(const PoseGraph<Pose>& graph, int vertex) {
                    : fmt::format("landmark {}", graph.landmarks[v - poses].id);
 }
 
-/// `open` are the parts without a held pose.
+/// `open` are the components without a fixed pose.
 template <class Pose>
-[[noreturn]] void refuse(const PoseGraph<Pose>& graph, std::size_t parts, const std::vector<Part>& open) {
+[[noreturn]] void refuse(const PoseGraph<Pose>& graph, std::size_t parts,
+                         const std::vector<Component>& open) {
   constexpr std::size_t most_parts = 5;
   std::string names;
   for (std::size_t i = 0; i < std::min(open.size(), most_parts); ++i) {
@@ -91,42 +92,42 @@ template <class Pose>
 
 /// Without vertices nothing says how fixed poses lie to each other.
 template <class Pose>
-void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Part>& parts) {
+void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Component>& components) {
   if (graph.has_vertices) return;
-  for (const Part& part : parts) {
-    if (part.held_poses < 2) continue;
+  for (const Component& component : components) {
+    if (component.fixed_poses < 2) continue;
     throw UserError(
         fmt::format("{}: {} poses are fixed, but the file has no vertices that say where they are; fix one "
                     "of them, or add vertices",
-                    graph.file, part.held_poses));
+                    graph.file, component.fixed_poses));
   }
 }
 
 }  // namespace
 
 template <class Pose>
-std::string holdGauge(PoseGraph<Pose>& graph, bool hold_parts) {
-  std::vector<Part> parts = partsOf(graph);
-  requireKnownPlaces(graph, parts);
-  std::string held;
+std::string fixGauge(PoseGraph<Pose>& graph, bool hold_parts) {
+  std::vector<Component> components = componentsOf(graph);
+  requireKnownPlaces(graph, components);
+  std::string fixed;
   if (!graph.has_fix_lines) {
-    hold(graph, 0);
-    parts.front().held_poses = 1;
-    held = nameOf(graph, 0);
+    fix(graph, 0);
+    components.front().fixed_poses = 1;
+    fixed = nameOf(graph, 0);
   }
-  std::vector<Part> open;
-  for (const Part& part : parts) {
-    if (part.held_poses == 0) open.push_back(part);
+  std::vector<Component> open;
+  for (const Component& component : components) {
+    if (component.fixed_poses == 0) open.push_back(component);
   }
-  if (open.empty()) return held;
-  if (!hold_parts) refuse(graph, parts.size(), open);
-  for (const Part& part : open) hold(graph, part.first);
-  if (!held.empty()) held += " and ";
-  return held + (open.size() == 1 ? nameOf(graph, open.front().first)
-                                  : fmt::format("the first vertex of {} more parts", open.size()));
+  if (open.empty()) return fixed;
+  if (!hold_parts) refuse(graph, components.size(), open);
+  for (const Component& component : open) fix(graph, component.first);
+  if (!fixed.empty()) fixed += " and ";
+  return fixed + (open.size() == 1 ? nameOf(graph, open.front().first)
+                                   : fmt::format("the first vertex of {} more parts", open.size()));
 }
 
-template std::string holdGauge(PoseGraph<Pose2>&, bool);
-template std::string holdGauge(PoseGraph<Pose3>&, bool);
+template std::string fixGauge(PoseGraph<Pose2>&, bool);
+template std::string fixGauge(PoseGraph<Pose3>&, bool);
 
 }  // namespace slom::app::graph

@@ -1,4 +1,4 @@
-// Which poses are held, so that the map cannot float.
+// Which poses are fixed, so that the gauge of the map is.
 #pragma once
 
 #include <string>
@@ -7,11 +7,10 @@
 
 namespace slom::app::graph {
 
-/// Holds the first pose where the file has no lines FIX. A part of the graph that no edge connects with the
-/// rest needs a held pose of its own: throws UserError, naming the parts without one, or holds the first
-/// vertex of each with `hold_parts`. Returns what it held, in words: "pose 0", "the first vertex of 3 parts";
-/// empty when the lines FIX do it all.
+/// Fixes the first pose where the file has no lines FIX. Each connected component of the graph needs a fixed pose of its own:
+/// throws UserError, naming the components without one, or, with `hold_parts`, fixes the first vertex of each. Returns what it
+/// has fixed, in words: "pose 0", "the first vertex of 3 more parts"; empty where the lines FIX suffice.
 template <class Pose>
-std::string holdGauge(PoseGraph<Pose>& graph, bool hold_parts);
+std::string fixGauge(PoseGraph<Pose>& graph, bool hold_parts);
 
 }  // namespace slom::app::graph

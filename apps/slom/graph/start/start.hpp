@@ -25,7 +25,7 @@ struct StartFound {
   std::vector<Start> tried;  ///< with --init auto those that could be found
 };
 
-/// Gives all poses and landmarks that are not held their start values. Without `start` from the file where it
+/// Gives all poses and landmarks that are not fixed their start values. Without `start` from the file where it
 /// has vertices, odometry, spanning tree and chordal relaxation, with landmarks also from the build-up, those
 /// with the lowest RSS. Throws UserError where no start is found.
 template <class Pose>

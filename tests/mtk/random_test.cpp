@@ -1,14 +1,17 @@
 // Random numbers are the same everywhere and have the distribution they claim.
 
-#include "simulate/random.hpp"
-
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace slom::app {
+#include <mtk/testing/random.hpp>
+
 namespace {
+
+using mtk::testing::Random;
 
 /// The numbers of the first version. They must never change, or stored data could not be made again.
 TEST(Random, UniformNumbersAreFixedByTheSeed) {
@@ -52,4 +55,3 @@ TEST(Random, NormalNumbersAreNormal) {
 }
 
 }  // namespace
-}  // namespace slom::app
