@@ -26,7 +26,7 @@ struct RigOptions {
   int columns = 8, rows = 6;  ///< corners of the board
   double square_m = 0.05;
   double sigma_px = 0.25, sigma_acc = 0.05;
-  double tilt = 0.5;    ///< of the line of sight against the vertical, at most [rad]
+  double tilt = 0.5;    ///< of the line of observation against the vertical, at most [rad]
   bool z_down = false;  ///< the board's z axis points away from the cameras
   bool distorted = true;
   double focal_length = 600;  ///< [px]

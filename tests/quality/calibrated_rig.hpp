@@ -57,7 +57,7 @@ inline Settings opencv4() {
 
 inline Information informationOfAll(const Dataset& data, const FittedRig& rig) {
   Information sum(rig.columns);
-  for (const auto& [image, sight] : sightsOf(data, rig)) sum.add(informationOf(rig, sight));
+  for (const auto& [image, observation] : observationsOf(data, rig)) sum.add(informationOf(rig, observation));
   return sum;
 }
 

@@ -82,7 +82,7 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
   return probes;
 }
 
-void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Posterior& knowledge,
+void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, const Posterior& posterior,
                    const SE3& motion) {
   const std::size_t c = probe.camera;
   vec3 in_camera;
@@ -95,7 +95,7 @@ void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, co
   }
   const Eigen::Vector2d difference = rig.lenses[c]->project(in_camera) - probe.pixel;
   const Eigen::Matrix2d covariance =
-      projectedPoint(rig, c, probe.ray, probe.distance_m).covariance(knowledge);
+      projectedPoint(rig, c, probe.ray, probe.distance_m).covariance(posterior);
   probe.chi2 += difference.dot(covariance.inverse() * difference);
 }
 
@@ -121,9 +121,9 @@ TEST(Resimulation, WhatCalibrationsSayOfThemselvesIsTrue) {
       }
     }
     const FittedRig rig(result);
-    const Posterior knowledge(testing::informationOfAll(data, rig));
+    const Posterior posterior(testing::informationOfAll(data, rig));
     const SE3 motion = motionToTruth(truth, data, result);
-    for (Probe& probe : probes) addProjection(probe, truth, rig, knowledge, motion);
+    for (Probe& probe : probes) addProjection(probe, truth, rig, posterior, motion);
 
     const SplitHalf halves = splitHalf(data, settings, result, testing::grids(data, 9, 7));
     ASSERT_EQ(halves.why_not, "");

@@ -1,6 +1,7 @@
 // The joint fit from values that are known already, and what models are tried by.
 #pragma once
 
+#include "mtk/error.hpp"
 #include "slom/calibration/calibrate.hpp"
 #include "slom/calibration/comparison.hpp"
 
@@ -16,6 +17,6 @@ Result calibrateFrom(const Result& start, const Dataset& data, const Settings& s
 void judge(Comparison& comparison);
 
 /// What is wrong, without the library's id before it and its remedy for programmers behind it.
-std::string sentenceOf(const slom::Error& error);
+std::string sentenceOf(const mtk::Error& error);
 
 }  // namespace slom::calibration

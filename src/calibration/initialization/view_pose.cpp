@@ -33,8 +33,8 @@ SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera) {
 
 SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera) {
   const SE3 plane2camera = world2camera * view.plane.plane2world;
-  const Eigen::Vector3d sight = plane2camera.pos.normalized();
-  const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2 * sight * sight.transpose();
+  const Eigen::Vector3d observation = plane2camera.pos.normalized();
+  const Eigen::Matrix3d mirror = Eigen::Matrix3d::Identity() - 2 * observation * observation.transpose();
   Eigen::Matrix3d R = mirror * plane2camera.orient.toRotationMatrix();
   R.col(2) = -R.col(2);
   return poseOf(R, plane2camera.pos) * view.plane.plane2world.inverse();

@@ -10,7 +10,7 @@ namespace slom::calibration {
 SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera);
 
 /// The pose that looks nearly the same when the board is small or far: tilted the other way, about the line
-/// of sight to its centre.
+/// of observation to its centre.
 SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera);
 
 /// Sum of squared distances between the corners and their pixels [px^2]; infinite if a corner lies behind the

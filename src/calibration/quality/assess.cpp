@@ -39,12 +39,12 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void addProjection(const FittedRig& rig, const Posterior& knowledge, double board_distance_m,
+void addProjection(const FittedRig& rig, const Posterior& posterior, double board_distance_m,
                    const Settings& settings, std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     requireTime(settings.limits);
     CameraQuality& camera = cameras[c];
-    const CameraPosterior known(rig, knowledge, c);
+    const CameraPosterior known(rig, posterior, c);
     const double infinity = std::numeric_limits<double>::infinity();
     camera.projection =
         known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
@@ -65,18 +65,18 @@ void addProjection(const FittedRig& rig, const Posterior& knowledge, double boar
 void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
                      const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
                      Quality& quality) {
-  const std::map<int, Observation> sights = sightsOf(data, rig);
+  const std::map<int, Observation> observations = observationsOf(data, rig);
   Information information(rig.columns);
-  for (const auto& [image, sight] : sights) {
+  for (const auto& [image, observation] : observations) {
     requireTime(settings.limits);
-    information.add(informationOf(rig, sight));
+    information.add(informationOf(rig, observation));
   }
   information.addPrior(rig);
-  const Posterior knowledge(information);
-  quality.board_distance_m = boardDistance(sights, rig);
-  quality.correlations = correlationsOf(rig.columns, knowledge.covarianceOfShared());
+  const Posterior posterior(information);
+  quality.board_distance_m = boardDistance(observations, rig);
+  quality.correlations = correlationsOf(rig.columns, posterior.covarianceOfShared());
   clock.record("covariance");
-  addProjection(rig, knowledge, quality.board_distance_m, settings, quality.cameras);
+  addProjection(rig, posterior, quality.board_distance_m, settings, quality.cameras);
   clock.record("projection");
   quality.split_half = splitHalf(data, settings, result, grids);
   clock.record("split_half");

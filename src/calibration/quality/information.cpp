@@ -44,14 +44,14 @@ SharedColumns columnsOf(const Result& result) {
 
 /// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
 /// by left2camera, times `pose`.
-void addCorners(const FittedRig& rig, std::size_t c, const Observation& sight, Eigen::MatrixXd& H) {
-  const Eigen::Matrix3d world2left = sight.left2world.orient.toRotationMatrix().transpose();
+void addCorners(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
+  const Eigen::Matrix3d world2left = observation.left2world.orient.toRotationMatrix().transpose();
   Matrix6 pose = Matrix6::Zero();
   pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
   pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
   const double weight = 1 / (rig.sigma_px * rig.sigma_px);
   const Lens::Square square =
-      weight * rig.lenses[c]->square(rig.left2camera[c], sight.left2world, sight.points[c]);
+      weight * rig.lenses[c]->square(rig.left2camera[c], observation.left2world, observation.points[c]);
   const int n = rig.lenses[c]->parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
   const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
   H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
@@ -64,10 +64,10 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& sight, E
 }
 
 /// Likewise for a reading: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
-void addReading(const FittedRig& rig, const Observation& sight, Eigen::MatrixXd& H) {
-  const Eigen::Matrix3d left2world = sight.left2world.orient.toRotationMatrix();
+void addReading(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
+  const Eigen::Matrix3d left2world = observation.left2world.orient.toRotationMatrix();
   const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
-  const Eigen::Vector3d in_left = imu2left * (*sight.acc - rig.imu->acc_bias);
+  const Eigen::Vector3d in_left = imu2left * (*observation.acc - rig.imu->acc_bias);
   Eigen::Matrix<double, 3, 7> by_imu;
   by_imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
   Eigen::Matrix<double, 3, 6> by_pose;
@@ -125,17 +125,17 @@ void Information::addPrior(const FittedRig& rig) {
 
 Eigen::MatrixXd Information::covariance() const { return Posterior(*this).covarianceOfShared(); }
 
-Information informationOf(const FittedRig& rig, const Observation& sight) {
+Information informationOf(const FittedRig& rig, const Observation& observation) {
   const int n = rig.columns.size;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 6, n + 6);
-  for (std::size_t c = 0; c < sight.points.size(); ++c) {
-    if (!sight.points[c].empty()) addCorners(rig, c, sight, H);
+  for (std::size_t c = 0; c < observation.points.size(); ++c) {
+    if (!observation.points[c].empty()) addCorners(rig, c, observation, H);
   }
   const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
-  if (sight.acc) addReading(rig, sight, H);
+  if (observation.acc) addReading(rig, observation, H);
   const Eigen::LDLT<Matrix6> pose(H.bottomRightCorner<6, 6>());
   Matrix6 motion = Matrix6::Zero();  // P
-  motion.topLeftCorner<3, 3>() = -sight.left2world.orient.toRotationMatrix();
+  motion.topLeftCorner<3, 3>() = -observation.left2world.orient.toRotationMatrix();
   motion.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
   const Matrix6 from_motion = motion.transpose() * from_corners;
 
@@ -186,20 +186,20 @@ Eigen::MatrixXd Posterior::covarianceOfShared() const {
   return C;
 }
 
-std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig) {
-  std::map<int, Observation> sights;
+std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& rig) {
+  std::map<int, Observation> observations;
   for (const auto& [image, pose] : rig.left2world) {
-    Observation sight{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
+    Observation observation{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {
       const View* view = data.cameras[c].find(image);
       if (!view) continue;
-      for (const Corner& corner : view->corners) sight.points[c].push_back(corner.world);
+      for (const Corner& corner : view->corners) observation.points[c].push_back(corner.world);
     }
-    sights.emplace(image, std::move(sight));
+    observations.emplace(image, std::move(observation));
   }
-  if (!data.imu || !rig.imu) return sights;
-  for (const ImuReading& reading : data.imu->readings) sights.at(reading.image).acc = reading.acc;
-  return sights;
+  if (!data.imu || !rig.imu) return observations;
+  for (const ImuReading& reading : data.imu->readings) observations.at(reading.image).acc = reading.acc;
+  return observations;
 }
 
 }  // namespace slom::calibration

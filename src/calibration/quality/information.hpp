@@ -74,7 +74,7 @@ class Information {
   Eigen::MatrixXd covariance() const;
 
  private:
-  friend Information informationOf(const FittedRig& rig, const Observation& sight);
+  friend Information informationOf(const FittedRig& rig, const Observation& observation);
   friend struct Posterior;
   friend class VarianceBound;
 
@@ -84,7 +84,7 @@ class Information {
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;      // F, likewise
   Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
 };
-Information informationOf(const FittedRig& rig, const Observation& sight);
+Information informationOf(const FittedRig& rig, const Observation& observation);
 
 /// What a set of images knows, ready to be propagated. A number that changes by a ds + e dm, with the shared parameters and with
 /// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
@@ -110,6 +110,6 @@ struct Posterior {
 };
 
 /// By image number.
-std::map<int, Observation> sightsOf(const Dataset& data, const FittedRig& rig);
+std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& rig);
 
 }  // namespace slom::calibration

@@ -84,21 +84,21 @@ std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<Im
 }
 
 /// What the cameras would see of the board.
-Observation sightOf(const FittedRig& rig, const std::vector<FieldOfView>& fields,
-                    const std::vector<vec3>& board, const SE3& left2world) {
+Observation observationOf(const FittedRig& rig, const std::vector<FieldOfView>& fields,
+                          const std::vector<vec3>& board, const SE3& left2world) {
   constexpr std::size_t fewest = 4;  // a pose needs as many
-  Observation sight{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
+  Observation observation{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
   for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
     const SE3 world2camera = rig.left2camera[c] * left2world.inverse();
     const Eigen::Matrix3d R = world2camera.orient.toRotationMatrix();
-    sight.points[c].reserve(board.size());
+    observation.points[c].reserve(board.size());
     for (const vec3& corner : board) {
       if (fields[c].holds(*rig.lenses[c], vec3(R * corner + world2camera.pos)))
-        sight.points[c].push_back(corner);
+        observation.points[c].push_back(corner);
     }
-    if (sight.points[c].size() < fewest) sight.points[c].clear();
+    if (observation.points[c].size() < fewest) observation.points[c].clear();
   }
-  return sight;
+  return observation;
 }
 
 /// Boards of which the camera sees two thirds or more.
@@ -113,8 +113,8 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
     if (!ray) continue;
     for (const Attitude& attitude : attitudes()) {
       const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
-      const Observation sight = sightOf(rig, fields, board.corners, left2world);
-      if (3 * sight.points[c].size() < 2 * board.corners.size()) continue;
+      const Observation observation = observationOf(rig, fields, board.corners, left2world);
+      if (3 * observation.points[c].size() < 2 * board.corners.size()) continue;
       FurtherView view;
       view.camera = c;
       view.pixel = pixel;
@@ -124,7 +124,7 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
       view.edge_away = attitude.edge_away;
       view.distance_m = distance_m;
       view.left2world = left2world;
-      candidates.push_back({view, informationOf(rig, sight)});
+      candidates.push_back({view, informationOf(rig, observation)});
     }
   }
 }
@@ -149,13 +149,13 @@ struct WorstPoint {
 };
 
 /// Of all points, or one whose standard deviation is not below `limit`.
-WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior& knowledge, double limit) {
+WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior& posterior, double limit) {
   WorstPoint worst;
   for (const ProjectedPoints& part : parts) {
-    const std::vector<double> std = part.std(knowledge);
+    const std::vector<double> std = part.std(posterior);
     const auto largest = std::max_element(std.begin(), std.end());
     if (*largest > worst.std)
-      worst = {*largest, part.alongLargest(std::size_t(largest - std.begin()), knowledge)};
+      worst = {*largest, part.alongLargest(std::size_t(largest - std.begin()), posterior)};
     if (!(worst.std < limit)) break;
   }
   return worst;
@@ -173,9 +173,9 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
               const std::vector<ProjectedPoints>& parts, double before, const Limits& limits) {
   constexpr std::size_t most_bounds = 8;  // more cost more than they spare
   std::vector<VarianceBound> bounds;
-  const auto addBound = [&](const WorstPoint& worst, const Posterior& knowledge) {
+  const auto addBound = [&](const WorstPoint& worst, const Posterior& posterior) {
     if (bounds.size() < most_bounds && worst.std > 0)
-      bounds.emplace_back(worst.point.by_shared, worst.point.by_motion, knowledge);
+      bounds.emplace_back(worst.point.by_shared, worst.point.by_motion, posterior);
   };
   const Posterior known(so_far);
   addBound(worstPoint(parts, known, 0), known);
@@ -198,10 +198,10 @@ Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_fa
     if (std::any_of(bounds.rbegin(), bounds.rend(),
                     [&](const VarianceBound& b) { return b.of(with) >= least_variance; }))
       continue;
-    const Posterior knowledge(with);
-    const WorstPoint worst = worstPoint(parts, knowledge, best.after);
+    const Posterior posterior(with);
+    const WorstPoint worst = worstPoint(parts, posterior, best.after);
     if (worst.std < best.after) best = {candidate, worst.std};
-    addBound(worst, knowledge);
+    addBound(worst, posterior);
   }
   return best;
 }
@@ -219,8 +219,8 @@ ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<Image
   return ProjectedPoints(points);
 }
 
-double worstStd(const ProjectedPoints& points, const Posterior& knowledge) {
-  const std::vector<double> all = points.std(knowledge);
+double worstStd(const ProjectedPoints& points, const Posterior& posterior) {
+  const std::vector<double> all = points.std(posterior);
   return all.empty() ? 0 : *std::max_element(all.begin(), all.end());
 }
 

@@ -25,7 +25,7 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
                                       const std::vector<ImageGrid>& grids, const FurtherViewOptions& options);
 
 /// The worst projection uncertainty over all cameras at these points [px].
-double worstStd(const ProjectedPoints& points, const Posterior& knowledge);
+double worstStd(const ProjectedPoints& points, const Posterior& posterior);
 ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<ImageGrid>& grids,
                                    double distance_m);
 

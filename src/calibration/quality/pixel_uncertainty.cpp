@@ -41,7 +41,7 @@ void requireResultOf(const Dataset& data, const Result& result) {
 
 Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
   Information information(rig.columns);
-  for (const auto& [image, seen] : sightsOf(data, rig)) information.add(informationOf(rig, seen));
+  for (const auto& [image, seen] : observationsOf(data, rig)) information.add(informationOf(rig, seen));
   information.addPrior(rig);
   return Posterior(information);
 }

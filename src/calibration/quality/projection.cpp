@@ -34,8 +34,8 @@ void summarise(const ImageGrid& grid, ProjectionUncertainty& map) {
 
 }  // namespace
 
-Eigen::Matrix2d ProjectedPoint::covariance(const Posterior& knowledge) const {
-  const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
+Eigen::Matrix2d ProjectedPoint::covariance(const Posterior& posterior) const {
+  const Eigen::MatrixXd w = posterior.whitened(by_shared, by_motion);
   return w.transpose() * w;
 }
 
@@ -50,15 +50,15 @@ ProjectedPoints::ProjectedPoints(const std::vector<ProjectedPoint>& points) {
   }
 }
 
-std::vector<double> ProjectedPoints::std(const Posterior& knowledge) const {
+std::vector<double> ProjectedPoints::std(const Posterior& posterior) const {
   if (by_shared_.rows() == 0) return {};
-  return largestStds(knowledge.whitened(by_shared_, by_motion_));
+  return largestStds(posterior.whitened(by_shared_, by_motion_));
 }
 
-DirectedPoint ProjectedPoints::alongLargest(std::size_t i, const Posterior& knowledge) const {
+DirectedPoint ProjectedPoints::alongLargest(std::size_t i, const Posterior& posterior) const {
   const auto by_shared = by_shared_.middleRows<2>(2 * Eigen::Index(i)),
              by_motion = by_motion_.middleRows<2>(2 * Eigen::Index(i));
-  const Eigen::MatrixXd w = knowledge.whitened(by_shared, by_motion);
+  const Eigen::MatrixXd w = posterior.whitened(by_shared, by_motion);
   const double uu = w.col(0).squaredNorm(), uv = w.col(0).dot(w.col(1)), vv = w.col(1).squaredNorm();
   const double angle = std::atan2(2 * uv, uu - vv) / 2;
   const Eigen::RowVector2d direction(std::cos(angle), std::sin(angle));
@@ -99,7 +99,7 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
   return point;
 }
 
-CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& knowledge, std::size_t c)
+CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& posterior, std::size_t c)
     : lens_(*rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
   // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this one, is how its centre moves.
   const SharedColumns& columns = rig.columns;
@@ -115,7 +115,7 @@ CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& knowledg
     by_shared.block<3, 6>(3, columns.pose[c]) << Eigen::Matrix3d::Identity(), -shift_by_turn;
   }
   by_shared.block(6, columns.lens[c], n, n).setIdentity();
-  const Eigen::MatrixXd whitened = knowledge.whitened(by_shared, by_motion);
+  const Eigen::MatrixXd whitened = posterior.whitened(by_shared, by_motion);
   Eigen::MatrixXd padded = Eigen::MatrixXd::Zero(std::max<Eigen::Index>(whitened.rows(), most + 6), most + 6);
   padded.topRows(whitened.rows()) = whitened;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(padded);

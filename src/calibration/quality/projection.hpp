@@ -17,14 +17,14 @@
 
 namespace slom::calibration {
 
-/// The point of the image at a pixel and how its projection moves with the shared parameters and with the frame; of no
-/// knowledge itself, so that one can be asked about with several.
+/// The point of the image at a pixel and how its projection moves with the shared parameters and with the frame. It has no posterior
+/// of its own, so that one point serves for several.
 struct ProjectedPoint {
   Eigen::Matrix<double, 2, Eigen::Dynamic> by_shared;  ///< the frame held
   Eigen::Matrix<double, 2, 6> by_motion;               ///< of the frame: translation, rotation
 
   /// 2 x 2 [px^2].
-  Eigen::Matrix2d covariance(const Posterior& knowledge) const;
+  Eigen::Matrix2d covariance(const Posterior& posterior) const;
 };
 
 /// How a point's pixel moves along one direction of the image.
@@ -40,9 +40,9 @@ class ProjectedPoints {
   explicit ProjectedPoints(const std::vector<ProjectedPoint>& points);
   std::size_t size() const { return std::size_t(by_shared_.rows() / 2); }
   /// Standard deviation of each, in the direction in which it is largest [px].
-  std::vector<double> std(const Posterior& knowledge) const;
+  std::vector<double> std(const Posterior& posterior) const;
   /// Point i along the direction in which its standard deviation is largest.
-  DirectedPoint alongLargest(std::size_t i, const Posterior& knowledge) const;
+  DirectedPoint alongLargest(std::size_t i, const Posterior& posterior) const;
   /// Some of them, `which` one after the other.
   ProjectedPoints at(const std::vector<std::size_t>& which) const;
 
@@ -55,7 +55,7 @@ class ProjectedPoints {
 ///   by_parameters dp + by_turn(ray) dt + by_point(ray) ds / distance
 class CameraPosterior {
  public:
-  CameraPosterior(const FittedRig& rig, const Posterior& knowledge, std::size_t c);
+  CameraPosterior(const FittedRig& rig, const Posterior& posterior, std::size_t c);
   /// Of the pixel of distance * ray; the distance may be infinite.
   PixelCovariance covarianceAt(const vec3& ray, double distance_m) const {
     return spreadOf(ray).at(distance_m);

@@ -64,14 +64,14 @@ ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera) {
   return best;
 }
 
-double boardDistance(const std::map<int, Observation>& sights, const FittedRig& rig) {
+double boardDistance(const std::map<int, Observation>& observations, const FittedRig& rig) {
   std::vector<double> distances;
-  for (const auto& [image, sight] : sights) {
-    const SE3 to_left = sight.left2world.inverse();
-    for (std::size_t c = 0; c < sight.points.size(); ++c) {
-      if (sight.points[c].empty()) continue;
+  for (const auto& [image, observation] : observations) {
+    const SE3 to_left = observation.left2world.inverse();
+    for (std::size_t c = 0; c < observation.points.size(); ++c) {
+      if (observation.points[c].empty()) continue;
       vec3 centre;
-      for (const vec3& p : sight.points[c]) centre += p / double(sight.points[c].size());
+      for (const vec3& p : observation.points[c]) centre += p / double(observation.points[c].size());
       distances.push_back((rig.left2camera[c] * (to_left * centre)).norm());
     }
   }

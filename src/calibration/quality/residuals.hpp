@@ -18,6 +18,6 @@ std::vector<WorstResidual> worstResiduals(const std::vector<CameraQuality>& came
 ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera);
 
 /// Median distance of the boards' centres from the cameras that saw them [m].
-double boardDistance(const std::map<int, Observation>& sights, const FittedRig& rig);
+double boardDistance(const std::map<int, Observation>& observations, const FittedRig& rig);
 
 }  // namespace slom::calibration

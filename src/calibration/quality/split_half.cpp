@@ -17,17 +17,18 @@ namespace {
 
 /// One half: its calibration and what it knows.
 struct Half {
-  Half(const Result& result, const Dataset& data) : rig(result), knowledge(informationOfAll(data, rig)) {}
+  Half(const Result& result, const Dataset& data) : rig(result), posterior(informationOfAll(data, rig)) {}
 
   static Posterior informationOfAll(const Dataset& data, const FittedRig& rig) {
     Information sum(rig.columns);
-    for (const auto& [image, sight] : sightsOf(data, rig)) sum.add(informationOf(rig, sight));
+    for (const auto& [image, observation] : observationsOf(data, rig))
+      sum.add(informationOf(rig, observation));
     sum.addPrior(rig);
     return Posterior(sum);
   }
 
   FittedRig rig;
-  Posterior knowledge;
+  Posterior posterior;
 };
 
 /// A node that both halves have a ray for.
@@ -122,8 +123,8 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
   const Lens& first = *a.rig.lenses[c];
   const Lens& second = *b.rig.lenses[c];
   const auto rays = raysOf(first, grid), others = raysOf(second, grid);
-  const auto stds = CameraPosterior(a.rig, a.knowledge, c).stdOfRays(rays),
-             other_stds = CameraPosterior(b.rig, b.knowledge, c).stdOfRays(others);
+  const auto stds = CameraPosterior(a.rig, a.posterior, c).stdOfRays(rays),
+             other_stds = CameraPosterior(b.rig, b.posterior, c).stdOfRays(others);
   std::vector<Compared> nodes;
   auto std = stds.begin(), other_std = other_stds.begin();
   for (int i = 0; i < grid.size(); ++i) {
@@ -193,7 +194,7 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
     const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
     for (const auto& half : halves)
-      covariance += half->knowledge.covarianceOfShared().block(first, first, n, n);
+      covariance += half->posterior.covarianceOfShared().block(first, first, n, n);
     result.cameras.push_back(compare(*halves[0], *halves[1], c, grids[c], covariance));
     compareParameters(results[0].cameras[c], results[1].cameras[c], covariance, result.cameras.back());
   }

@@ -16,10 +16,10 @@ double quadraticForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& x) {
 }  // namespace
 
 VarianceBound::VarianceBound(const Eigen::RowVectorXd& by_shared,
-                             const Eigen::Matrix<double, 1, 6>& by_motion, const Posterior& knowledge)
+                             const Eigen::Matrix<double, 1, 6>& by_motion, const Posterior& posterior)
     : by_motion_(by_motion.transpose()) {
-  const Eigen::VectorXd a = by_shared(knowledge.free_).transpose();
-  trial_ = knowledge.solve(a + knowledge.motion_by_shared_.transpose() * by_motion_);
+  const Eigen::VectorXd a = by_shared(posterior.free_).transpose();
+  trial_ = posterior.solve(a + posterior.motion_by_shared_.transpose() * by_motion_);
   along_ = trial_.dot(a);
 }
 

@@ -15,7 +15,7 @@ class VarianceBound {
  public:
   /// Of a number, by its rows a and e; nearly its variance for images that know about as much as `knowledge`.
   VarianceBound(const Eigen::RowVectorXd& by_shared, const Eigen::Matrix<double, 1, 6>& by_motion,
-                const Posterior& knowledge);
+                const Posterior& posterior);
   /// For what these images know.
   double of(const Information& images) const;
 
