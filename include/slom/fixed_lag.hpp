@@ -1,0 +1,102 @@
+/// A window over the newest variables of an estimator.
+///
+///     slom::FixedLag window({.variables = 50});
+///     for (const Reading& reading : readings) {
+///       const auto pose = est.insertRV(...);
+///       est.insertMeasurement(...);
+///       window.add(pose);
+///       est.optimize();
+///       window.forget(est);
+///     }
+///
+/// What leaves the window is marginalised (Estimator::marginalize), so that the number of unknowns stays bounded and nothing is lost of what is
+/// known of the others.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slom/estimator.hpp"
+
+namespace slom {
+
+struct FixedLagOptions {
+  int variables = std::numeric_limits<int>::max();  ///< the most that stay
+  double duration = std::numeric_limits<
+      double>::infinity();  ///< how much older than the newest one they may be, in units of their times
+};
+
+class FixedLag {
+ public:
+  /// Throws [slom.bad-option].
+  explicit FixedLag(const FixedLagOptions& options) : options_(options) {
+    if (options.variables < 1) {
+      throw Error("slom.bad-option", "the window of a FixedLag has " + std::to_string(options.variables) +
+                                         " variables; pass a positive number, such as 50");
+    }
+    if (!(options.duration >= 0)) {
+      throw Error("slom.bad-option", "the duration of a FixedLag is " + std::to_string(options.duration) +
+                                         "; pass a number that is not negative, such as 10");
+    }
+  }
+
+  /// Takes a variable into the window, with the time that it belongs to, in any order; of a variable that is there already, such as a
+  /// landmark that is seen again, the time becomes the later one of both. One that is older than the window serves the next fit and leaves
+  /// with the next `forget`, so that late measurements count. Throws [slom.bad-time].
+  void add(const AnyVarID& id, double time) {
+    if (!std::isfinite(time)) {
+      throw Error("slom.bad-time", "the time of a variable in a FixedLag is " + std::to_string(time) +
+                                       "; pass a finite number");
+    }
+    for (Entry& entry : entries_) {
+      if (!(entry.id == id)) continue;
+      entry.time = std::max(entry.time, time);
+      return;
+    }
+    entries_.push_back({id, time});
+  }
+  /// The same at the time 1 later than that of the newest one, 0 for the first: for windows that count variables.
+  void add(const AnyVarID& id) { add(id, entries_.empty() ? 0 : newest() + 1); }
+
+  /// Marginalises what is too old; of equally old variables those that were added first. Returns how many have gone. Variables that have been
+  /// removed otherwise are no longer in the window. Throws what Estimator::marginalize throws, with nothing changed.
+  int forget(Estimator& est) {
+    std::erase_if(entries_, [](const Entry& entry) { return !entry.id.isValid(); });
+    if (entries_.empty()) return 0;
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const Entry& a, const Entry& b) { return a.time < b.time; });
+    const double oldest = newest() - options_.duration;
+    const auto most = static_cast<std::size_t>(options_.variables);
+    std::size_t gone = entries_.size() > most ? entries_.size() - most : 0;
+    while (entries_[gone].time < oldest) ++gone;
+    if (gone == 0) return 0;
+    std::vector<AnyVarID> ids;
+    for (std::size_t i = 0; i < gone; ++i) ids.push_back(entries_[i].id);
+    est.marginalize(ids);
+    entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(gone));
+    return static_cast<int>(gone);
+  }
+
+  /// Number of variables in the window.
+  int size() const { return static_cast<int>(entries_.size()); }
+
+ private:
+  struct Entry {
+    AnyVarID id;
+    double time;
+  };
+  double newest() const {
+    double time = entries_.front().time;
+    for (const Entry& entry : entries_) time = std::max(time, entry.time);
+    return time;
+  }
+
+  FixedLagOptions options_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace slom
