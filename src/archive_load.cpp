@@ -59,12 +59,14 @@ class ArchiveReader {
     }
     throw Error(
         "slom.bad-archive",
-        source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end");
+        source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end",
+        source_);
   }
 
  private:
   [[noreturn]] void raise(const std::string& what) const {
-    throw Error("slom.bad-archive", source_ + ":" + std::to_string(line_number_) + ": " + what);
+    throw Error("slom.bad-archive", source_ + ":" + std::to_string(line_number_) + ": " + what,
+                source_ + ":" + std::to_string(line_number_));
   }
 
   /// Blank lines and lines that begin with # are skipped.

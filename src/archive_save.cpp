@@ -38,7 +38,8 @@ class Writer {
     if (text.find('\n') != std::string::npos || !read(check_) || !isAtEnd(check_)) {
       throw Error(
           "slom.not-savable",
-          subject() + " is not finite, or cannot be read again from what its operator<< writes: " + text);
+          subject() + " is not finite, or cannot be read again from what its operator<< writes: " + text,
+          subject());
     }
     os_ << text;
   }
@@ -63,10 +64,11 @@ void writeLoss(std::ostream& os, const MeasurementPool& pool, int i) {
   const Loss* const loss = pool.lossOf(i);
   if (loss == nullptr) return;
   if (loss->kind()->stored_name == nullptr) {
-    throw Error("slom.not-savable", "the loss " + loss->text() + " of measurement " +
-                                        pool.measurementName(i) +
-                                        " is a function of this program, which no file can hold; insert the "
-                                        "measurement with one of the library's losses");
+    throw Error("slom.not-savable",
+                "the loss " + loss->text() + " of measurement " + pool.measurementName(i) +
+                    " is a function of this program, which no file can hold; insert the "
+                    "measurement with one of the library's losses",
+                pool.measurementName(i));
   }
   os << ' ' << loss->kind()->stored_name;
   if (loss->kind()->has_shape) os << ' ' << exact(loss->shape());
@@ -106,11 +108,13 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     const VariableStoreBase& store = *record.store;
     const detail::StoredVariable* const kind = findVariable(typeid(store));
     if (kind == nullptr) {
-      throw Error("slom.not-in-archive", "variable " + problem.variableName(static_cast<int>(v)) +
-                                             " is of the type " + store.typeName() +
-                                             ", which the archive was not told; name it by "
-                                             "archive.variable<" +
-                                             store.typeName() + ">");
+      throw Error("slom.not-in-archive",
+                  "variable " + problem.variableName(static_cast<int>(v)) + " is of the type " +
+                      store.typeName() +
+                      ", which the archive was not told; name it by "
+                      "archive.variable<" +
+                      store.typeName() + ">",
+                  problem.variableName(static_cast<int>(v)));
     }
     if (kind != last) text << "variables " << inQuotes(kind->name) << '\n';
     last = kind;
@@ -133,7 +137,8 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
       throw Error("slom.not-in-archive",
                   "the archive was not told of the type of the measurements " + pool->name() +
                       "; name it by archive.measurement, with the function's type and those of its "
-                      "arguments");
+                      "arguments",
+                  pool->name());
     }
     text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(pool->label()) << '\n';
     for (int i = 0; i < pool->size(); ++i) {

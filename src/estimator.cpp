@@ -106,7 +106,8 @@ double Estimator::optimizeStep() {
       throw Error("slom.not-finite",
                   "the step of " + state_->algorithm->name() +
                       " led to values at which a residual is not finite, and was taken back; start "
-                      "nearer to the solution, or use LevenbergMarquardt");
+                      "nearer to the solution, or use LevenbergMarquardt",
+                  state_->algorithm->name());
     default:
       break;
   }
@@ -232,7 +233,8 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
   if (algorithm == nullptr) {
     throw Error("slom.no-algorithm",
                 "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
-                "DogLeg");
+                "DogLeg",
+                "changeAlgorithm");
   }
   std::unique_ptr<Algorithm> owned(algorithm);  // also where there is no state
   state_->algorithm = std::move(owned);
@@ -240,7 +242,8 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
 
 void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
   if (!solver)
-    throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
+    throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR",
+                "changeSolver");
   state_->current.reset();
   state_->system.setSolver(*solver);
   state_->solver = std::move(solver);
@@ -248,8 +251,10 @@ void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
 
 void Estimator::setThreads(int threads) {
   if (threads < 0) {
-    throw Error("slom.bad-option", "the number of threads is " + std::to_string(threads) +
-                                       "; pass a positive number, or 0 for as many as the machine has");
+    throw Error("slom.bad-option",
+                "the number of threads is " + std::to_string(threads) +
+                    "; pass a positive number, or 0 for as many as the machine has",
+                "threads");
   }
   state_->arena.setThreads(threads);
 }
@@ -402,8 +407,10 @@ void Estimator::bound(int variable, const std::string& path, double lower, doubl
 }
 
 void Estimator::raiseNoMember(int variable) const {
-  throw Error("slom.no-component", "the member passed with variable " + problem().variableName(variable) +
-                                       " is not one of its manifold's parts; pass one that [+] moves");
+  throw Error("slom.no-component",
+              "the member passed with variable " + problem().variableName(variable) +
+                  " is not one of its manifold's parts; pass one that [+] moves",
+              problem().variableName(variable));
 }
 
 DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }

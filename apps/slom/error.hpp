@@ -12,13 +12,6 @@ struct UserError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What an error of the library says, without the id before it: `[slom.stale-handle] the variable ...`.
-inline std::string withoutId(const std::exception& error) {
-  const std::string text = error.what();
-  const std::size_t end = text.find("] ");
-  return end == std::string::npos ? text : text.substr(end + 2);
-}
-
 /// Exit codes of the command.
 inline constexpr int exit_success = 0;
 inline constexpr int exit_not_converged =

@@ -85,7 +85,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const UserError& error) {
     return fail(error.what(), exit_user_error);
   } catch (const mtk::Error& error) {
-    return fail(withoutId(error), exit_user_error);
+    return fail(std::string(error.sentence()), exit_user_error);
   } catch (const std::bad_alloc&) {
     return fail("there is not enough memory for this; give a smaller problem, or more memory",
                 exit_not_converged);

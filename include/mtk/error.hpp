@@ -14,10 +14,14 @@ namespace mtk {
 /// to do about it, after its last semicolon.
 class Error : public std::runtime_error {
  public:
-  Error(std::string id, const std::string& sentence)
-      : std::runtime_error("[" + id + "] " + sentence), id_(std::move(id)) {}
+  /// subject: see subject().
+  Error(std::string id, const std::string& sentence, std::string subject = {})
+      : std::runtime_error("[" + id + "] " + sentence), id_(std::move(id)), subject_(std::move(subject)) {}
 
   const std::string& id() const noexcept { return id_; }
+  /// The name of what the sentence is about: of a variable or of one of its components, of a measurement, an option, an argument, a
+  /// file or its line, the type of a handle. `pose[3].pos.x`; empty where nothing has a name.
+  const std::string& subject() const noexcept { return subject_; }
   /// `max_seconds is -1; pass a positive number`
   std::string_view sentence() const noexcept { return std::string_view(what()).substr(id_.size() + 3); }
   /// `pass a positive number`; empty where nothing can be done.
@@ -25,9 +29,11 @@ class Error : public std::runtime_error {
     const std::size_t end = sentence().rfind("; ");
     return end == std::string_view::npos ? std::string_view() : sentence().substr(end + 2);
   }
+  /// `max_seconds is -1`: the sentence without the remedy.
+  std::string_view fault() const noexcept { return sentence().substr(0, sentence().rfind("; ")); }
 
  private:
-  std::string id_;
+  std::string id_, subject_;
 };
 
 namespace detail {

@@ -35,12 +35,16 @@ class FixedLag {
   /// Throws [slom.bad-option].
   explicit FixedLag(const FixedLagOptions& options) : options_(options) {
     if (options.variables < 1) {
-      throw Error("slom.bad-option", "the window of a FixedLag has " + std::to_string(options.variables) +
-                                         " variables; pass a positive number, such as 50");
+      throw Error("slom.bad-option",
+                  "the window of a FixedLag has " + std::to_string(options.variables) +
+                      " variables; pass a positive number, such as 50",
+                  "variables");
     }
     if (!(options.duration >= 0)) {
-      throw Error("slom.bad-option", "the duration of a FixedLag is " + std::to_string(options.duration) +
-                                         "; pass a number that is not negative, such as 10");
+      throw Error("slom.bad-option",
+                  "the duration of a FixedLag is " + std::to_string(options.duration) +
+                      "; pass a number that is not negative, such as 10",
+                  "duration");
     }
   }
 
@@ -49,8 +53,10 @@ class FixedLag {
   /// with the next `forget`, so that late measurements count. Throws [slom.bad-time].
   void add(const AnyVarID& id, double time) {
     if (!std::isfinite(time)) {
-      throw Error("slom.bad-time", "the time of a variable in a FixedLag is " + std::to_string(time) +
-                                       "; pass a finite number");
+      throw Error(
+          "slom.bad-time",
+          "the time of a variable in a FixedLag is " + std::to_string(time) + "; pass a finite number",
+          "time");
     }
     for (Entry& entry : entries_) {
       if (!(entry.id == id)) continue;

@@ -45,7 +45,8 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
 const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string (*type)()) const {
   if (id.store_ == nullptr)
     throw Error("slom.stale-handle",
-                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first");
+                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first",
+                "VarID<" + type() + ">");
   std::size_t store = 0;
   while (store < stores_.size() && stores_[store] != id.store_) ++store;
   const auto found =
@@ -59,7 +60,8 @@ const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string
   throw Error("slom.stale-marginals",
               "the VarID<" + type() +
                   "> refers to a variable that was not in the problem when the marginals were "
-                  "computed; call marginals() again, of the estimator that holds it");
+                  "computed; call marginals() again, of the estimator that holds it",
+              "VarID<" + type() + ">");
 }
 
 }  // namespace slom

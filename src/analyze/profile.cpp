@@ -31,7 +31,8 @@ class Profile {
     if (components_.size() == 1 && !std::isnan(value())) return;
     throw Error("slom.no-component",
                 path + " of variable " + problem.variableName(variable) +
-                    " is not one coordinate; profile takes one component of a vector at a time");
+                    " is not one coordinate; profile takes one component of a vector at a time",
+                problem.variableName(variable));
   }
 
   ProfileInterval interval(double probability) {
@@ -39,7 +40,8 @@ class Profile {
     if (!fit_.is_at_minimum(factor_)) {
       throw Error("slom.not-a-minimum",
                   "the profile of " + problem_.componentNames(variable_)[at(component_)] +
-                      " starts at a fit, and the values are not at one; optimize first");
+                      " starts at a fit, and the values are not at one; optimize first",
+                  problem_.componentNames(variable_)[at(component_)]);
     }
     const ActiveSet& active = problem_.activeSet();
     if (!active.isOptimized(variable_) || active.isFixed(variable_, component_))
@@ -113,8 +115,10 @@ class Profile {
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
                                   const std::string& path, double probability) {
   if (!(probability > 0 && probability < 1)) {
-    throw Error("slom.bad-option", "the probability of a profile interval is " + number(probability, 6) +
-                                       "; pass one between 0 and 1, such as 0.95");
+    throw Error("slom.bad-option",
+                "the probability of a profile interval is " + number(probability, 6) +
+                    "; pass one between 0 and 1, such as 0.95",
+                "probability");
   }
   return Profile(problem, fit, variable, path).interval(probability);
 }

@@ -143,9 +143,10 @@ std::string row(const char* name, const MeasurementCheck& check) {
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
                              double variance_factor, FreeGauge gauge) {
   if (!(options.significance > 0 && options.significance < 1)) {
-    throw Error("slom.bad-option", "the significance of OutlierOptions is " +
-                                       number(options.significance, 6) +
-                                       "; pass a probability between 0 and 1, such as 0.01");
+    throw Error("slom.bad-option",
+                "the significance of OutlierOptions is " + number(options.significance, 6) +
+                    "; pass a probability between 0 and 1, such as 0.01",
+                "significance");
   }
   OutlierReport report;
   report.variance_factor = variance_factor;

@@ -18,21 +18,24 @@ std::string unknownName(const Problem& problem, const ProblemStructure& structur
 Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status) {
   const int variable = variableOf(structure, status.unknown);
   if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {
-    return {"slom.unmeasured-variable", unmeasured(problem.variableName(variable))};
+    const std::string name = problem.variableName(variable);
+    return {"slom.unmeasured-variable", unmeasured(name), name};
   }
   const std::string limit = status.least > 0 ? "the others leave less than " + number(status.least) +
                                                    " of its column of the Jacobian, so "
                                              : "";
+  const std::string name = unknownName(problem, structure, status.unknown);
   return {
       "slom.rank-deficient",
-      "the measurements do not determine " + unknownName(problem, structure, status.unknown) + ": " + limit +
+      "the measurements do not determine " + name + ": " + limit +
           "it can move, alone or together with others, without changing any residual; add measurements or a "
           "prior, fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the "
           "many "
           "solutions" +
           (status.least > BlockQR::kPivotTolerance
                ? ", or BlockQR, which needs " + number(BlockQR::kPivotTolerance)
-               : "")};
+               : ""),
+      name};
 }
 
 std::vector<std::string> unmeasuredVariables(const Problem& problem) {

@@ -18,6 +18,6 @@ std::string sentenceMadeOf(const DataError::Parts& parts) {
 }  // namespace
 
 DataError::DataError(std::string id, Parts parts)
-    : mtk::Error(std::move(id), sentenceMadeOf(parts)), parts_(std::move(parts)) {}
+    : mtk::Error(std::move(id), sentenceMadeOf(parts), parts.place), parts_(std::move(parts)) {}
 
 }  // namespace slom::calibration

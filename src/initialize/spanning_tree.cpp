@@ -12,7 +12,8 @@ namespace slom::initialize {
 Unreached::Unreached(int pose)
     : mtk::Error("slom.unreached-pose",
                  "no edges lead from a held pose to pose " + std::to_string(pose) +
-                     "; add an edge between poses, or hold a pose of each part of the graph"),
+                     "; add an edge between poses, or hold a pose of each part of the graph",
+                 "pose " + std::to_string(pose)),
       pose_(pose) {}
 
 namespace {
@@ -139,7 +140,8 @@ void detail::requireNodes(const std::vector<Ends>& ends, std::size_t sources, st
                      std::string(kind) + " " + std::to_string(e) +
                          (is_source ? " leads from " : " leads to ") +
                          std::to_string(is_source ? ends[e].from : ends[e].to) + ", but there are " +
-                         std::to_string(is_source ? sources : targets) + "; add the nodes before the edges");
+                         std::to_string(is_source ? sources : targets) + "; add the nodes before the edges",
+                     std::string(kind) + " " + std::to_string(e));
   }
 }
 

@@ -10,15 +10,17 @@
 
 namespace slom::io {
 
-/// Throws [slom.io.`kind`] `sentence`.
-[[noreturn]] inline void fail(const char* kind, const std::string& sentence) {
-  throw mtk::Error(std::string("slom.io.") + kind, sentence);
+/// Throws [slom.io.`kind`] `sentence`; subject: the file, or file and line.
+[[noreturn]] inline void fail(const char* kind, const std::string& sentence,
+                              const std::string& subject = {}) {
+  throw mtk::Error(std::string("slom.io.") + kind, sentence, subject);
 }
 
 /// Throws [slom.io.`kind`] `file`:`line`: `what`.
 [[noreturn]] inline void failAt(const char* kind, const std::string& file, int line,
                                 const std::string& what) {
-  fail(kind, fmt::format("{}:{}: {}", file, line, what));
+  const std::string place = fmt::format("{}:{}", file, line);
+  fail(kind, place + ": " + what, place);
 }
 
 /// The first characters of a text that is longer than `most`, and three dots.

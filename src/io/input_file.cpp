@@ -16,13 +16,15 @@ namespace {
 
 [[noreturn]] void refuseLarge(const std::string& file, std::size_t most) {
   fail("too-large",
-       fmt::format("{}: it has more than {} bytes, the most that are read; give a smaller file", file, most));
+       fmt::format("{}: it has more than {} bytes, the most that are read; give a smaller file", file, most),
+       file);
 }
 
 }  // namespace
 
 void cannotRead(const std::string& file) {
-  fail("cannot-read", fmt::format("{}: cannot be read ({}); check the path", file, std::strerror(errno)));
+  fail("cannot-read", fmt::format("{}: cannot be read ({}); check the path", file, std::strerror(errno)),
+       file);
 }
 
 InputStream openInput(const std::string& file) {
@@ -31,7 +33,7 @@ InputStream openInput(const std::string& file) {
   if (!stream || ::fstat(::fileno(stream.get()), &status) != 0) cannotRead(file);
   const bool is_terminal = ::isatty(::fileno(stream.get())) != 0;
   if (S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && !is_terminal)) {
-    fail("device", fmt::format("{}: this is a device; give a file or a pipe", file));
+    fail("device", fmt::format("{}: this is a device; give a file or a pipe", file), file);
   }
   return stream;
 }

@@ -322,7 +322,8 @@ void Linearizer::raiseOverflow(const Problem& problem) {
               "measurement " + worst_pool->measurementName(worst) + " has a residual of " +
                   number(residual, 6) + " standard deviations or a derivative of " + number(largest, 6) +
                   " at " + problem.valuesText(worst_pool->variables(worst), worst_pool->arity()) +
-                  ", too large for sums of squares; check its data, its uncertainty and the start values");
+                  ", too large for sums of squares; check its data, its uncertainty and the start values",
+              worst_pool->measurementName(worst));
 }
 
 void Linearizer::raiseNotFinite(const Problem& problem, int group, int measurement) {
@@ -334,7 +335,8 @@ void Linearizer::raiseNotFinite(const Problem& problem, int group, int measureme
                   pool.measurementName(measurement) + " is not finite at " +
                   problem.valuesText(pool.variables(measurement), pool.arity()) +
                   "; check its data, the function where it divides, takes roots or logarithms or "
-                  "leaves an entry of its result unset, and the start values");
+                  "leaves an entry of its result unset, and the start values",
+              pool.measurementName(measurement));
 }
 
 }  // namespace slom

@@ -42,14 +42,17 @@ GaussianPrior::GaussianPrior(std::vector<AnyVarID> variables, const double* R, S
   }
   const auto subject = [&] { return priorOver(arity(), state.columns); };
   if (size.columns != state.columns) {
-    throw Error("slom.prior-size", subject() + " has a matrix R with " +
-                                       counted(static_cast<int>(size.columns), "column") +
-                                       "; pass one with a column for each degree of freedom");
+    throw Error("slom.prior-size",
+                subject() + " has a matrix R with " + counted(static_cast<int>(size.columns), "column") +
+                    "; pass one with a column for each degree of freedom",
+                "R");
   }
   if (length != size.rows) {
-    throw Error("slom.prior-size", subject() + " has an offset b of length " + std::to_string(length) +
-                                       " for " + counted(static_cast<int>(size.rows), "row") +
-                                       " of R; pass one number for each row, or no offset");
+    throw Error("slom.prior-size",
+                subject() + " has an offset b of length " + std::to_string(length) + " for " +
+                    counted(static_cast<int>(size.rows), "row") +
+                    " of R; pass one number for each row, or no offset",
+                "b");
   }
   state.R.assign(R, R + size.rows * size.columns);
   state.b.assign(at(static_cast<int>(size.rows)), 0.0);
@@ -57,14 +60,16 @@ GaussianPrior::GaussianPrior(std::vector<AnyVarID> variables, const double* R, S
   for (Eigen::Index i = 0; i < size.rows; ++i) {
     for (Eigen::Index j = 0; j < size.columns; ++j) {
       if (std::isfinite(state.matrix()(i, j))) continue;
-      throw Error("slom.prior-not-finite", subject() + " has R(" + std::to_string(i) + ", " +
-                                               std::to_string(j) + ") = " + number(state.matrix()(i, j), 6) +
-                                               "; pass finite numbers");
+      throw Error("slom.prior-not-finite",
+                  subject() + " has R(" + std::to_string(i) + ", " + std::to_string(j) +
+                      ") = " + number(state.matrix()(i, j), 6) + "; pass finite numbers",
+                  "R");
     }
     if (!std::isfinite(state.b[at(static_cast<int>(i))])) {
-      throw Error("slom.prior-not-finite", subject() + " has b(" + std::to_string(i) +
-                                               ") = " + number(state.b[at(static_cast<int>(i))], 6) +
-                                               "; pass finite numbers");
+      throw Error("slom.prior-not-finite",
+                  subject() + " has b(" + std::to_string(i) +
+                      ") = " + number(state.b[at(static_cast<int>(i))], 6) + "; pass finite numbers",
+                  "b");
     }
   }
 }
@@ -85,9 +90,10 @@ void GaussianPrior::setPoint(const AnyVarID& id, const void* value) {
   }
   if (is_found) return;
   id.current();  // throws for a stale handle
-  throw Error("slom.not-in-list", "the VarID<" + id.store()->typeName() + "> is none of the variables of " +
-                                      priorOver(arity(), state_->columns) +
-                                      "; give linearisation points to its own variables");
+  throw Error("slom.not-in-list",
+              "the VarID<" + id.store()->typeName() + "> is none of the variables of " +
+                  priorOver(arity(), state_->columns) + "; give linearisation points to its own variables",
+              "VarID<" + id.store()->typeName() + ">");
 }
 
 void GaussianPrior::setPoint(int k, const void* value) {

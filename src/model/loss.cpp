@@ -82,8 +82,9 @@ std::string detail::faultOf(const Loss& loss) {
   return is_own ? faultOfFunction(*loss.kind()) : "";
 }
 
-void detail::raiseLossError(const Loss& loss, const std::string& fault, const std::string& subject) {
-  throw mtk::Error("slom.bad-loss", "loss " + loss.text() + " of " + subject + " " + fault);
+void detail::raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement) {
+  throw mtk::Error("slom.bad-loss", "loss " + loss.text() + " of measurement " + measurement + " " + fault,
+                   measurement);
 }
 
 }  // namespace slom

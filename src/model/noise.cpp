@@ -215,9 +215,11 @@ bool detail::appendWhitening(const NoiseView& noise, int dim, std::vector<double
   return good;
 }
 
-void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject) {
-  throw mtk::Error(complaint.id,
-                   complaint.name + " of " + subject + " " + complaint.value + "; " + complaint.remedy);
+void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string& measurement) {
+  throw mtk::Error(
+      complaint.id,
+      complaint.name + " of measurement " + measurement + " " + complaint.value + "; " + complaint.remedy,
+      measurement);
 }
 
 namespace {

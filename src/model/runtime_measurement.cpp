@@ -6,7 +6,7 @@ RuntimeMeasurement::RuntimeMeasurement(const std::string& subject, std::vector<A
     : ids_(std::move(variables)) {
   if (ids_.empty()) {
     throw Error("slom.no-variables",
-                subject + " has no variables, its list is empty; pass the VarID of at least one");
+                subject + " has no variables, its list is empty; pass the VarID of at least one", subject);
   }
   views_.reserve(ids_.size());
   for (const AnyVarID& id : ids_) views_.emplace_back(id);

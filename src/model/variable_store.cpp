@@ -24,7 +24,8 @@ void raiseStaleHandle(const std::string& handle, bool was_valid) {
       "the " + handle + " " +
           (was_valid
                ? "refers to a variable that has been removed; keep the VarID that insertRV returned last"
-               : "refers to no variable; assign it the result of insertRV first"));
+               : "refers to no variable; assign it the result of insertRV first"),
+      handle);
 }
 
 }  // namespace detail

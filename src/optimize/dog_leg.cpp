@@ -45,7 +45,8 @@ DogLeg::DogLeg(double initial_radius) : initial_radius_(initial_radius), radius_
   if (initial_radius >= 0 && std::isfinite(initial_radius)) return;
   throw mtk::Error("slom.bad-option",
                    "the initial radius of DogLeg is " + number(initial_radius, 6) +
-                       "; pass a positive number, or 0 for the length of the first Gauss-Newton step");
+                       "; pass a positive number, or 0 for the length of the first Gauss-Newton step",
+                   "initial_radius");
 }
 
 void DogLeg::reset() {

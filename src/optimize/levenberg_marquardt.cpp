@@ -37,14 +37,17 @@ Eigen::Map<const Eigen::VectorXd> ColumnScaling::update(System& system, double m
 LevenbergMarquardt::LevenbergMarquardt(double initial_damping, double memory)
     : initial_damping_(initial_damping), memory_(memory), mu_(initial_damping) {
   if (!(initial_damping > 0 && std::isfinite(initial_damping))) {
-    throw mtk::Error("slom.bad-option", "the initial damping of LevenbergMarquardt is " +
-                                            number(initial_damping, 6) + "; pass a positive number");
+    throw mtk::Error("slom.bad-option",
+                     "the initial damping of LevenbergMarquardt is " + number(initial_damping, 6) +
+                         "; pass a positive number",
+                     "initial_damping");
   }
   if (!(memory >= 0 && memory <= 1)) {
     throw mtk::Error("slom.bad-option",
                      "the memory of LevenbergMarquardt is " + number(memory, 6) +
                          "; pass a number from 0 (scales of the present linearisation) to 1 (the "
-                         "largest so far)");
+                         "largest so far)",
+                     "memory");
   }
 }
 

@@ -15,27 +15,36 @@ namespace {
 
 void checkGraduation(const Options& options) {
   if (!(options.graduation_factor > 1 && std::isfinite(options.graduation_factor))) {
-    throw Error("slom.bad-option", "graduation_factor is " + number(options.graduation_factor, 6) +
-                                       "; pass a finite number above 1, such as 1.4");
+    throw Error("slom.bad-option",
+                "graduation_factor is " + number(options.graduation_factor, 6) +
+                    "; pass a finite number above 1, such as 1.4",
+                "graduation_factor");
   }
   if (options.stage_iterations < 1) {
-    throw Error("slom.bad-option", "stage_iterations is " + std::to_string(options.stage_iterations) +
-                                       "; pass a positive number, such as 2");
+    throw Error("slom.bad-option",
+                "stage_iterations is " + std::to_string(options.stage_iterations) +
+                    "; pass a positive number, such as 2",
+                "stage_iterations");
   }
 }
 
 void checkLimits(const Options& options) {
   if (options.max_iterations < 0 && options.max_iterations != Options::kByTheSize) {
-    throw Error("slom.bad-option", "max_iterations is " + std::to_string(options.max_iterations) +
-                                       "; pass 0 or more, or Options::kByTheSize");
+    throw Error("slom.bad-option",
+                "max_iterations is " + std::to_string(options.max_iterations) +
+                    "; pass 0 or more, or Options::kByTheSize",
+                "max_iterations");
   }
   if (!(options.max_seconds > 0)) {
     throw Error("slom.bad-option",
-                "max_seconds is " + number(options.max_seconds, 6) + "; pass a positive number");
+                "max_seconds is " + number(options.max_seconds, 6) + "; pass a positive number",
+                "max_seconds");
   }
   if (!(options.deviation_tolerance >= 0)) {
-    throw Error("slom.bad-option", "deviation_tolerance is " + number(options.deviation_tolerance, 6) +
-                                       "; pass 0 or more, such as 1e-8, or infinity for none");
+    throw Error("slom.bad-option",
+                "deviation_tolerance is " + number(options.deviation_tolerance, 6) +
+                    "; pass 0 or more, such as 1e-8, or infinity for none",
+                "deviation_tolerance");
   }
 }
 

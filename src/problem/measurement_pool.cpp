@@ -24,7 +24,8 @@ bool isFinite(const double* x, std::ptrdiff_t n) {
   throw Error("slom.residual-length",
               "measurement " + measurement + " returned a residual of length " + std::to_string(got) +
                   " but had length " + std::to_string(expected) +
-                  " when it was inserted; return the same length for all values of the variables");
+                  " when it was inserted; return the same length for all values of the variables",
+              measurement);
 }
 
 /// Runs f, which runs the user's functions; what they throw becomes a MeasurementThrew. `i`: the measurement at work.
@@ -186,7 +187,8 @@ int MeasurementPool::indexOf(SlotRef ref) const {
   throw Error("slom.stale-handle",
               "the MeasID<" + name_ +
                   "> refers to a measurement that has been removed; keep the MeasID that "
-                  "insertMeasurement returned last");
+                  "insertMeasurement returned last",
+              "MeasID<" + name_ + ">");
 }
 
 void MeasurementPool::reserveOne() {
@@ -207,7 +209,7 @@ void MeasurementPool::reserveOne() {
 
 std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind) {
   const std::size_t start = noise_.size();
-  kind = appendWhitening(noise, rows, noise_, [&] { return "measurement " + nextName(); });
+  kind = appendWhitening(noise, rows, noise_, [&] { return nextName(); });
   const std::size_t size = noise_.size() - start;
   // Most measurements of a kind are equally uncertain: share the numbers with the one before.
   if (size > 0 && !noise_kind_.empty() && noise_kind_.back() == kind) {
@@ -223,7 +225,7 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
 
 const Loss* MeasurementPool::keepLoss(const Loss& loss) {
   if (loss.kind() == nullptr) return nullptr;
-  checkLoss(loss, [&] { return "measurement " + nextName(); });
+  checkLoss(loss, [&] { return nextName(); });
   return &*losses_->all.insert(loss).first;
 }
 

@@ -124,11 +124,12 @@ std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, Sl
   }
   if (pool == nullptr) {
     throw Error("slom.stale-handle",
-                "the MeasID refers to no measurement; assign it the result of insertMeasurement");
+                "the MeasID refers to no measurement; assign it the result of insertMeasurement", "MeasID");
   }
   throw Error("slom.foreign-handle",
               "the MeasID belongs to another estimator; use it only with the estimator whose "
-              "insertMeasurement returned it");
+              "insertMeasurement returned it",
+              "MeasID");
 }
 
 void Problem::removeMeasurement(MeasurementPool& pool, int i) {
@@ -144,7 +145,8 @@ void Problem::raiseThrew(const std::string& measurement, const int* variables, i
     return Error("slom.measurement-threw",
                  "the function of measurement " + measurement + " threw " + what + " at " +
                      valuesText(variables, arity) +
-                     "; let it return NaN where it has no value, steps there are taken back");
+                     "; let it return NaN where it has no value, steps there are taken back",
+                 measurement);
   };
   try {
     std::rethrow_exception(exception);

@@ -83,19 +83,22 @@ int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::stri
     detail::raiseStaleHandle(name(), true);
   }
   if (store == nullptr) detail::raiseStaleHandle(name(), false);
-  throw Error("slom.foreign-handle", "the " + name() +
-                                         " belongs to another estimator; use it only with the "
-                                         "estimator whose insertRV returned it");
+  throw Error("slom.foreign-handle",
+              "the " + name() +
+                  " belongs to another estimator; use it only with the "
+                  "estimator whose insertRV returned it",
+              name());
 }
 
 void Problem::setValue(int variable, const void* value) {
   const VariableRecord& record = table_[at(variable)];
   const int dof = record.store->dofOf(value);
   if (record.dof != dof) {
-    throw Error("slom.size-change", "variable " + variableName(variable) + " has " +
-                                        std::to_string(record.dof) +
-                                        " degrees of freedom, the new value has " + std::to_string(dof) +
-                                        "; insert a new variable instead");
+    throw Error("slom.size-change",
+                "variable " + variableName(variable) + " has " + std::to_string(record.dof) +
+                    " degrees of freedom, the new value has " + std::to_string(dof) +
+                    "; insert a new variable instead",
+                variableName(variable));
   }
   checkBounds(variable, active_.bounds(variable), value);
   overwrite(variable, value);
@@ -131,10 +134,11 @@ void Problem::checkBounds(int variable, const std::vector<ComponentBound>& bound
   for (const ComponentBound& bound : bounds) {
     const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
     if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
-    throw Error("slom.outside-bound", componentNames(variable)[at(bound.component)] + " is " +
-                                          number(x[at(bound.component)], 6) + ", outside of its bound " +
-                                          intervalText(bound.lower, bound.upper) +
-                                          "; give it a value inside, or another bound");
+    throw Error("slom.outside-bound",
+                componentNames(variable)[at(bound.component)] + " is " + number(x[at(bound.component)], 6) +
+                    ", outside of its bound " + intervalText(bound.lower, bound.upper) +
+                    "; give it a value inside, or another bound",
+                componentNames(variable)[at(bound.component)]);
   }
 }
 
@@ -151,7 +155,8 @@ std::vector<int> Problem::componentsAt(int variable, const std::string& path) co
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   throw Error("slom.no-component",
               "variable " + variableName(variable) + " has no component \"" + path + "\"; it has " +
-                  (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all));
+                  (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all),
+              variableName(variable));
 }
 
 void Problem::setFixed(int variable, const std::vector<int>& components, bool is_fixed) {
@@ -170,16 +175,19 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
                     intervalText(lower, upper) +
                     (lower <= upper
                          ? ", which holds no finite number; pass -infinity and infinity to take a bound back"
-                         : "; pass a lower limit that is not above the upper one"));
+                         : "; pass a lower limit that is not above the upper one"),
+                componentNames(variable)[at(components.front())]);
   }
   std::vector<double> x(at(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
   std::vector<ComponentBound> bounds = active_.bounds(variable);
   for (const int c : components) {
     if (std::isnan(x[at(c)])) {
-      throw Error("slom.bad-bound", componentNames(variable)[at(c)] +
-                                        " has no coordinate that could be bounded, as it is part of a "
-                                        "rotation or the like; bound components of vectors, or add a prior");
+      throw Error("slom.bad-bound",
+                  componentNames(variable)[at(c)] +
+                      " has no coordinate that could be bounded, as it is part of a "
+                      "rotation or the like; bound components of vectors, or add a prior",
+                  componentNames(variable)[at(c)]);
     }
   }
   std::vector<char> is_new(at(record.dof), 0);
@@ -222,7 +230,8 @@ void Problem::removeVariable(int variable) {
     throw Error("slom.variable-in-use",
                 "variable " + variableName(variable) + " cannot be removed: " + std::to_string(record.uses) +
                     (record.uses == 1 ? " measurement depends" : " measurements depend") + " on it; remove " +
-                    (record.uses == 1 ? "it" : "them") + " first");
+                    (record.uses == 1 ? "it" : "them") + " first",
+                variableName(variable));
   }
   record.store->release(record.slot);
   record = VariableRecord{};

@@ -19,13 +19,16 @@ namespace {
 
 void check(const BlockSolverOptions& options) {
   if (!(options.forcing > 0 && options.forcing < 1)) {
-    throw mtk::Error("slom.bad-option", "forcing is " + std::to_string(options.forcing) +
-                                            "; pass a number between 0 and 1, such as 0.1");
+    throw mtk::Error(
+        "slom.bad-option",
+        "forcing is " + std::to_string(options.forcing) + "; pass a number between 0 and 1, such as 0.1",
+        "forcing");
   }
   if (options.max_iterations < 1) {
-    throw mtk::Error("slom.bad-option", "max_iterations of conjugate gradients is " +
-                                            std::to_string(options.max_iterations) +
-                                            "; pass a positive number, such as 500");
+    throw mtk::Error("slom.bad-option",
+                     "max_iterations of conjugate gradients is " + std::to_string(options.max_iterations) +
+                         "; pass a positive number, such as 500",
+                     "max_iterations");
   }
 }
 

@@ -10,7 +10,8 @@ using Eigen::VectorXd;
 ForwardingSolver::ForwardingSolver(std::unique_ptr<LinearSolver> solver) : solver_(std::move(solver)) {
   if (!solver_) {
     throw mtk::Error("slom.no-solver",
-                     "ForwardingSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR");
+                     "ForwardingSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR",
+                     "ForwardingSolver");
   }
 }
 

@@ -43,7 +43,7 @@ auto asUserError(const F& f) {
   try {
     return f();
   } catch (const mtk::Error& error) {
-    throw UserError(withoutId(error));
+    throw UserError(std::string(error.sentence()));
   }
 }
 

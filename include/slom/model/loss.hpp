@@ -127,7 +127,7 @@ concept IsLoss = std::is_base_of_v<Loss, T>;
 namespace detail {
 /// What is wrong with the loss's numbers, `has scale -1; pass ...`; empty when nothing is.
 std::string faultOf(const Loss& loss);
-[[noreturn]] void raiseLossError(const Loss& loss, const std::string& fault, const std::string& subject);
+[[noreturn]] void raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement);
 }  // namespace detail
 
 /// Throws [slom.bad-loss], naming `subject()`, which is called only then.

@@ -126,7 +126,7 @@ struct NoiseComplaint {
 /// Appends the numbers of W to `store`. On a fault leaves `store` alone, fills `complaint` and returns false.
 bool appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, WhiteningKind& kind,
                      NoiseComplaint& complaint);
-[[noreturn]] void raiseNoiseError(const NoiseComplaint& complaint, const std::string& subject);
+[[noreturn]] void raiseNoiseError(const NoiseComplaint& complaint, const std::string& measurement);
 }  // namespace detail
 
 /// Appends the numbers of W for residuals of length `dim` to `store`. Throws mtk::Error that names `subject()`, which

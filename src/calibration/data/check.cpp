@@ -30,7 +30,8 @@ void checkView(const CameraData& camera, const View& view) {
     throw DataError(
         "slom.calibration.bad-view",
         fmt::format("{} has only {} corner{}; a pose needs at least 4, so add corners or remove the image",
-                    place, count, count == 1 ? "" : "s"));
+                    place, count, count == 1 ? "" : "s"),
+        camera.name);
   }
   const BoardPlane plane = fitPlane(view.corners);
   std::vector<vec2> on_board, in_image;
@@ -43,21 +44,24 @@ void checkView(const CameraData& camera, const View& view) {
         "slom.calibration.bad-view",
         fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two "
                     "off it, so add corners or remove the image",
-                    place));
+                    place),
+        camera.name);
   }
   if (onLineButOne(in_image, pixel_line_tolerance)) {
     throw DataError(
         "slom.calibration.bad-view",
         fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; "
                     "remove the image",
-                    place));
+                    place),
+        camera.name);
   }
   if (plane.thickness > plane_tolerance * plane.size) {
     throw DataError(
         "slom.calibration.bad-view",
         fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
                     "values need a flat board, so correct the points or remove the image",
-                    place, plane.thickness));
+                    place, plane.thickness),
+        camera.name);
   }
 }
 
@@ -78,7 +82,8 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
         fmt::format(
             "{}: corner {} of image {} repeats corner {} of line {}, the same point of the board at the same "
             "pixel; remove one of the two rows",
-            camera.place(view, other), other.number, view.image, one.number, one.line));
+            camera.place(view, other), other.number, view.image, one.number, one.line),
+        camera.name);
   }
 }
 
@@ -87,7 +92,7 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
 void checkViews(const CameraData& camera) {
   if (camera.views.empty())
     throw DataError("slom.calibration.too-few-views",
-                    fmt::format("{}: there is no corner in it; add some", nameOf(camera)));
+                    fmt::format("{}: there is no corner in it; add some", nameOf(camera)), camera.name);
   for (const View& view : camera.views) {
     checkView(camera, view);
     requireNoRepeatedCorner(camera, view);
@@ -97,7 +102,8 @@ void checkViews(const CameraData& camera) {
         "slom.calibration.too-few-views",
         fmt::format("{}: image {} is the only one of camera {}; its intrinsics need at least 2 images from "
                     "different directions, so add images",
-                    firstPlace(camera), camera.views.front().image, camera.name));
+                    firstPlace(camera), camera.views.front().image, camera.name),
+        camera.name);
   }
 }
 
@@ -122,7 +128,8 @@ void checkConnected(const Dataset& data) {
         fmt::format(
             "{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
             "board with both at the same time, or calibrate them apart",
-            firstPlace(camera), camera.name, data.cameras.front().name));
+            firstPlace(camera), camera.name, data.cameras.front().name),
+        camera.name);
   }
 }
 
@@ -139,12 +146,12 @@ void checkImuImages(const Dataset& data) {
 }
 
 void checkSettings(const Dataset& data, const Settings& settings) {
-  const auto refuse = [](const std::string& sentence) {
-    throw DataError("slom.calibration.bad-settings", sentence);
+  const auto refuse = [](const std::string& sentence, const std::string& subject = {}) {
+    throw DataError("slom.calibration.bad-settings", sentence, subject);
   };
   const auto require_positive = [&](const char* name, double value) {
     if (!(value > 0 && std::isfinite(value)))
-      refuse(fmt::format("Settings::{} is {}; give a positive number", name, value));
+      refuse(fmt::format("Settings::{} is {}; give a positive number", name, value), name);
   };
   require_positive("sigma_px", settings.sigma_px);
   require_positive("sigma_acc", settings.sigma_acc);

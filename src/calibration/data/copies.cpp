@@ -133,7 +133,8 @@ void requireDifferent(const CameraData& a, const CameraData& b) {
       fmt::format("camera {} and camera {} have the same corners in {} of {} images, where {}; these are "
                   "photographs of one "
                   "camera, so correct the files of the other, or leave it out",
-                  a.name, b.name, repeated, b.views.size(), first));
+                  a.name, b.name, repeated, b.views.size(), first),
+      b.name);
 }
 
 void leaveOutCopies(CameraData& camera) {
@@ -159,9 +160,10 @@ void leaveOutCopies(CameraData& camera) {
           "add images "
           "from other directions",
           nameOf(camera), camera.copies.size() + 1, camera.name, nameOf(camera.views.front()),
-          std::max_element(camera.copies.begin(), camera.copies.end(), [](const Copy& a, const Copy& b) {
-            return a.difference_px < b.difference_px;
-          })->difference_px));
+          std::max_element(camera.copies.begin(), camera.copies.end(),
+                           [](const Copy& a, const Copy& b) { return a.difference_px < b.difference_px; })
+              ->difference_px),
+      camera.name);
 }
 
 /// Readings of images that no camera has, now that copies are left out.

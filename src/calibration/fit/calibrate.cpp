@@ -8,8 +8,8 @@
 namespace slom::calibration {
 
 std::string sentenceOf(const slom::Error& error) {
-  const std::string text(error.sentence());
-  return text.substr(0, text.find_first_of(":;"));
+  const bool names_unknown = error.id() == "slom.rank-deficient" && !error.subject().empty();
+  return names_unknown ? "the measurements do not determine " + error.subject() : std::string(error.fault());
 }
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {

@@ -57,7 +57,8 @@ std::optional<SE3> consensusOf(const std::vector<Vote>& all) {
       "slom.calibration.no-pose",
       fmt::format("{}: {} that camera {} shares with camera {} {} no finite pose between the two; look for "
                   "corners and world points that are wrong",
-                  nameOf(b), counted(images, "image"), b.name, a.name, images == 1 ? "gives" : "give"));
+                  nameOf(b), counted(images, "image"), b.name, a.name, images == 1 ? "gives" : "give"),
+      b.name);
 }
 
 std::vector<SE3> cameraPoses(const Dataset& data, const std::vector<ViewPoses>& world2camera) {

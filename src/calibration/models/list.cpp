@@ -44,7 +44,8 @@ Model::Model(std::string_view name) {
     }
     names += (i == 0 ? "" : i + 1 < all.size() ? ", " : " and ") + all[i].name();
   }
-  throw DataError("slom.calibration.unknown-model", std::string(name) + ": the models are " + names);
+  throw DataError("slom.calibration.unknown-model", std::string(name) + ": the models are " + names,
+                  std::string(name));
 }
 
 const std::string& Model::name() const { return definition_->name; }

@@ -17,7 +17,8 @@ namespace {
   throw DataError(
       "slom.calibration.no-result",
       fmt::format("there is no uncertainty of pixels: {}; pass the result of calibrate() with these data",
-                  why));
+                  why),
+      "result");
 }
 
 void requireResultOf(const Dataset& data, const Result& result) {
@@ -46,8 +47,8 @@ Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
   return Posterior(information);
 }
 
-[[noreturn]] void refuseQuestion(const std::string& sentence) {
-  throw DataError("slom.calibration.bad-question", sentence);
+[[noreturn]] void refuseQuestion(const char* subject, const std::string& sentence) {
+  throw DataError("slom.calibration.bad-question", sentence, subject);
 }
 
 }  // namespace
@@ -73,13 +74,15 @@ std::optional<PixelCovariance> PixelUncertainty::at(std::size_t camera, const ve
                                                     double distance_m) const {
   const std::size_t count = impl_->cameras.size();
   if (camera >= count) {
-    refuseQuestion(fmt::format("there is no camera {}; pass a number from 0 to {}", camera, count - 1));
+    refuseQuestion("camera",
+                   fmt::format("there is no camera {}; pass a number from 0 to {}", camera, count - 1));
   }
   if (!pixel.allFinite()) {
-    refuseQuestion(fmt::format("the pixel is ({}, {}); pass finite numbers", pixel.x(), pixel.y()));
+    refuseQuestion("pixel", fmt::format("the pixel is ({}, {}); pass finite numbers", pixel.x(), pixel.y()));
   }
   if (!(distance_m > 0)) {
-    refuseQuestion(fmt::format("the distance is {} m; pass a positive number, or infinity", distance_m));
+    refuseQuestion("distance_m",
+                   fmt::format("the distance is {} m; pass a positive number, or infinity", distance_m));
   }
   const std::optional<vec3> ray = impl_->rig.lenses[camera]->unproject(pixel);
   if (!ray) return std::nullopt;

@@ -13,7 +13,8 @@ std::string bzip2Decompressed(const std::string& file, std::string_view) {
        fmt::format(
            "{}: the file is compressed by bzip2, and this slom was built without libbz2; decompress it "
            "with bunzip2, or install libbz2-dev and build slom again",
-           file));
+           file),
+       file);
 }
 
 }  // namespace slom::io

@@ -63,7 +63,8 @@ class Decompressor {
     if (size_ > allowed_) {
       io::fail("damaged",
                fmt::format("{}: its {} bytes unpack to more than {}, which no scene does; get it again",
-                           file_, packed_, allowed_));
+                           file_, packed_, allowed_),
+               file_);
     }
     const bool is_stuck = status == BZ_OK && rest_.empty() && stream.avail_out > 0;
     return is_stuck ? BZ_UNEXPECTED_EOF : status;
@@ -76,8 +77,10 @@ class Decompressor {
   void require(int status) const {
     if (status == BZ_OK) return;
     if (status == BZ_MEM_ERROR) throw std::bad_alloc();
-    io::fail("damaged", fmt::format("{}: the compressed file {}; get it again", file_,
-                                    status == BZ_UNEXPECTED_EOF ? "ends too early" : "is damaged"));
+    io::fail("damaged",
+             fmt::format("{}: the compressed file {}; get it again", file_,
+                         status == BZ_UNEXPECTED_EOF ? "ends too early" : "is damaged"),
+             file_);
   }
 
   const std::string& file_;

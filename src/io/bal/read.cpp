@@ -58,7 +58,8 @@ class Reader {
     if (!words_.next()) {
       io::fail(
           "empty-file",
-          scene_.file + ": the file is empty; a BAL file begins with a line \"cameras points observations\"");
+          scene_.file + ": the file is empty; a BAL file begins with a line \"cameras points observations\"",
+          scene_.file);
     }
     cameras_ = count("cameras");
     nextCount();

@@ -96,7 +96,8 @@ class Reader {
     Lines line(file);
     bool is_empty = true;
     for (; line.next(); is_empty = false) readLine(line);
-    if (is_empty) fail("empty-file", file + ": the file is empty; a pose graph has a line for each edge");
+    if (is_empty)
+      fail("empty-file", file + ": the file is empty; a pose graph has a line for each edge", file);
     if (in_space_.number != 0) return finish(std::move(space_));
     return finish(std::move(plane_));
   }
@@ -140,7 +141,8 @@ class Reader {
     if (raw.graph.edges.empty() && raw.graph.sightings.empty()) {
       fail("no-edges",
            raw.graph.file +
-               ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
+               ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3",
+           raw.graph.file);
     }
     raw.fixed = std::move(fixed_);
     raw.graph.unknown_tags = std::move(unknown_);

@@ -105,7 +105,7 @@ StartFound findStart(PoseGraph<Pose>& graph, std::optional<Start> start, const G
   } catch (const initialize::Unreached& error) {
     throw UserError(unreachedText(graph.file, graph.poses[std::size_t(error.pose())].id, init));
   } catch (const mtk::Error& error) {
-    throw UserError("--init " + init + ": " + withoutId(error));
+    throw UserError("--init " + init + ": " + std::string(error.sentence()));
   }
 }
 
