@@ -16,7 +16,7 @@ std::string refusalOf(const F& f) {
   } catch (const app::UserError& error) {
     return error.what();
   } catch (const mtk::Error& error) {
-    return app::withoutId(error);
+    return std::string(error.sentence());
   }
   return "no error";
 }
