@@ -74,6 +74,8 @@ TEST(ErrorParts, NameTheUsersThings) {
   est.reinitRV(q, Point(std::nan(""), 0));
   expect({"Range #1", "slom.not-finite", [&] { est.optimizeStep(); }});
   est.reinitRV(q, Point(3, 4));
+  est.prior(p, Point(1, 2), 1.);
+  est.prior(q, Point(3, 4), 1.);
   const auto lonely = est.insertRV(1.0, "lonely");
   expect({"lonely", "slom.unmeasured-variable", [&] { est.optimizeStep(); }});
   est.removeRV(lonely);
