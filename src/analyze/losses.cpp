@@ -2,8 +2,20 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
+#include <tuple>
 
 namespace slom {
+
+namespace {
+
+/// That of the library's losses; users' own come after them.
+std::ptrdiff_t placeInTable(const Loss& loss) {
+  const std::span<const LossKind* const> all = losses();
+  return std::find(all.begin(), all.end(), loss.kind()) - all.begin();
+}
+
+}  // namespace
 
 std::vector<LossSummary> summarizeLosses(MeasurementPool& pool) {
   if (pool.lossCount() == 0) return {};
@@ -21,11 +33,17 @@ std::vector<LossSummary> summarizeLosses(MeasurementPool& pool) {
     if (weight < 0.5) ++summary.down_weighted;
     if (weight == 0) ++summary.weightless;
   }
-  std::vector<LossSummary> result;
+  std::vector<const Loss*> order;
   for (auto& [loss, summary] : summary_of) {
     summary.loss = loss.text();
-    result.push_back(std::move(summary));
+    order.push_back(&loss);
   }
+  std::sort(order.begin(), order.end(), [&](const Loss* a, const Loss* b) {
+    return std::tuple(placeInTable(*a), a->scale(), a->shape(), summary_of[*a].loss) <
+           std::tuple(placeInTable(*b), b->scale(), b->shape(), summary_of[*b].loss);
+  });
+  std::vector<LossSummary> result;
+  for (const Loss* loss : order) result.push_back(summary_of[*loss]);
   return result;
 }
 

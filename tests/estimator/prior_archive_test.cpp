@@ -23,7 +23,7 @@ Archive makeArchive() {
 }
 
 TEST(StoredPriors, IsSavedAndLoaded) {
-  Random random(5);
+  RandomValues random(5);
   Estimator est;
   const auto point = est.insertRV(random.vector(1), "point");
   const auto angle = est.insertRV(mtk::SO2<>(random()), "angle");
@@ -51,7 +51,7 @@ TEST(StoredPriors, IsSavedAndLoaded) {
 }
 
 TEST(StoredPriors, OfPosesIsSavedAndLoaded) {
-  Random random(6);
+  RandomValues random(6);
   Estimator est;
   const auto a = est.insertRV(random.pose(1), "a"), b = est.insertRV(random.pose(1), "b");
   est.insertMeasurement(

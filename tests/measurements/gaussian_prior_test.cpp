@@ -21,7 +21,7 @@ struct Map {
   std::vector<std::function<void()>> remove;  // the measurements of what is to be forgotten
 
   Map() {
-    Random random(7);
+    RandomValues random(7);
     est.changeSolver(std::unique_ptr<LinearSolver>(solver));
     std::vector<SE3> pose_truth;
     std::vector<Vec3> point_truth;
@@ -114,7 +114,7 @@ TEST(GaussianPrior, StandsForTheMeasurementsThatItWasMadeOf) {
 }
 
 TEST(GaussianPrior, HasExactDerivativesAwayFromItsPoint) {
-  Random random(3);
+  RandomValues random(3);
   Estimator est;
   const auto pose = est.insertRV(random.pose(1));
   const auto direction = est.insertRV(mtk::S2<>(1, 2, 3));

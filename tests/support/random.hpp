@@ -12,9 +12,9 @@ using SO3 = mtk::SO3<>;
 using SE3 = mtk::trafo<SO3>;
 using Vec3 = mtk::vect<3>;
 
-class Random {
+class RandomValues {
  public:
-  explicit Random(unsigned seed) : numbers_(seed) {}
+  explicit RandomValues(unsigned seed) : numbers_(seed) {}
   double operator()() { return numbers_.normal(); }
   Vec3 vector(double size) { return Vec3(size * (*this)(), size * (*this)(), size * (*this)()); }
   SE3 pose(double size) { return SE3(SO3::exp(vector(size)), vector(5 * size)); }
