@@ -60,6 +60,7 @@ struct Estimator::State {
   bool isAtMinimum(double variance_factor);
   // What a summary says besides what the fit itself knows.
   void fillSizes(Summary& summary);
+  void countFreeDirections(Summary& summary, const Options& options);
   void fillTables(Summary& summary, const Options& options);
   void addWarnings(Summary& summary, const Options& options);
   std::string messageFor(const Summary& summary, const SolveStatus& status, double max_seconds);
@@ -127,6 +128,7 @@ Summary Estimator::optimize(const Options& options) {
   summary.groups = std::move(before.groups);
   state_->fillSizes(summary);
   summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
+  state_->countFreeDirections(summary, options);
   state_->fillTables(summary, options);
   state_->addWarnings(summary, options);
   return summary;
@@ -141,6 +143,23 @@ void Estimator::State::fillSizes(Summary& summary) {
   summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = sigma == Sigma::estimated;
+}
+
+/// Whether a fit may take more time for what is said of it.
+static bool hasTime(const Summary& summary, const Options& options) {
+  return summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
+}
+
+void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {
+  if (summary.unknowns == 0 || summary.unknowns > Summary::kMostCounted || system.hadFullRank() ||
+      !hasTime(summary, options))
+    return;
+  try {
+    summary.free_directions =
+        analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); });
+    summary.redundancy += summary.free_directions;
+  } catch (const Error&) {  // there are no derivatives
+  }
 }
 
 void Estimator::State::fillTables(Summary& summary, const Options& options) {
@@ -162,10 +181,8 @@ void Estimator::State::addWarnings(Summary& summary, const Options& options) {
   if (summary.stop_reason == StopReason::rank_deficient) {
     std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
     const bool is_explained = !weightless.empty();
-    const bool has_time =
-        summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
     append(std::move(weightless));
-    if (!is_explained && has_time)
+    if (!is_explained && hasTime(summary, options))
       append(analyze([](const LinearizedProblem& linearized) { return faultsOf(linearized.diagnosis()); }));
   }
   append(unmeasuredVariables(problem));
@@ -357,14 +374,20 @@ Sigma Estimator::sigma() const { return state_->sigma; }
 
 double Estimator::State::varianceFactor() {
   if (sigma == Sigma::known) return 1;
+  // With FreeGauge::error there are no covariances where directions are free.
+  const bool may_be_free = gauge == FreeGauge::inner_constraints;
   const int unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); });
-  const int residuals = system.structure().residuals;
-  if (residuals > unknowns) return linearized().rss() / (residuals - unknowns);
+  const int free =
+      may_be_free ? analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); })
+                  : 0;
+  const int residuals = system.structure().residuals, redundancy = residuals - unknowns + free;
+  if (redundancy > 0) return linearized().rss() / redundancy;
   throw Error("slom.no-redundancy",
               "uncertainties can be estimated from residuals only when there are more of them than "
               "unknowns; here are " +
-                  std::to_string(residuals) + " residuals and " + std::to_string(unknowns) +
-                  " unknowns; add measurements or use Sigma::known");
+                  std::to_string(residuals) + " residuals and " + std::to_string(unknowns) + " unknowns" +
+                  (free > 0 ? ", " + counted(free, "direction") + " of them free" : "") +
+                  "; add measurements or use Sigma::known");
 }
 
 bool Estimator::State::isAtMinimum(double variance_factor) {

@@ -49,7 +49,7 @@ class Examination {
     if (result_.unknowns == 0) return std::move(result_);
     const NearNullSpace& least = linearized_.nearNullSpace();
     const Index none = least.countBelow(linearized_.digitsOfDerivatives());
-    result_.rank -= static_cast<int>(none) + static_cast<int>(least.idle.size());
+    result_.rank -= least.dimension(linearized_.digitsOfDerivatives());
     const std::vector<Part> parts = connectedParts(structure_.system);
     findIdle(least);
     for (const Part& part : parts) explain(part, least.direction.leftCols(none), least.scale);

@@ -222,6 +222,13 @@ const NearNullSpace& LinearizedProblem::nearNullSpace() const {
   return *results_->null_space;
 }
 
+int LinearizedProblem::freeDirections() const {
+  if (structure_.system.unknowns() == 0) return 0;
+  MatrixXd none;
+  if (isExact() && solveFor(MatrixXd(structure_.system.unknowns(), 0), none).ok) return 0;
+  return nearNullSpace().dimension(digitsOfDerivatives());
+}
+
 const Diagnosis& LinearizedProblem::diagnosis() const {
   if (!results_->diagnosis) results_->diagnosis = diagnose(*this);
   return *results_->diagnosis;

@@ -64,6 +64,8 @@ class LinearizedProblem {
 
   /// Directions whose influence is below kWeakInfluence at the least.
   const NearNullSpace& nearNullSpace() const;
+  /// Dimension of the null space of J: 0 where the solver finds a unique solution.
+  int freeDirections() const;
   const Diagnosis& diagnosis() const;
   /// The error of an analysis that needs full rank: [slom.free-gauge] with the motions that are free or, where that is not the
   /// cause, singularError.

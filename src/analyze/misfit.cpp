@@ -65,7 +65,8 @@ std::vector<std::string> misfits(const Problem& problem, const Summary& summary)
     if (!group.losses.empty() || !groupStatesNoise(problem, g)) continue;
     // Where the group's share of the redundancy was not computed, bounds of it will do.
     const bool is_known = group.redundancy >= 0;
-    const double least = is_known ? group.redundancy : group.residuals - summary.unknowns;
+    const double least =
+        is_known ? group.redundancy : group.residuals - summary.unknowns + summary.free_directions;
     const double most = is_known ? group.redundancy : std::min(group.residuals, summary.redundancy);
     if (isFar(group.final_rss, least, most)) {
       const double dof = group.final_rss > most ? most : least;

@@ -20,6 +20,10 @@ struct NearNullSpace {
 
   /// Number of directions whose influence is below `limit`.
   Eigen::Index countBelow(double limit) const { return (influence.array() < limit).count(); }
+  /// Dimension of the null space of J: directions with an influence below `limit`, and idle unknowns.
+  int dimension(double limit) const {
+    return static_cast<int>(countBelow(limit)) + static_cast<int>(idle.size());
+  }
 };
 
 /// Below this influence of a direction, in scaled unknowns, a hint is due.

@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "base/classic_numbers.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -84,6 +85,10 @@ std::string groupChiSquares(const Summary& summary) {
   return text;
 }
 
+std::string freeDirections(const Summary& summary) {
+  return summary.free_directions == 0 ? "" : " + " + counted(summary.free_directions, "free direction");
+}
+
 }  // namespace
 
 std::string Summary::report() const { return slom::report(*this); }
@@ -92,8 +97,8 @@ std::string report(const Summary& summary) {
   std::string text = (summary.converged ? "Converged: " : "NOT converged: ") + summary.message + "\n";
   text += format("  %d iterations of %s; %s\n", summary.iterations, summary.algorithm.c_str(),
                  summary.solver.c_str());
-  text += format("  %d residuals - %d unknowns (%d variables) = redundancy %d\n", summary.measurements,
-                 summary.unknowns, summary.variables, summary.redundancy);
+  text += format("  %d residuals - %d unknowns (%d variables)%s = redundancy %d\n", summary.measurements,
+                 summary.unknowns, summary.variables, freeDirections(summary).c_str(), summary.redundancy);
   if (summary.stages > 0) text += format("  graduated non-convexity, stages begun: %d\n", summary.stages);
   text += groupTable(summary);
   for (const GroupSummary& group : summary.groups) text += lossLines(group);

@@ -278,10 +278,13 @@ SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
   bool has_changed = false;
   SolveStatus status = lookAgain(solver_->solve({}, step), has_changed);
   if (has_changed) status = solver_->solve({}, step);
+  full_rank_at_ = ~structured_at_;
   if (!status.ok) return status;
   clearHeld(step);
   const std::vector<int> unseen = unseenUnknowns(step);
-  return unseen.empty() ? status : SolveStatus{false, unseen.front(), 0, 0};
+  if (!unseen.empty()) return {false, unseen.front(), 0, 0};
+  full_rank_at_ = structured_at_;
+  return status;
 }
 
 SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {

@@ -164,6 +164,83 @@ TEST(Uncertainty, OfAFreeNetworkIsThePseudoInverse) {
   EXPECT_THROW(est.covariance(points[0]), mtk::Error);
 }
 
+/// Distances between points in the plane, with errors: place and direction of all are free.
+struct Trilateration {
+  slom::Estimator est;
+  std::vector<slom::VarID<vec2>> points;
+
+  explicit Trilateration(int count, double sigma = 0.01) {
+    std::mt19937 engine(8);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < count; ++i)
+      points.push_back(
+          est.insertRV(vec2(10 * normal(engine), 10 * normal(engine)), "point " + std::to_string(i)));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j)
+        est.insertMeasurement(distance, points[i], points[j],
+                              slom::measured(distance(*points[i], *points[j]) + sigma * normal(engine)),
+                              slom::StandardDeviation(sigma));
+    }
+    est.changeAlgorithm(new slom::LevenbergMarquardt);
+  }
+
+  static constexpr auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
+};
+
+/// The redundancy, and so the variance factor, does not depend on how the datum is chosen, nor on whether it is.
+TEST(Uncertainty, RedundancyIsThatOfTheRankOfJ) {
+  for (const int count : {4, 5, 9}) {
+    Trilateration network(count);
+    slom::Estimator& est = network.est;
+    est.setSigma(slom::Sigma::estimated);
+    est.setFreeGauge(slom::FreeGauge::inner_constraints);
+    const slom::Summary free = est.optimize();
+    EXPECT_TRUE(free.converged) << free;
+    EXPECT_EQ(free.free_directions, 3);
+    EXPECT_EQ(free.redundancy, count * (count - 1) / 2 - (2 * count - 3));
+    const auto deviation = [&] {
+      return est.propagate(Trilateration::distance, network.points[0], network.points[1])
+          .standardDeviation()[0];
+    };
+    const double estimated = deviation();
+    const double of_groups = free.groups.at(0).redundancy;
+    est.setFreeGauge(slom::FreeGauge::error);
+    est.fix(network.points[0]);
+    est.fix(network.points[1], "x");
+    const slom::Summary fixed = est.optimize();
+    EXPECT_EQ(fixed.free_directions, 0);
+    EXPECT_EQ(fixed.redundancy, free.redundancy);
+    EXPECT_NEAR(fixed.chi2PerDof(), free.chi2PerDof(), 1e-9 * free.chi2PerDof());
+    EXPECT_NEAR(deviation(), estimated, 1e-9 * estimated);
+    EXPECT_NEAR(of_groups, fixed.redundancy, 1e-6);
+  }
+}
+
+TEST(Uncertainty, ReportCountsFreeDirections) {
+  Trilateration network(4);
+  const std::string text = network.est.optimize().report();
+  EXPECT_NE(text.find("\n  6 residuals - 8 unknowns (4 variables) + 3 free directions = redundancy 1\n"),
+            std::string::npos)
+      << text;
+}
+
+TEST(Uncertainty, NoRedundancyNamesFreeDirections) {
+  Trilateration network(3);
+  network.est.optimize();
+  network.est.setSigma(slom::Sigma::estimated);
+  network.est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  try {
+    static_cast<void>(network.est.covariance(network.points[0]));
+    FAIL();
+  } catch (const mtk::Error& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "[slom.no-redundancy] uncertainties can be estimated from residuals only when there are more "
+        "of them than unknowns; here are 3 residuals and 6 unknowns, 3 directions of them free; add "
+        "measurements or use Sigma::known");
+  }
+}
+
 TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistribution) {
   slom::Estimator est;
   const auto line = est.insertRV(vec2(0, 0), "line");

@@ -172,12 +172,16 @@ struct Summary {
   int variables = 0;                ///< optimised ones
   int measurements = 0;             ///< number of scalar residuals
   int unknowns = 0;                 ///< those held at a bound are none
-  int redundancy = 0;               ///< measurements - unknowns
+  int free_directions = 0;          ///< which no measurement determines; counted up to kMostCounted unknowns
+  int redundancy = 0;               ///< measurements - unknowns + free_directions
   bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
   std::vector<std::string>
       active_bounds;  ///< `camera.k3 is at its upper bound 0.5`; covariances hold on that condition
   double initial_rss = 0;
   double final_rss = 0;
+  /// Fits of more unknowns have so much redundancy that a gauge does not count, or report free_directions = 0 though there are some;
+  /// diagnose() counts them.
+  static constexpr int kMostCounted = 5000;
   double seconds = 0;
   PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;

@@ -87,6 +87,10 @@ class System {
   /// What rounding the values themselves does to the residuals, squared: a promise below it cannot be kept.
   double roundingOfPromises();
 
+  /// Whether the last solution without damping was unique, for the structure as it is now; false where none was asked for, or
+  /// the solver is not exact.
+  bool hadFullRank() const { return full_rank_at_ == structured_at_ && solver_->isExact(); }
+
   /// Asked by mustStop(); none: never.
   void setInterruption(std::function<bool()> must_stop) { must_stop_ = std::move(must_stop); }
   /// Whether the fit is to end: an algorithm that tries several steps asks before each.
@@ -142,6 +146,7 @@ class System {
   ProblemStructure structure_;
   StructureChanges changes_ = StructureChanges::all();  // since the solver was analysed
   std::uint64_t structured_at_ = ~std::uint64_t{0};
+  std::uint64_t full_rank_at_ = ~std::uint64_t{0} - 1;  // structured_at_ of hadFullRank()
   std::uint64_t analyzed_at_ = ~std::uint64_t{0};
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   std::uint64_t content_of_solver_ = 0;
