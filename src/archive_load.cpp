@@ -31,7 +31,7 @@ std::string commaIn(const std::string& text) {
   const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {
     if (comma > 0 && is_digit(comma - 1) && is_digit(comma + 1))
-      return "; decimals stand behind a comma there, as a program with a locale of such a language writes "
+      return "; decimals stand after a comma there, as a program with a locale of such a language writes "
              "them: write points";
   }
   return "";
@@ -51,7 +51,7 @@ class ArchiveReader {
     readFirstLine();
     while (nextLine()) {
       if (text_ == "end") {
-        if (nextLine()) raise("there is text behind the line \"end\"; remove it");
+        if (nextLine()) raise("there is text after the line \"end\"; remove it");
         result_.sortNames();
         return std::move(result_);
       }
@@ -210,7 +210,7 @@ class ArchiveReader {
     readOptions();
     const int count = static_cast<int>(handles_.size());
     if (!measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {}) || !isAtEnd(rest_)) {
-      raise("what stands behind the second | is not the data of " + measurement_kind_->name + ":" +
+      raise("what stands after the second | is not the data of " + measurement_kind_->name + ":" +
             rest_.str() + commaIn(rest_.str()));
     }
     withLine([&] {
@@ -243,7 +243,7 @@ class ArchiveReader {
 
   void expectBar(const std::string& before) {
     std::string word;
-    if (!(line_ >> word) || word != "|") raise("a | is due behind " + before);
+    if (!(line_ >> word) || word != "|") raise("a | is due after " + before);
   }
 
   /// The noise, which needs the length of no residual to be read, and the loss, up to the second bar.
@@ -271,7 +271,7 @@ class ArchiveReader {
     if (kind == nullptr)
       raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |" + commaIn(word));
     if ((kind->has_shape && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
-      raise("numbers are missing behind " + word + commaIn(text_));
+      raise("numbers are missing after " + word + commaIn(text_));
     }
     options_.loss = Loss(*kind, scale, shape);
     expectBar("the noise and the loss");

@@ -385,6 +385,9 @@ class Estimator {
   void setFreeGauge(FreeGauge gauge);
   FreeGauge freeGauge() const;
 
+  /// The variable and measurement table: what there is, in which revision, and what has changed or moved since another one.
+  const Problem& table() const { return problem(); }
+
   /// Names of the components, as messages give them.
   template <class T>
   std::vector<std::string> componentNames(const VarID<T>& id) const {

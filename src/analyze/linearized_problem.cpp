@@ -9,6 +9,7 @@
 #include "analyze/singular.hpp"
 #include "base/index.hpp"
 #include "optimize/active_bounds.hpp"
+#include "optimize/lengths.hpp"
 #include "optimize/second_look.hpp"
 
 namespace slom {
@@ -155,8 +156,10 @@ SolveStatus LinearizedProblem::lookAgain(SolveStatus status, bool& has_changed) 
 
 SolveStatus LinearizedProblem::solveFor(const MatrixXd& B, MatrixXd& X) const {
   bool has_changed = false;
-  const SolveStatus status = lookAgain(solver().solveFor(B, X), has_changed);
-  return has_changed ? solver().solveFor(B, X) : status;
+  SolveStatus status = lookAgain(solver().solveFor(B, X), has_changed);
+  if (has_changed) status = solver().solveFor(B, X);
+  if (status.ok) requireSolutionLength(solver(), X.rows(), structure_.system.unknowns());
+  return status;
 }
 
 /// Whether a solver that keeps more digits takes over.

@@ -16,6 +16,12 @@ std::string unknownName(const Problem& problem, const ProblemStructure& structur
 }
 
 Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status) {
+  const bool is_named = status.unknown >= 0 && status.unknown < structure.system.unknowns();
+  if (!is_named) {  // by a user's own solver
+    return {
+        "slom.rank-deficient",
+        "the solver found no unique solution and does not name an unknown; diagnose() lists what is not determined"};
+  }
   const int variable = variableOf(structure, status.unknown);
   if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {
     const std::string name = problem.variableName(variable);

@@ -10,6 +10,7 @@
 #include "base/words.hpp"
 #include "optimize/convergence.hpp"
 #include "optimize/graduation.hpp"
+#include "optimize/lengths.hpp"
 #include "optimize/options.hpp"
 #include "problem/value_snapshot.hpp"
 #include "slom/optimize/system.hpp"
@@ -187,6 +188,8 @@ class Run {
     // A system without full rank is reported even when the RSS could not be smaller; the step finds out.
     StepOutcome outcome = algorithm_->step(system_, step_limits_);
     if (outcome.kind == StepOutcome::Kind::stopped) return interruption();
+    if (outcome.kind == StepOutcome::Kind::taken)
+      requireStepLength(outcome.step.size(), system_.structure().system.unknowns());
     if (outcome.kind == StepOutcome::Kind::taken && !hasDerivatives(outcome))
       outcome.kind = StepOutcome::Kind::not_finite;
     ++summary_.iterations;

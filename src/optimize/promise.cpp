@@ -31,7 +31,7 @@ System::Promise System::promise(bool carefully) {
     for (Eigen::Index i = 0; i < H.size(); ++i) {
       if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
     }
-    if (!solver_->solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
+    if (!solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
     clearHeld(step);
     unseen = unseenUnknowns(step);
     for (const int u : unseen) step[u] = 0;

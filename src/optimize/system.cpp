@@ -8,6 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "linearize/variable_of.hpp"
 #include "optimize/active_bounds.hpp"
+#include "optimize/lengths.hpp"
 #include "optimize/second_look.hpp"
 #include "problem/value_snapshot.hpp"
 
@@ -76,8 +77,10 @@ double System::linearize() {
   linearized_at_ = ~std::uint64_t{0};
   ++content_of_solver_;
   ActiveSet& active = problem_.activeSet();
-  rss_ = linearizeAtBounds(problem_, structure_, linearizer_, active, *solver_,
-                           [this] { return solver_->gradient(); });
+  rss_ = linearizeAtBounds(problem_, structure_, linearizer_, active, *solver_, [this] {
+    requireGradientLengths(*solver_, structure_.system.unknowns());
+    return solver_->gradient();
+  });
   squared_norm_ = linearizer_.squaredNormSent();
   requireRange();
   linearized_at_ = problem_.valueRevision();
@@ -86,12 +89,14 @@ double System::linearize() {
 
 /// Products of what is linearised must stay numbers.
 void System::requireRange() {
+  requireGradientLengths(*solver_, structure_.system.unknowns());
   if (rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite())
     return;
   linearizer_.raiseOverflow(problem_);
 }
 
 void System::move(const Eigen::VectorXd& d) {
+  requireStepLength(d.size(), structure_.system.unknowns());
   problem_.save();
   if (problem_.activeSet().hasBounds()) {
     problem_.applyStep(structure_.system.offset, clampedToBounds(problem_, structure_, d).data());
@@ -102,6 +107,7 @@ void System::move(const Eigen::VectorXd& d) {
 }
 
 Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) const {
+  requireStepLength(d.size(), structure_.system.unknowns());
   return clampedToBounds(problem_, structure_, d);
 }
 
@@ -274,10 +280,16 @@ double System::digitsOfDerivatives(const Problem& problem) {
   return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
 }
 
+SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+  const SolveStatus status = solver_->solve(damping, step);
+  if (status.ok) requireSolutionLength(*solver_, step.size(), structure_.system.unknowns());
+  return status;
+}
+
 SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
   bool has_changed = false;
-  SolveStatus status = lookAgain(solver_->solve({}, step), has_changed);
-  if (has_changed) status = solver_->solve({}, step);
+  SolveStatus status = lookAgain(solve({}, step), has_changed);
+  if (has_changed) status = solve({}, step);
   full_rank_at_ = ~structured_at_;
   if (!status.ok) return status;
   clearHeld(step);
@@ -288,7 +300,7 @@ SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
 }
 
 SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
-  SolveStatus status = solver_->solve(damping, step);
+  SolveStatus status = solve(damping, step);
   Eigen::VectorXd holding;
   for (int i = 0; status.ok && i < kMostHoldings; ++i) {
     clearHeld(step);
@@ -297,7 +309,7 @@ SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd&
     if (holding.size() == 0) holding = damping;
     // Each time firmer, for g may be large where H is not.
     for (const int u : unseen) holding[u] = std::max(holding[u] * 1e6, solver_->diagonal().maxCoeff());
-    status = solver_->solve(holding, step);
+    status = solve(holding, step);
   }
   if (status.ok) {
     for (const int u : unseenUnknowns(step)) step[u] = 0;
@@ -335,11 +347,13 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
 }
 
 double System::predictedDecrease(const Eigen::VectorXd& d) const {
+  requireStepLength(d.size(), structure_.system.unknowns());
   return -(2 * solver_->gradient().dot(d) + solver_->squaredNormOfJd(d));
 }
 
 double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
   if (!solver_->isExact()) return predictedDecrease(d);
+  requireStepLength(d.size(), structure_.system.unknowns());
   const double damped = damping.size() > 0 ? damping.dot(d.cwiseAbs2()) : 0;
   return damped - solver_->gradient().dot(d);
 }

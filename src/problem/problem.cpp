@@ -154,8 +154,8 @@ std::vector<int> Problem::componentsAt(int variable, const std::string& path) co
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
   throw Error("slom.no-component",
-              "variable " + variableName(variable) + " has no component \"" + path + "\"; it has " +
-                  (names.size() == 1 && names[0].empty() ? "but one, whose name is empty" : all),
+              "variable " + variableName(variable) + " has no component \"" + path + "\"; pass " +
+                  (names.size() == 1 && names[0].empty() ? "\"\" for its only one" : "one of " + all),
               variableName(variable));
 }
 

@@ -151,7 +151,7 @@ TEST(BundleFaults, IndicesOutOfRange) {
 }
 TEST(BundleFaults, TrailingGarbage) {
   expectRefused(scene() + "\n\n17 18\n",
-                "scene.txt:30: \"17\" stands behind the last point, where the file should end: " + announced +
+                "scene.txt:30: \"17\" stands after the last point, where the file should end: " + announced +
                     "; correct that, or remove the rest");
 }
 TEST(BundleFaults, WithoutObservations) {

@@ -305,7 +305,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {"slom problem 7\n",
        "FILE:1: the problem is saved in version 7 of the format, this program reads version 1; use a newer one"},
       {head, "FILE is not complete: its last line is not \"end\"; take a file that was written to its end"},
-      {head + "end\nend\n", "FILE:7: there is text behind the line \"end\"; remove it"},
+      {head + "end\nend\n", "FILE:7: there is text after the line \"end\"; remove it"},
       {head + "vertex 1\n",
        "FILE:6: a line cannot begin with \"vertex\"; it begins with a quoted name, a number, variables, fix, "
        "bound, measurements, sigma, gauge or end"},
@@ -322,7 +322,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {"slom problem 1\nfix 0 \"x\"\n", "FILE:2: there is no variable 0; none stands above"},
       {head + "fix x\n", "FILE:6: here the number of a variable is due"},
       {head + "fix 1\n", "FILE:6: write fix NUMBER \"COMPONENT\""},
-      {head + "fix 1 \"w\"\n", "FILE:6: variable p has no component \"w\"; it has x, y, z"},
+      {head + "fix 1 \"w\"\n", "FILE:6: variable p has no component \"w\"; pass one of x, y, z"},
       {head + "bound 1 \"x\" 0\n", "FILE:6: write bound NUMBER \"COMPONENT\" LOWER UPPER"},
       {head + "bound 1 \"x\" 2 3\n",
        "FILE:6: p.x is 1, outside of its bound [2, 3]; give it a value inside, or another bound"},
@@ -331,7 +331,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {head + "measurements \"Prior\"\n", "FILE:6: write measurements \"TYPE\" \"LABEL\""},
       {group + "1 | unit | 1\n",
        "FILE:7: variable 1, \"p\", is a vect<3> where Prior(double, measured double) takes a double"},
-      {group + "0 0 | unit | 1\n", "FILE:7: a | is due behind the numbers of 1 variable"},
+      {group + "0 0 | unit | 1\n", "FILE:7: a | is due after the numbers of 1 variable"},
       {group + "0 | | 1\n",
        "FILE:7: the noise is \"|\"; it is unit, scalar, diagonal or matrix and its numbers"},
       {group + "0 | unit 1 | 1\n", "FILE:7: the noise is unit with 1 number; unit has none, scalar one"},
@@ -345,15 +345,15 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
        "FILE:7: whitening matrix of measurement Prior #1 is -1; pass positive finite numbers"},
       {group + "0 | scalar 1 hubert 1 | 1\n",
        "FILE:7: \"hubert\" is neither a number of the noise nor a loss nor a |"},
-      {group + "0 | unit huber | 1\n", "FILE:7: numbers are missing behind huber"},
-      {group + "0 | unit huber 1 2 | 1\n", "FILE:7: a | is due behind the noise and the loss"},
+      {group + "0 | unit huber | 1\n", "FILE:7: numbers are missing after huber"},
+      {group + "0 | unit huber 1 2 | 1\n", "FILE:7: a | is due after the noise and the loss"},
       {group + "0 | unit huber -1 | 1\n",
        "FILE:7: loss Huber(-1) of measurement Prior #1 has scale -1; pass a positive finite number, in "
        "standard deviations of the residual"},
       {group + "0 | unit |\n",
-       "FILE:7: what stands behind the second | is not the data of Prior(double, measured double):"},
+       "FILE:7: what stands after the second | is not the data of Prior(double, measured double):"},
       {group + "0 | unit | 1 2\n",
-       "FILE:7: what stands behind the second | is not the data of Prior(double, measured double): 1 2"},
+       "FILE:7: what stands after the second | is not the data of Prior(double, measured double): 1 2"},
   };
   for (const Fault& fault : faults) {
     EXPECT_EQ(messageOf([&] { loaded(fault.text); }), "[slom.bad-archive] " + fault.message) << fault.text;

@@ -161,7 +161,7 @@ TEST(FixedComponents, AreNamedByPathOrMember) {
   est.free(rig);
   EXPECT_EQ(est.getN(), 13);
   EXPECT_EQ(messageOf([&] { est.fix(rig, left + ".k3"); }),
-            "[slom.no-component] variable rig has no component \"" + left + ".k3\"; it has " + pose +
+            "[slom.no-component] variable rig has no component \"" + left + ".k3\"; pass one of " + pose +
                 ".pos.x, " + pose + ".pos.y, " + pose + ".pos.z, " + pose + ".orient.x, " + pose +
                 ".orient.y, " + pose + ".orient.z, " + left + ".f, " + left + ".k1, " + left + ".k2, " +
                 corners + ".0.x, " + corners + ".0.y, " + corners + ".1.x, " + corners + ".1.y");
@@ -169,7 +169,7 @@ TEST(FixedComponents, AreNamedByPathOrMember) {
             "[slom.no-component] variable rig has no compon");
   const auto number = est.insertRV(1.0, "gain");
   EXPECT_EQ(messageOf([&] { est.bound(number, "x", 0, 2); }),
-            "[slom.no-component] variable gain has no component \"x\"; it has but one, whose name is empty");
+            "[slom.no-component] variable gain has no component \"x\"; pass \"\" for its only one");
   EXPECT_EQ(est.getN(), 14);
 }
 

@@ -37,6 +37,21 @@ SLOM_IMPLEMENT_MEASUREMENT(Samples, ret) {
   for (int i = 0; i < ret.size(); ++i) ret[i] = (*line)[0] + (*line)[1] * i - y[i];
 }
 
+TEST(Table, SaysWhatHasChangedAndMoved) {
+  slom::Estimator est;
+  const auto a = est.insertRV(vec2(1, 2), "a");
+  const slom::Problem& table = est.table();
+  const auto structure = table.structureRevision(), values = table.valueRevision();
+  const auto b = est.insertRV(vec2(3, 4), "b");
+  est.reinitRV(a, vec2(1, 5));
+  ASSERT_EQ(table.changesSince(structure)->size(), 1u);
+  EXPECT_EQ(table.changesSince(structure)->front().kind, slom::Change::Kind::variable_inserted);
+  EXPECT_EQ(table.changesSince(structure)->front().index, table.indexOf(b));
+  ASSERT_TRUE(table.movedSince(values));
+  EXPECT_EQ(table.movedSince(values)->back(), table.indexOf(a));
+  EXPECT_EQ(table.travelled(table.indexOf(a)), 3);
+}
+
 TEST(Handles, StayValidWhateverIsInsertedAndRemoved) {
   slom::Estimator est;
   std::mt19937 rng(3);

@@ -36,34 +36,34 @@ TEST(GraphFaults, NoEdges) {
 }
 TEST(GraphFaults, WrongNumberOfWords) {
   expectRefused(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0\n",
-                "map.g2o:3: there are 10 words behind EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
+                "map.g2o:3: there are 10 words after EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
                 "I11 I12 I13 "
                 "I22 I23 I33\"");
   expectRefused(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1 7\n",
-                "map.g2o:3: there are 12 words behind EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
+                "map.g2o:3: there are 12 words after EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
                 "I11 I12 I13 "
                 "I22 I23 I33\"");
   expectRefused(
       "VERTEX_SE2 0 0 0\n" + edge,
-      "map.g2o:1: there are 3 words behind VERTEX_SE2 instead of 4; write \"VERTEX_SE2 i x y theta\"");
+      "map.g2o:1: there are 3 words after VERTEX_SE2 instead of 4; write \"VERTEX_SE2 i x y theta\"");
   expectRefused("EDGE_SE2",
-                "map.g2o:1: there are 0 words behind EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
+                "map.g2o:1: there are 0 words after EDGE_SE2 instead of 11; write \"EDGE_SE2 i j x y theta "
                 "I11 I12 I13 I22 I23 I33\"");
   expectRefused("EDGE_SE3:QUAT 0 1 0 0 0 0 0 0 1",
-                "map.g2o:1: there are 9 words behind EDGE_SE3:QUAT instead of 30; write \"EDGE_SE3:QUAT i j "
+                "map.g2o:1: there are 9 words after EDGE_SE3:QUAT instead of 30; write \"EDGE_SE3:QUAT i j "
                 "x y z qx qy qz "
                 "qw I11 I12 ... I66\"");
-  expectRefused(edge + "FIX\n", "map.g2o:2: there are 0 words behind FIX instead of 1; write \"FIX i\"");
+  expectRefused(edge + "FIX\n", "map.g2o:2: there are 0 words after FIX instead of 1; write \"FIX i\"");
 }
 TEST(GraphFaults, NotANumber) {
   expectRefused(vertices + "EDGE_SE2 0 1 1 zero 0" + unit3,
-                "map.g2o:3: word 4 behind EDGE_SE2 is \"zero\"; write a finite number there");
+                "map.g2o:3: word 4 after EDGE_SE2 is \"zero\"; write a finite number there");
   for (const std::string text : {"nan", "inf", "-inf", "1e999", "1.5x", "--1", "+-1", "0x10", "1,5"}) {
     expectRefused("VERTEX_SE2 0 0 0 " + text + "\n" + edge,
-                  "map.g2o:1: word 4 behind VERTEX_SE2 is \"" + text + "\"; write a finite number there");
+                  "map.g2o:1: word 4 after VERTEX_SE2 is \"" + text + "\"; write a finite number there");
   }
   const std::string endless(100, '7');
-  expectRefused("VERTEX_SE2 0 0 0 x" + endless + "\n" + edge, "map.g2o:1: word 4 behind VERTEX_SE2 is \"x" +
+  expectRefused("VERTEX_SE2 0 0 0 x" + endless + "\n" + edge, "map.g2o:1: word 4 after VERTEX_SE2 is \"x" +
                                                                   endless.substr(0, 36) +
                                                                   "...\"; write a finite number there");
 }

@@ -180,7 +180,7 @@ TEST(G2o, ErrorsHaveIds) {
       "[slom.io.no-edges] map.g2o: there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or "
       "EDGE3");
   EXPECT_EQ(refusal("EDGE_SE2 0 1 1 0 x" + unit3),
-            "[slom.io.bad-line] map.g2o:1: word 5 behind EDGE_SE2 is \"x\"; write a finite number there");
+            "[slom.io.bad-line] map.g2o:1: word 5 after EDGE_SE2 is \"x\"; write a finite number there");
   EXPECT_EQ(refusal("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0" + unit3),
             "[slom.io.bad-graph] map.g2o:2: there is no vertex 1; add a line for it, or remove this one");
   EXPECT_EQ(slom::testing::messageOf([] { readPoseGraph("/dev/zero"); }),

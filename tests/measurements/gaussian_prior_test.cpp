@@ -1,6 +1,7 @@
 // GaussianPrior: what it says is what the measurements said that it was made of; its place in messages and tables.
 #include <functional>
 
+#include <Eigen/QR>
 #include <gtest/gtest.h>
 
 #include <slom/measurements.hpp>
@@ -275,6 +276,10 @@ TEST(GaussianPrior, RefusesWhatDoesNotFit) {
       messageOf([&] { prior.linearizedAt(numbers, VectorXd::Zero(3)); }),
       "[slom.size-change] the variable of the GaussianPrior over 2 variables with 5 degrees of freedom has 2 degrees "
       "of freedom, the linearisation point has 3; give a value of the variable's size");
+  EXPECT_EQ(
+      messageOf([&] { prior.linearizedAt(numbers, Eigen::Vector2d(0, std::nan(""))); }),
+      "[slom.prior-not-finite] the linearisation point of variable 1 of the GaussianPrior over 2 variables with 5 "
+      "degrees of freedom is not finite; pass finite numbers");
   const auto late = est.insertRV(1.0);
   const GaussianPrior stale({late}, MatrixXd::Identity(1, 1));
   est.removeRV(late);

@@ -102,7 +102,7 @@ TEST(Replay, RefusesWhatItCannotRead) {
       "problem.slom is not complete: its last line is not \"end\"; take a file that was written to its end");
   replay.expectRefused(
       replaced(network(), "0 2 | scalar 333.33333333333331 | 309.", "0 2 | scalar 333.33333333333331 | x"),
-      "problem.slom:15: what stands behind the second | is not the data of Range(vect<2>, vect<2>, measured double): x" +
+      "problem.slom:15: what stands after the second | is not the data of Range(vect<2>, vect<2>, measured double): x" +
           network().substr(network().find("| 309.") + 6, 4));
 }
 

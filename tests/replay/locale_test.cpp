@@ -19,7 +19,7 @@ namespace {
 
 using Point = mtk::vect<2>;
 
-/// Decimals behind a comma, points between thousands.
+/// Decimals after a comma, points between thousands.
 struct Comma : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
   char do_thousands_sep() const override { return '.'; }
@@ -122,7 +122,7 @@ TEST(Locale, FilesWithCommasAreRefusedWithTheReason) {
   const std::string head = "slom problem 1\nvariables \"vect<2>\"\n\"A\" fixed 0 0\n\"P\" free 4 4.5\n";
   const std::string group = head + "measurements \"Range(vect<2>, vect<2>, measured double)\" \"\"\n";
   const std::string why =
-      "; decimals stand behind a comma there, as a program with a locale of such a language writes them: "
+      "; decimals stand after a comma there, as a program with a locale of such a language writes them: "
       "write points";
   const auto expectRefused = [&](const std::string& text, const std::string& sentence) {
     std::istringstream is(text);
@@ -130,10 +130,10 @@ TEST(Locale, FilesWithCommasAreRefusedWithTheReason) {
   };
   expectRefused(group + "0 1 | scalar 3,5 huber 1.345 | 5.5\nend\n",
                 "6: \"3,5\" is neither a number of the noise nor a loss nor a |");
-  expectRefused(group + "0 1 | scalar 3 huber 1,345 | 5.5\nend\n", "6: numbers are missing behind huber");
+  expectRefused(group + "0 1 | scalar 3 huber 1,345 | 5.5\nend\n", "6: numbers are missing after huber");
   expectRefused(
       group + "0 1 | scalar 3 huber 1.345 | 5,5\nend\n",
-      "6: what stands behind the second | is not the data of Range(vect<2>, vect<2>, measured double): 5,5");
+      "6: what stands after the second | is not the data of Range(vect<2>, vect<2>, measured double): 5,5");
   expectRefused(head + "\"Q\" free 4,5 1\nend\n", "5: variable \"Q\" has no value that is a vect<2>: 4,5 1");
   expectRefused(head + "bound 1 \"x\" 0,5 7\nend\n", "5: write bound NUMBER \"COMPONENT\" LOWER UPPER");
 }
@@ -145,7 +145,7 @@ TEST(Locale, AFileOfAGermanProgram) {
   EXPECT_EQ(result.errors,
             "slom: " + file +
                 ":6: \"3,3333333333333335\" is neither a number of the noise nor a loss nor a |; decimals "
-                "stand behind a "
+                "stand after a "
                 "comma there, as a program with a locale of such a language writes them: write points\n");
   EXPECT_EQ(result.exit_code, 2);
 }
@@ -160,7 +160,7 @@ TEST(ArchiveFaults, SizesWithoutNumbers) {
       "1 2\nend\n");
   EXPECT_EQ(
       messageOf([&] { archive.load(is, "FILE"); }),
-      "[slom.bad-archive] FILE:5: what stands behind the second | is not the data of sum: 10000 10000 1 2");
+      "[slom.bad-archive] FILE:5: what stands after the second | is not the data of sum: 10000 10000 1 2");
 }
 
 }  // namespace

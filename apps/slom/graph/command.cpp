@@ -97,8 +97,10 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(graph, report, settings, console);
-  const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal &&
-                                     report.summary.stop_reason != StopReason::rank_deficient;
+  const StopReason reason = report.summary.stop_reason;
+  const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;
+  const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal && !was_cut_short &&
+                                     reason != StopReason::rank_deficient;
   requireConverged(report.summary, start_may_be_at_fault ? "; --init auto may find a better start" : "");
 }
 

@@ -37,7 +37,8 @@ class GaussianPrior final : public RuntimeMeasurement {
   ~GaussianPrior() override;
 
   /// Takes `value` for the linearisation point of this variable. Throws [slom.not-in-list] for a variable that the prior does not
-  /// have, [slom.size-change] for a value with other degrees of freedom than the variable.
+  /// have, [slom.size-change] for a value with other degrees of freedom than the variable, [slom.prior-not-finite] for one that is
+  /// not finite.
   template <class T>
   GaussianPrior& linearizedAt(const VarID<T>& id, const std::type_identity_t<T>& value) {
     setPoint(id, &value);

@@ -72,7 +72,7 @@ constexpr void requireArgument() {
                 "slom: argument 6 of the measurement function is not of the type that it takes");
   static_assert(
       Number <= 6 || fits,
-      "slom: an argument behind the 6th of the measurement function is not of the type that it takes");
+      "slom: an argument after the 6th of the measurement function is not of the type that it takes");
 }
 /// Fails to compile, naming the argument where the function is not a template.
 template <class F, class... Given>
@@ -82,7 +82,7 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
     static_assert(
         !is_mutable,
         "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
-        "write `const` behind the parameters of operator()");
+        "write `const` after the parameters of operator()");
     if constexpr (is_mutable) {
     } else if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;

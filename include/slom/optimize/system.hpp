@@ -126,6 +126,7 @@ class System {
 
  private:
   void move(const Eigen::VectorXd& d);
+  SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
   std::vector<int> unseenUnknowns(const Eigen::VectorXd& d);
   bool isTrueColumn(int unknown, double step);
   bool hasRunAway(int unknown);

@@ -38,7 +38,7 @@ class Reader {
     readAll(scene_.points, points_, [this](int i) { return mtk::vect<3>(numbers("point", i, point_parts)); });
     if (words_.next()) {
       words_.fail(
-          fmt::format("{} stands behind the last point, where the file should end: {}; correct that, "
+          fmt::format("{} stands after the last point, where the file should end: {}; correct that, "
                       "or remove the rest",
                       words_.quoted(), announced()));
     }

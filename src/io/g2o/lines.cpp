@@ -87,7 +87,7 @@ bool Lines::next() {
     ++line_number_;
     word_ = 0;
     tag_ = takeWord(line_);
-    behind_ = line_;
+    after_tag_ = line_;
     if (!tag_.empty() && tag_.front() != '#') return true;
   }
   return false;
@@ -109,8 +109,8 @@ void Lines::finish() const {
 
 void Lines::failCount() const {
   int count = 0;
-  for (std::string_view line = behind_; !takeWord(line).empty();) ++count;
-  fail(fmt::format("there are {} words behind {} instead of {}; write \"{}\"", count, tag_, count_, form_));
+  for (std::string_view line = after_tag_; !takeWord(line).empty();) ++count;
+  fail(fmt::format("there are {} words after {} instead of {}; write \"{}\"", count, tag_, count_, form_));
 }
 
 std::string_view Lines::word() {
@@ -134,7 +134,7 @@ double Lines::number() {
   const std::string_view text = word();
   double value = 0;
   if (parseNumber(text, value) && std::isfinite(value)) return value;
-  fail(fmt::format("word {} behind {} is \"{}\"; write a finite number there", word_, tag_,
+  fail(fmt::format("word {} after {} is \"{}\"; write a finite number there", word_, tag_,
                    shortened(text, longest_word)));
 }
 

@@ -46,7 +46,7 @@ class Lines {
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
   std::string_view line_;            // what of this line has not been read
-  std::string_view behind_;          // the line after its tag
+  std::string_view after_tag_;       // the line after its tag
   std::string_view tag_;
   const char* form_ = "";
   int line_number_ = 0;

@@ -110,6 +110,7 @@ double CholeskyMethod::flops() const {
 std::string CholeskyMethod::description() const {
   const Fronts& fronts = factor_.fronts();
   const std::string first = elimination_ ? elimination_->description() : "";
+  if (first.empty() && fronts.front.empty()) return system_ + ", without unknowns";
   if (first.empty() && fronts.front.size() == 1) return system_ + ", dense Cholesky";
   std::string text = system_ + ", sparse Cholesky, " + first;
   if (!first.empty() && !fronts.front.empty()) text += ", then ";
