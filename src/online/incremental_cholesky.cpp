@@ -1,0 +1,572 @@
+#include "online/incremental_cholesky.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solve/dense/kernels.hpp"
+#include "solve/symbolic/ordering.hpp"
+
+namespace slom {
+
+namespace {
+
+using dense::kStripe;
+
+/// Of the diagonal entry of H: a smaller pivot is rounding error.
+constexpr double kLeastOnlinePivot = 1e-13;
+/// All blocks are ordered anew when a factorisation of everything takes so many times the work for each block as when they were last.
+constexpr double kMostGrowth = 2;
+constexpr double kLittleWork = 1e5;
+
+int paddedToStripes(int rows) { return dense::stripesOf(rows) * kStripe; }
+
+double flopsOf(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
+
+}  // namespace
+
+// ---- blocks and elements ---------------------------------------------------------------------------------------
+
+void IncrementalCholesky::insertBlock(int block, int dof) {
+  if (block >= blockCount()) {
+    blocks_.resize(at(block + 1));
+    local_.resize(at(block + 1), -1);
+  }
+  blocks_[at(block)] = {dof, -1, 0, 0, next_age_++};
+  ++filled_blocks_;
+  loose_blocks_.push_back(block);
+}
+
+void IncrementalCholesky::removeBlock(int block) {
+  markPathFrom(block);
+  std::erase(loose_blocks_, block);
+  std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == block; });
+  blocks_[at(block)] = {};
+  --filled_blocks_;
+}
+
+int IncrementalCholesky::insertElement(std::span<const int> blocks, int rows) {
+  int e = static_cast<int>(elements_.size());
+  if (free_elements_.empty()) {
+    elements_.emplace_back();
+  } else {
+    e = free_elements_.back();
+    free_elements_.pop_back();
+  }
+  Element& element = elements_[at(e)];
+  element.blocks.assign(blocks.begin(), blocks.end());
+  element.rows = rows;
+  element.columns = 0;
+  element.front = -1;
+  for (const int b : blocks) {
+    element.columns += dof(b);
+    ++blocks_[at(b)].elements;
+    markPathFrom(b);
+  }
+  element.A.assign(at(rows) * at(element.columns), 0.0);
+  element.g.assign(at(element.columns), 0.0);
+  loose_elements_.push_back(e);
+  return e;
+}
+
+void IncrementalCholesky::removeElement(int e) {
+  Element& element = elements_[at(e)];
+  for (const int b : element.blocks) {
+    markPathFrom(b);
+    --blocks_[at(b)].elements;
+  }
+  std::erase(loose_elements_, e);
+  element = {};
+  free_elements_.push_back(e);
+}
+
+void IncrementalCholesky::setA(int e, std::span<const double> A) {
+  Element& element = elements_[at(e)];
+  element.A.assign(A.begin(), A.end());
+  if (element.front >= 0) touch(element.front, true);
+}
+
+void IncrementalCholesky::setGradient(int e, std::span<const double> g) {
+  Element& element = elements_[at(e)];
+  element.g.assign(g.begin(), g.end());
+  if (element.front >= 0) touch(element.front, false);
+}
+
+/// The front and those above it are to be computed again.
+void IncrementalCholesky::touch(int f, bool is_factor) {
+  for (; f >= 0; f = fronts_[at(f)].parent) {
+    Front& front = fronts_[at(f)];
+    const bool is_known = !front.has_solution && (!front.has_factor || !is_factor);
+    if (is_factor) front.has_factor = false;
+    front.has_solution = false;
+    if (is_known) return;  // and so are those above it
+    dirty_.emplace(front.order, f);
+  }
+}
+
+// ---- the top of the tree ------------------------------------------------------------------------------------
+
+/// Dissolves the front of a block and all above it.
+void IncrementalCholesky::markPathFrom(int block) {
+  for (int f = blocks_[at(block)].front; f >= 0;) {
+    const int parent = fronts_[at(f)].parent;
+    dissolve(f);
+    f = parent;
+  }
+}
+
+void IncrementalCholesky::dissolve(int f) {
+  Front& front = fronts_[at(f)];
+  for (const int b : front.pivots) {
+    blocks_[at(b)].front = -1;
+    loose_blocks_.push_back(b);
+  }
+  for (const int e : front.elements) {
+    elements_[at(e)].front = -1;
+    loose_elements_.push_back(e);
+  }
+  for (const int child : front.children) {
+    fronts_[at(child)].parent = -1;
+    loose_subtrees_.push_back(child);
+  }
+  for (std::size_t i = 0; i < front.held.size(); ++i) {
+    if (front.held[i] == 0) continue;
+    for (const int b : front.pivots)
+      std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == b; });
+    break;
+  }
+  if (front.parent >= 0) std::erase(fronts_[at(front.parent)].children, f);
+  std::erase(loose_subtrees_, f);
+  roots_.erase(f);
+  dirty_.erase({front.order, f});
+  factor_flops_ -= flopsOf(front.p, front.u);
+  front = {};
+  free_fronts_.push_back(f);
+}
+
+int IncrementalCholesky::newFront() {
+  if (free_fronts_.empty()) {
+    fronts_.emplace_back();
+    return static_cast<int>(fronts_.size()) - 1;
+  }
+  const int f = free_fronts_.back();
+  free_fronts_.pop_back();
+  return f;
+}
+
+void IncrementalCholesky::attach(int child, int parent) {
+  fronts_[at(child)].parent = parent;
+  if (parent < 0) {
+    roots_.insert(child);
+    return;
+  }
+  std::vector<int>& children = fronts_[at(parent)].children;
+  const auto is_before = [&](int a, int b) { return fronts_[at(a)].order < fronts_[at(b)].order; };
+  children.insert(std::upper_bound(children.begin(), children.end(), child, is_before), child);
+}
+
+void IncrementalCholesky::reorder() {
+  while (!roots_.empty()) {
+    std::vector<int> all{*roots_.begin()};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::vector<int>& children = fronts_[at(all[i])].children;
+      all.insert(all.end(), children.begin(), children.end());
+    }
+    for (auto f = all.rbegin(); f != all.rend(); ++f) dissolve(*f);
+  }
+  rebuildTop();
+  flops_when_ordered_ = factor_flops_;
+  blocks_when_ordered_ = filled_blocks_;
+  work_.reordered_all = true;
+}
+
+/// Orders the blocks of dissolved fronts and makes fronts of them.
+void IncrementalCholesky::rebuildTop() {
+  std::erase_if(loose_blocks_, [&](int b) { return blocks_[at(b)].dof == 0; });
+  std::erase_if(loose_elements_, [&](int e) { return elements_[at(e)].blocks.empty(); });
+  if (loose_blocks_.empty()) return;
+  // Canonical: the same set of blocks gives the same order, however it came together.
+  std::sort(loose_blocks_.begin(), loose_blocks_.end(),
+            [&](int a, int b) { return blocks_[at(a)].age < blocks_[at(b)].age; });
+  const int count = static_cast<int>(loose_blocks_.size());
+  for (int i = 0; i < count; ++i) local_[at(loose_blocks_[at(i)])] = i;
+
+  std::vector<std::vector<int>> neighbours(at(count));
+  std::vector<int> places;
+  const auto addClique = [&](const std::vector<int>& blocks) {
+    places.clear();
+    for (const int b : blocks) places.push_back(local_[at(b)]);
+    for (const int i : places) {
+      std::vector<int>& own = neighbours[at(i)];
+      own.insert(own.end(), places.begin(), places.end());
+    }
+  };
+  for (const int e : loose_elements_) addClique(elements_[at(e)].blocks);
+  for (const int f : loose_subtrees_) addClique(fronts_[at(f)].rows);
+  BlockGraph graph, older;
+  graph.start.push_back(0);
+  older.start.push_back(0);
+  const int newest = count - 1;  // which what comes next will most likely touch: it is eliminated last
+  for (int i = 0; i < count; ++i) {
+    std::vector<int>& own = neighbours[at(i)];
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    for (const int k : own) {
+      if (k == i) continue;
+      graph.neighbour.push_back(k);
+      if (i != newest && k != newest) older.neighbour.push_back(k);
+    }
+    graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+    graph.dof.push_back(blocks_[at(loose_blocks_[at(i)])].dof);
+    if (i == newest) break;
+    older.start.push_back(static_cast<int>(older.neighbour.size()));
+    older.dof.push_back(graph.dof.back());
+  }
+  std::vector<int> order;
+  if (older.size() > 0) order = orderByMinimumDegree(older);
+  order.push_back(newest);
+  const Fronts made = makeFronts(graph, order);
+
+  std::vector<int> index;
+  for (const slom::Front& shape : made.front) {
+    const int f = newFront();
+    index.push_back(f);
+    Front& front = fronts_[at(f)];
+    for (int c = shape.first_column; c < shape.last_column; ++c) {
+      const int b = loose_blocks_[at(made.order[at(c)])];
+      front.pivots.push_back(b);
+      blocks_[at(b)].front = f;
+      blocks_[at(b)].order = next_order_++;
+    }
+    for (int r = shape.first_row; r < shape.last_row; ++r)
+      front.rows.push_back(loose_blocks_[at(made.order[at(made.row[at(r)])])]);
+    front.p = shape.p;
+    front.u = shape.u;
+    front.order = blocks_[at(front.pivots.front())].order;
+    front.D.resize(dense::panelSize(front.p, front.p));
+    front.B.resize(dense::panelSize(front.u, front.p));
+    front.U.resize(dense::updateSize(front.u));
+    factor_flops_ += flopsOf(front.p, front.u);
+    dirty_.emplace(front.order, f);
+  }
+  const auto firstOf = [&](const std::vector<int>& blocks) {
+    return *std::min_element(blocks.begin(), blocks.end(),
+                             [&](int a, int b) { return blocks_[at(a)].order < blocks_[at(b)].order; });
+  };
+  for (std::size_t i = 0; i < index.size(); ++i)
+    attach(index[i], made.front[i].parent < 0 ? -1 : index[at(made.front[i].parent)]);
+  for (const int f : loose_subtrees_) {
+    const std::vector<int>& rows = fronts_[at(f)].rows;
+    attach(f, rows.empty() ? -1 : blocks_[at(firstOf(rows))].front);
+  }
+  std::sort(loose_elements_.begin(), loose_elements_.end());
+  for (const int e : loose_elements_) {
+    Element& element = elements_[at(e)];
+    element.front = blocks_[at(firstOf(element.blocks))].front;
+    fronts_[at(element.front)].elements.push_back(e);
+  }
+  for (const int b : loose_blocks_) local_[at(b)] = -1;
+  work_.blocks_ordered += count;
+  loose_blocks_.clear();
+  loose_elements_.clear();
+  loose_subtrees_.clear();
+}
+
+// ---- numbers ------------------------------------------------------------------------------------------------
+
+void IncrementalCholesky::refactor() {
+  rebuildTop();
+  const double growth =
+      static_cast<double>(filled_blocks_) / static_cast<double>(std::max<std::size_t>(1, blocks_when_ordered_));
+  if (factor_flops_ > kLittleWork + kMostGrowth * growth * flops_when_ordered_) reorder();
+  while (!dirty_.empty()) {
+    const int f = dirty_.begin()->second;
+    if (!fronts_[at(f)].has_factor) factorizeFront(f);
+    solveFront(f);
+    dirty_.erase(dirty_.begin());
+  }
+}
+
+void IncrementalCholesky::recompute() {
+  rebuildTop();
+  for (std::size_t f = 0; f < fronts_.size(); ++f) {
+    Front& front = fronts_[f];
+    if (front.pivots.empty()) continue;
+    front.has_factor = front.has_solution = false;
+    dirty_.emplace(front.order, static_cast<int>(f));
+  }
+  refactor();
+}
+
+/// Says where each block of the front begins in it.
+void IncrementalCholesky::place(const Front& front) {
+  int offset = 0;
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) {
+      local_[at(b)] = offset;
+      offset += blocks_[at(b)].dof;
+    }
+  }
+}
+
+/// Of the lower triangle, row >= column.
+double* IncrementalCholesky::entry(Front& front, int row, int column) const {
+  if (column < front.p) {
+    double* const panel = row < front.p ? front.D.data() : front.B.data();
+    const int i = row < front.p ? row : row - front.p;
+    return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + kStripe * column +
+           i % kStripe;
+  }
+  const int i = row - front.p;
+  return front.U.data() + dense::updateOffset(i / kStripe) + kStripe * (column - front.p) + i % kStripe;
+}
+
+/// Adds the products of elements to the columns of the pivots, or to the others.
+void IncrementalCholesky::addElements(Front& front, bool to_panel) {
+  for (const int e : front.elements) {
+    const Element& element = elements_[at(e)];
+    int column_k = 0;
+    for (const int k : element.blocks) {
+      const int dof_k = dof(k), at_k = local_[at(k)];
+      int column_l = 0;
+      for (const int l : element.blocks) {
+        const int dof_l = dof(l), at_l = local_[at(l)];
+        const int column_of_l = column_l;
+        column_l += dof_l;
+        if (at_l > at_k || (at_l < front.p) != to_panel) continue;
+        for (int j = 0; j < dof_l; ++j) {
+          const double* const b = element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_of_l + j);
+          for (int i = at_l == at_k ? j : 0; i < dof_k; ++i) {
+            const double* const a = element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_k + i);
+            double sum = 0;
+            for (int r = 0; r < element.rows; ++r) sum += a[r] * b[r];
+            *entry(front, at_k + i, at_l + j) += sum;
+          }
+        }
+      }
+      column_k += dof_k;
+    }
+  }
+}
+
+void IncrementalCholesky::addChildren(Front& front, bool to_panel) {
+  std::vector<int> target;
+  for (const int c : front.children) {
+    Front& child = fronts_[at(c)];
+    target.clear();
+    for (const int b : child.rows) {
+      for (int i = 0; i < blocks_[at(b)].dof; ++i) target.push_back(local_[at(b)] + i);
+    }
+    for (int j = 0; j < child.u; ++j) {
+      for (int i = j; i < child.u; ++i) {
+        const int row = std::max(target[at(i)], target[at(j)]), column = std::min(target[at(i)], target[at(j)]);
+        if ((column < front.p) != to_panel) continue;
+        *entry(front, row, column) +=
+            child.U.data()[dense::updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe)];
+      }
+    }
+  }
+}
+
+void IncrementalCholesky::assemblePanel(Front& front) {
+  std::fill_n(front.D.data(), dense::panelSize(front.p, front.p), 0.0);
+  std::fill_n(front.B.data(), dense::panelSize(front.u, front.p), 0.0);
+  addElements(front, true);
+  addChildren(front, true);
+  for (int i = 0; i < static_cast<int>(front.held.size()); ++i) {
+    if (front.held[at(i)] == 0) continue;
+    for (int j = 0; j <= i; ++j) *entry(front, i, j) = 0;
+    for (int k = i; k < front.p + front.u; ++k) *entry(front, k, i) = 0;
+    *entry(front, i, i) = 1;
+  }
+}
+
+void IncrementalCholesky::factorizeFront(int f) {
+  Front& front = fronts_[at(f)];
+  const auto& kernel = dense::kernels();
+  place(front);
+  // The diagonal of H: of elements here and below.
+  std::vector<double> diagonal(at(front.p + front.u), 0.0);
+  for (const int e : front.elements) {
+    const Element& element = elements_[at(e)];
+    const double* a = element.A.data();
+    for (const int b : element.blocks) {
+      for (int i = 0; i < dof(b); ++i) {
+        for (int r = 0; r < element.rows; ++r, ++a) diagonal[at(local_[at(b)] + i)] += *a * *a;
+      }
+    }
+  }
+  for (const int c : front.children) {
+    const Front& child = fronts_[at(c)];
+    const double* from = child.diagonal_below.data();
+    for (const int b : child.rows) {
+      for (int i = 0; i < dof(b); ++i) diagonal[at(local_[at(b)] + i)] += *from++;
+    }
+  }
+  if (!front.held.empty()) {
+    for (const int b : front.pivots)
+      std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == b; });
+  }
+  front.held.clear();
+  std::vector<double> least(at(front.p));
+  for (int i = 0; i < front.p; ++i)
+    least[at(i)] = std::max(kLeastOnlinePivot * diagonal[at(i)], std::numeric_limits<double>::min());
+  front.inverse.resize(at(paddedToStripes(front.p)));
+  for (;;) {
+    assemblePanel(front);
+    double pivot = 0;
+    const int done = kernel.factorize(front.D.data(), front.p, least.data(), front.inverse.data(), &pivot);
+    if (done == front.p) break;
+    hold(front, done);
+    least[at(done)] = 0;
+  }
+  const int stripes = dense::stripesOf(front.u);
+  if (stripes > 0) {
+    kernel.solveStripes(front.D.data(), front.inverse.data(), front.p, front.B.data(), front.u, 0, stripes);
+    kernel.updateStripes(front.B.data(), front.p, front.u, front.U.data(), 0, stripes);
+    addElements(front, false);
+    addChildren(front, false);
+  }
+  front.diagonal_below.assign(diagonal.begin() + front.p, diagonal.end());
+  front.has_factor = true;
+  ++work_.fronts_factorized;
+  work_.flops += flopsOf(front.p, front.u);
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) local_[at(b)] = -1;
+  }
+}
+
+/// Nothing determines the pivot: it stays where it is.
+void IncrementalCholesky::hold(Front& front, int pivot) {
+  front.held.resize(at(front.p), 0);
+  front.held[at(pivot)] = 1;
+  int offset = 0;
+  for (const int b : front.pivots) {
+    if (pivot < offset + dof(b)) {
+      undetermined_.emplace(b, pivot - offset);
+      return;
+    }
+    offset += dof(b);
+  }
+}
+
+/// y := L^-1 g of the pivots; what they take from the rows goes to the parent.
+void IncrementalCholesky::solveFront(int f) {
+  Front& front = fronts_[at(f)];
+  const auto& kernel = dense::kernels();
+  place(front);
+  std::vector<double> g(at(front.p + front.u), 0.0);
+  for (const int e : front.elements) {
+    const Element& element = elements_[at(e)];
+    const double* from = element.g.data();
+    for (const int b : element.blocks) {
+      for (int i = 0; i < dof(b); ++i) g[at(local_[at(b)] + i)] += *from++;
+    }
+  }
+  front.promise_below = 0;
+  for (const int c : front.children) {
+    const Front& child = fronts_[at(c)];
+    const double* from = child.below.data();
+    for (const int b : child.rows) {
+      for (int i = 0; i < dof(b); ++i) g[at(local_[at(b)] + i)] += *from++;
+    }
+    front.promise_below += child.own_promise + child.promise_below;
+  }
+  front.y.assign(at(paddedToStripes(front.p)), 0.0);
+  std::copy_n(g.begin(), front.p, front.y.begin());
+  for (std::size_t i = 0; i < front.held.size(); ++i) {
+    if (front.held[i] != 0) front.y[i] = 0;
+  }
+  kernel.forwardPivots(front.D.data(), front.inverse.data(), front.p, front.y.data());
+  front.vector.assign(at(paddedToStripes(front.u)), 0.0);
+  if (front.u > 0) kernel.forwardRows(front.B.data(), front.p, front.u, front.y.data(), front.vector.data());
+  front.below.resize(at(front.u));
+  for (int i = 0; i < front.u; ++i) front.below[at(i)] = g[at(front.p + i)] + front.vector[at(i)];
+  front.own_promise = 0;
+  for (int i = 0; i < front.p; ++i) front.own_promise += front.y[at(i)] * front.y[at(i)];
+  front.has_solution = true;
+  ++work_.fronts_solved;
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) local_[at(b)] = -1;
+  }
+}
+
+double IncrementalCholesky::promise() const {
+  double sum = 0;
+  for (const int f : roots_) sum += fronts_[at(f)].own_promise + fronts_[at(f)].promise_below;
+  return sum;
+}
+
+// ---- steps --------------------------------------------------------------------------------------------------
+
+const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double threshold) {
+  moves_.clear();
+  step_.clear();
+  step_at_.clear();
+  to_visit_.clear();
+  for (const int f : roots_) {
+    const Front& front = fronts_[at(f)];
+    if (front.own_promise + front.promise_below > threshold) to_visit_.push_back(f);
+  }
+  while (!to_visit_.empty()) {
+    const int f = to_visit_.back();
+    to_visit_.pop_back();
+    goDown(f, threshold);
+  }
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    moves_[i].d = step_.data() + step_at_[i];
+    local_[at(moves_[i].block)] = -1;
+  }
+  return moves_;
+}
+
+/// d of the front's pivots, given that of its rows; its children are to follow, unless hardly anything moves.
+void IncrementalCholesky::goDown(int f, double threshold) {
+  Front& front = fronts_[at(f)];
+  const auto& kernel = dense::kernels();
+  std::vector<double> d(at(paddedToStripes(front.p)), 0.0);
+  for (int i = 0; i < front.p; ++i) d[at(i)] = -front.y[at(i)];
+  if (front.u > 0) {
+    std::fill(front.vector.begin(), front.vector.end(), 0.0);
+    int i = 0;
+    for (const int b : front.rows) {
+      const int place = local_[at(b)];  // in the step, where the block has moved
+      if (place >= 0) std::copy_n(step_.data() + place, dof(b), front.vector.data() + i);
+      i += dof(b);
+    }
+    kernel.backwardRows(front.B.data(), front.p, front.u, front.vector.data(), d.data());
+  }
+  double promised = front.promise_below;
+  for (int i = 0; i < front.p; ++i) promised += d[at(i)] * d[at(i)];
+  if (!(promised > threshold)) return;
+  kernel.backwardPivots(front.D.data(), front.inverse.data(), front.p, d.data());
+  int i = 0;
+  for (const int b : front.pivots) {
+    local_[at(b)] = static_cast<int>(step_.size());
+    step_at_.push_back(step_.size());
+    moves_.push_back({b, nullptr});
+    for (int c = 0; c < dof(b); ++c, ++i) {
+      const bool is_held = !front.held.empty() && front.held[at(i)] != 0;
+      step_.push_back(is_held ? 0 : d[at(i)]);
+    }
+  }
+  to_visit_.insert(to_visit_.end(), front.children.begin(), front.children.end());
+}
+
+std::vector<double> IncrementalCholesky::content() const {
+  std::set<std::pair<std::uint64_t, int>> all;
+  for (std::size_t f = 0; f < fronts_.size(); ++f) {
+    if (!fronts_[f].pivots.empty()) all.emplace(fronts_[f].order, static_cast<int>(f));
+  }
+  std::vector<double> numbers;
+  for (const auto& [order, f] : all) {
+    const Front& front = fronts_[at(f)];
+    numbers.insert(numbers.end(), front.D.data(), front.D.data() + dense::panelSize(front.p, front.p));
+    numbers.insert(numbers.end(), front.B.data(), front.B.data() + dense::panelSize(front.u, front.p));
+    numbers.insert(numbers.end(), front.y.begin(), front.y.end());
+    numbers.insert(numbers.end(), front.below.begin(), front.below.end());
+  }
+  return numbers;
+}
+
+}  // namespace slom

@@ -1,0 +1,146 @@
+/// A Cholesky factorisation that follows its matrix: what has changed is factorised again, and nothing else.
+///
+///   matrix     H = sum of A_e^T A_e over elements (linearised measurements), in blocks (variables)
+///   gradient   g = sum of g_e
+///   factor     of each front (see symbolic/supernodes.hpp) its columns of L and its update matrix, which live on
+///   step       d = -H^-1 g; |L^-1 g|^2 = g^T H^-1 g is the decrease of the RSS that it promises
+///
+/// A new or removed element changes the fronts from its first eliminated block up to the root. These are dissolved: their blocks are
+/// ordered anew, the newest ones last, and the subtrees below them hang on with their update matrices as they are. An
+/// element with other numbers leaves the fronts as they are, and those above it are factorised again. With another gradient alone, only
+/// vectors go up.
+///   source   Kaess et al., "iSAM2: Incremental smoothing and mapping using the Bayes tree", IJRR 2012 (the affected part is the
+///            top of the tree; here with update matrices of a multifrontal Cholesky factorisation instead of QR factors); Liu,
+///            "The multifrontal method for sparse matrix solution", 1992
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "solve/dense/big_array.hpp"
+
+namespace slom {
+
+class IncrementalCholesky {
+ public:
+  /// A new block, without elements.
+  void insertBlock(int block, int dof);
+  /// One that no element touches any more.
+  void removeBlock(int block);
+  bool hasBlock(int block) const { return block < blockCount() && blocks_[at(block)].dof > 0; }
+  int dof(int block) const { return blocks_[at(block)].dof; }
+
+  /// An element over these blocks, each once. Its numbers are 0 until they are set. Returns its index.
+  int insertElement(std::span<const int> blocks, int rows);
+  void removeElement(int element);
+  /// Blocks of the element one after the other; A is rows x columns, column-major.
+  std::span<const int> blocksOf(int element) const { return elements_[at(element)].blocks; }
+  int rowsOf(int element) const { return elements_[at(element)].rows; }
+  const std::vector<double>& A(int element) const { return elements_[at(element)].A; }
+  void setA(int element, std::span<const double> A);
+  void setGradient(int element, std::span<const double> g);
+
+  /// Work of one call, or of all.
+  struct Work {
+    int fronts_factorized = 0, fronts_solved = 0, blocks_ordered = 0;
+    double flops = 0;
+    bool reordered_all = false;
+  };
+  /// Brings the factor and L^-1 g up to date.
+  void refactor();
+  /// Orders all blocks anew, whatever the work.
+  void reorder();
+  /// g^T H^-1 g.
+  double promise() const;
+
+  /// Entries of d, block by block.
+  struct Move {
+    int block;
+    const double* d;  ///< valid until the next call of anything here
+  };
+  /// The blocks that d moves. Subtrees whose motion promises less than `threshold` are left where they are.
+  const std::vector<Move>& solve(double threshold);
+
+  /// Unknowns (block, component) that nothing determines, given those eliminated before: they stay where they are. Of all fronts.
+  const std::set<std::pair<int, int>>& undetermined() const { return undetermined_; }
+
+  const Work& work() const { return work_; }
+  void resetWork() { work_ = {}; }
+  int blockCount() const { return static_cast<int>(blocks_.size()); }
+  int frontCount() const { return static_cast<int>(fronts_.size() - free_fronts_.size()); }
+
+  /// Factorises everything from scratch in the same order, for comparison.
+  void recompute();
+  /// All numbers of the factor and of L^-1 g in the order of the fronts, for comparison.
+  std::vector<double> content() const;
+
+ private:
+  struct Block {
+    int dof = 0;              // 0: there is none
+    int front = -1;           // that eliminates it
+    std::uint64_t order = 0;  // of elimination
+    int elements = 0;         // that touch it
+    std::uint64_t age = 0;    // of insertion
+  };
+  struct Element {
+    std::vector<int> blocks;  // empty: there is none
+    int rows = 0, columns = 0;
+    std::vector<double> A, g;
+    int front = -1;  // in which it is assembled: that of its first eliminated block
+  };
+  struct Front {
+    std::vector<int> pivots, rows;  // blocks
+    int p = 0, u = 0;
+    int parent = -1;
+    std::vector<int> children;  // by the order of their first pivots
+    std::vector<int> elements;  // ascending
+    dense::BigArray D, B, U;
+    std::vector<double> inverse, y, below, diagonal_below, vector;
+    std::vector<char> held;  // of the pivots; empty: none
+    double own_promise = 0, promise_below = 0;
+    bool has_factor = false, has_solution = false;
+    std::uint64_t order = 0;  // of the first pivot
+  };
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  void touch(int front, bool is_factor);
+  void markPathFrom(int block);
+  void dissolve(int front);
+  void rebuildTop();
+  int newFront();
+  void attach(int child, int parent);
+  void place(const Front& front);
+  double* entry(Front& front, int row, int column) const;
+  void assemblePanel(Front& front);
+  void addElements(Front& front, bool to_panel);
+  void addChildren(Front& front, bool to_panel);
+  void factorizeFront(int f);
+  void solveFront(int f);
+  bool pivotsAreFine(Front& front);
+  void hold(Front& front, int pivot);
+  void goDown(int f, double threshold);
+
+  std::vector<Block> blocks_;
+  std::vector<Element> elements_;
+  std::vector<int> free_elements_;
+  std::vector<Front> fronts_;
+  std::vector<int> free_fronts_;
+  std::set<int> roots_;
+  std::set<std::pair<std::uint64_t, int>> dirty_;  // fronts to be factorised or solved, children first
+  std::set<std::pair<int, int>> undetermined_;
+  // What is to become the new top: blocks and elements of dissolved fronts, and the subtrees that hung below.
+  std::vector<int> loose_blocks_, loose_elements_, loose_subtrees_;
+  std::vector<int> local_;      // of each block: its place in the front or graph at hand; -1 outside of it
+  std::vector<double> step_;    // entries of d
+  std::vector<std::size_t> step_at_;
+  std::vector<Move> moves_;
+  std::vector<int> to_visit_;
+  std::uint64_t next_order_ = 1, next_age_ = 1;
+  double factor_flops_ = 0, flops_when_ordered_ = 0;
+  std::size_t filled_blocks_ = 0, blocks_when_ordered_ = 0;
+  Work work_;
+};
+
+}  // namespace slom
