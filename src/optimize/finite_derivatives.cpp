@@ -5,7 +5,7 @@ namespace slom {
 namespace {
 /// Part of the way to a bound that is tried first, and the factor of each further one.
 constexpr double kFirstPart = 0.9, kShorter = 0.5;
-constexpr int kMostParts = 20;
+constexpr int kMostShorterSteps = 20;
 
 /// Linearises; returns whether derivatives are finite.
 bool areDerivativesFinite(System& system) {
@@ -26,7 +26,7 @@ void shortenToFiniteDerivatives(System& system, StepOutcome& outcome) {
   system.undo();
   outcome.step = kFirstPart * system.withinBounds(outcome.step);
   outcome.is_undamped = false;
-  for (int i = 0; i < kMostParts; ++i, outcome.step *= kShorter) {
+  for (int i = 0; i < kMostShorterSteps; ++i, outcome.step *= kShorter) {
     outcome.rss_after = system.tryStep(outcome.step);
     if (outcome.rss_after < outcome.rss_before && areDerivativesFinite(system)) return;
     system.undo();

@@ -8,9 +8,9 @@ namespace slom {
 
 namespace {
 /// The measurements are partitioned into at most 2^kMostHalvings contiguous ranges. A range holds at least kFewestMeasurements
-/// measurements, starts at a multiple of kAlignment, the batch size of the linearisation, and keeps its private accumulators below
+/// measurements, starts at a multiple of kPartitionAlignment, the batch size of the linearisation, and keeps its private accumulators below
 /// kMostPrivatePerProduct numbers per product.
-constexpr int kMostHalvings = 4, kFewestMeasurements = 256, kAlignment = 64;
+constexpr int kMostHalvings = 4, kFewestMeasurements = 256, kPartitionAlignment = 64;
 constexpr double kMostPrivatePerProduct = 1.0 / 8;
 
 /// Number of products that measurement m adds to the blocks of H.
@@ -39,7 +39,7 @@ std::vector<MeasurementPlace> cut(const BlockStructure& structure, int count) {
     const double work = workOf(group);
     while (work > 0) {
       const double share = (total * static_cast<double>(partitions.size()) / count - before) / work;
-      const int index = static_cast<int>(share * group.size() / kAlignment) * kAlignment;
+      const int index = static_cast<int>(share * group.size() / kPartitionAlignment) * kPartitionAlignment;
       if (share >= 1 || index >= group.size() || static_cast<int>(partitions.size()) == count) break;
       partitions.push_back({g, index});
     }
