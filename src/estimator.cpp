@@ -2,80 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
 #include "analyze/fit_tables.hpp"
-#include "analyze/given_derivatives.hpp"
-#include "analyze/linearized_problem.hpp"
-#include "analyze/misfit.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
 #include "analyze/residual_tests.hpp"
 #include "analyze/singular.hpp"
-#include "base/threads.hpp"
 #include "base/words.hpp"
-#include "linearize/marginal_information.hpp"
-#include "slom/analyze/losses.hpp"
-#include "slom/measurements/gaussian_prior.hpp"
+#include "estimator_state.hpp"
 #include "slom/optimize/optimizer.hpp"
-#include "slom/solve/block_solver.hpp"
 
 namespace slom {
 
-struct Estimator::State {
-  Problem problem;
-  Linearizer linearizer;
-  System system{problem, linearizer};
-  std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
-  std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
-  detail::ThreadArena arena;
-  std::unique_ptr<LinearizedProblem> current;  // null: none, or out of date
-
-  /// f(), on as many threads as setThreads said.
-  template <class F>
-  auto run(const F& f) {
-    return arena.run(f);
-  }
-
-  State() { system.setSolver(*solver); }
-
-  /// The problem linearised at the current values, for all analyses there together.
-  const LinearizedProblem& linearized() {
-    if (current == nullptr || !current->isCurrent())
-      current = std::make_unique<LinearizedProblem>(problem, system);
-    return *current;
-  }
-  /// f(linearized()), on as many threads as setThreads said.
-  template <class F>
-  auto analyze(const F& f) {
-    return run([&] { return f(linearized()); });
-  }
-
-  Sigma sigma = Sigma::known;
-  FreeGauge gauge = FreeGauge::error;
-  GivenDerivatives given_derivatives;
-  double varianceFactor();
-  bool isAtMinimum(double variance_factor);
-  // What a summary says besides what the fit itself knows.
-  void fillSizes(Summary& summary);
-  void countFreeDirections(Summary& summary, const Options& options);
-  void fillTables(Summary& summary, const Options& options);
-  void addWarnings(Summary& summary, const Options& options);
-  std::string messageFor(const Summary& summary, const SolveStatus& status, double max_seconds);
-};
-
 namespace {
-/// What is wrong, but for what other warnings say.
-std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
-  std::vector<std::string> texts;
-  for (const Finding& finding : diagnosis.findings) {
-    if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) texts.push_back(finding.text);
-  }
-  return texts;
-}
-
 double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
   Eigen::VectorXd r(pool.rows(i));
   problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
@@ -126,124 +67,8 @@ Summary Estimator::optimize(const Options& options) {
                         singular_at);
   });
   summary.groups = std::move(before.groups);
-  state_->fillSizes(summary);
-  summary.message = state_->messageFor(summary, singular_at, options.max_seconds);
-  state_->countFreeDirections(summary, options);
-  state_->fillTables(summary, options);
-  state_->addWarnings(summary, options);
+  state_->complete(summary, options, singular_at);
   return summary;
-}
-
-void Estimator::State::fillSizes(Summary& summary) {
-  run([&] { fillGroups(problem, linearizer, summary, false); });
-  const ProblemStructure& structure = system.structure();
-  summary.solver = system.solver().description();
-  summary.variables = structure.system.filledCount();
-  summary.measurements = structure.residuals;
-  summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
-  summary.redundancy = summary.measurements - summary.unknowns;
-  summary.sigma_is_estimated = sigma == Sigma::estimated;
-}
-
-/// Whether a fit may take more time for what is said of it.
-static bool hasTime(const Summary& summary, const Options& options) {
-  return summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
-}
-
-void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {
-  if (summary.unknowns == 0 || summary.unknowns > Summary::kMostCounted || system.hadFullRank() ||
-      !hasTime(summary, options))
-    return;
-  try {
-    summary.free_directions =
-        analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); });
-    summary.redundancy += summary.free_directions;
-  } catch (const Error&) {  // there are no derivatives
-  }
-}
-
-void Estimator::State::fillTables(Summary& summary, const Options& options) {
-  summary.active_bounds = activeBounds(problem);
-  if (summary.unknowns == 0 || summary.unknowns > options.most_parameters ||
-      summary.stop_reason == StopReason::rank_deficient)
-    return;
-  try {
-    const double factor = varianceFactor();
-    analyze([&](const LinearizedProblem& linearized) { fillParameters(linearized, gauge, factor, summary); });
-  } catch (const Error&) {  // there are no covariances
-  }
-}
-
-void Estimator::State::addWarnings(Summary& summary, const Options& options) {
-  const auto append = [&](std::vector<std::string> texts) {
-    for (std::string& text : texts) summary.warnings.push_back(std::move(text));
-  };
-  if (summary.stop_reason == StopReason::rank_deficient) {
-    std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
-    const bool is_explained = !weightless.empty();
-    append(std::move(weightless));
-    if (!is_explained && hasTime(summary, options))
-      append(analyze([](const LinearizedProblem& linearized) { return faultsOf(linearized.diagnosis()); }));
-  }
-  append(unmeasuredVariables(problem));
-  append(misfits(problem, summary));
-  given_derivatives.check(problem, summary.warnings);
-}
-
-std::string Estimator::State::messageFor(const Summary& summary, const SolveStatus& status,
-                                         double max_seconds) {
-  if (summary.stop_reason == StopReason::rank_deficient) {
-    return singularError(problem, system.structure(), status).what();
-  }
-  if (summary.stop_reason == StopReason::max_iterations) {
-    const double graduation = summary.trace.back().graduation;
-    return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
-           (graduation > 1 ? " while the losses were still widened, mu = " + number(graduation, 6) +
-                                 "; raise max_iterations"
-                           : "");
-  }
-  if (summary.stop_reason == StopReason::no_progress) {
-    const System::Promise promise = run([&] { return system.promise(false); });
-    return std::string(toString(summary.stop_reason)) +
-           (promise.is_known
-                ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
-                : "") +
-           ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
-           "may be too large for what they have to resolve";
-  }
-  if (summary.stop_reason == StopReason::time_limit)
-    return "time limit of " + number(max_seconds, 6) + " s reached";
-  return toString(summary.stop_reason);
-}
-
-std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyVarID>& ids) {
-  Problem& all = problem();
-  std::vector<int> variables;
-  for (const AnyVarID& id : ids) variables.push_back(all.indexOf(static_cast<const VariableHandle&>(id)));
-  std::sort(variables.begin(), variables.end());
-  variables.erase(std::unique(variables.begin(), variables.end()), variables.end());
-  const std::vector<MeasurementIndex> measurements = measurementsOf(all, variables);
-  const std::vector<InformationFactor> factors =
-      state_->run([&] { return marginalInformation(all, state_->linearizer, measurements, variables); });
-
-  std::vector<MeasID<GaussianPrior>> priors;
-  priors.reserve(factors.size());
-  try {
-    for (const InformationFactor& factor : factors) {
-      std::vector<AnyVarID> left;
-      for (const int v : factor.variables) left.emplace_back(all.handleOf(v));
-      priors.push_back(insertMeasurement(GaussianPrior(std::move(left), factor.R, factor.b)));
-    }
-  } catch (...) {  // memory is short
-    for (const MeasID<GaussianPrior>& id : priors) removeMeasurement(id);
-    throw;
-  }
-  // From the last one on, as the last one of a pool takes the place of one that is removed.
-  for (auto m = measurements.rbegin(); m != measurements.rend(); ++m) {
-    all.removeMeasurement(*all.pools()[static_cast<std::size_t>(m->first)], m->second);
-  }
-  for (const int v : variables) all.removeVariable(v);
-  return priors;
 }
 
 void Estimator::changeAlgorithm(Algorithm* algorithm) {

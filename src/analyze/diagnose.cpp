@@ -24,17 +24,21 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = Finding::Kind;
 
-/// Correlations from here on are told.
+/// Correlations above this are reported.
 constexpr double kCorrelated = 0.999;
-/// Of types with more variables, correlations are not looked at: neighbours in a chain are always correlated.
+/// Correlations are not examined for types with more variables than this: neighbours in a chain are always correlated.
 constexpr int kFew = 20;
+/// Correlations are not examined among more unknowns than this, because their covariance matrix is dense.
 constexpr int kMostDenseUnknowns = 600;
-/// Spread of |J_i| from which on units are worth a thought.
+/// Ratio of the largest to the smallest |J_i| above which other units are recommended.
 constexpr double kBadScale = 1e12;
+/// Number of correlations that are reported, the largest first.
 constexpr std::size_t kMostCorrelations = 5;
-/// Directions that are hardly determined are told one by one, the worst first; the others are counted.
+/// Number of hardly determined directions that are reported one by one, the worst first; the others are counted.
 constexpr Index kMostWeak = 20;
-/// Of a group's chi-square; and the factor of its sigma from which on it is told.
+/// A group's stated uncertainty is implausible when the probability of its chi-square is below kImplausible and the factor
+/// sqrt(chi2 / redundancy) of its standard deviations is outside [1 / kNoteworthy, kNoteworthy]. A factor below kNoNoise comes from data
+/// that were computed without noise.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
 
 class Examination {
@@ -123,7 +127,7 @@ class Examination {
 
   void explain(const Part& part, const MatrixXd& none, const VectorXd& scale) {
     MatrixXd own = none(part.unknowns, Eigen::all);
-    if (own.norm() < 0.5) return;  // a direction of this part would be of unit length
+    if (own.norm() < 0.5) return;  // a near-null direction of this part has unit length
     const SVD svd = svdOf(own, Eigen::ComputeThinU);
     own = svd.matrixU().leftCols((svd.singularValues().array() > 0.5).count());
     const Gauge gauge =
@@ -172,7 +176,7 @@ class Examination {
     for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
-      Index largest = 0;  // the first of those that are equal but for rounding
+      Index largest = 0;  // the first of those that are equal to rounding error
       const double most = direction.cwiseAbs().maxCoeff();
       while (std::abs(direction[largest]) * (1 + 1e-6) < most) ++largest;
       const double deviation = std::abs(direction[largest]) / least.scale[largest] / least.influence[k];
@@ -225,7 +229,7 @@ class Examination {
         {a, b});
   }
 
-  /// Directions that are hardly determined may still be too much for the solver.
+  /// Whether the solver can factorise J^T J: it may fail where some directions are hardly determined.
   bool canInvert() {
     MatrixXd ignored;
     return linearized_.solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
@@ -276,7 +280,8 @@ class Examination {
     }
   }
 
-  /// Residuals say something of sigmas at a minimum alone, and nothing when the data were computed without noise.
+  /// Compares the residuals of each group with its stated standard deviations. Residuals are evidence of these only at a minimum, and only
+  /// when the data contain noise.
   void judgeSigmas() {
     if (!(linearized_.orthogonality() < kAtMinimum)) return;
     for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {

@@ -276,8 +276,8 @@ void IncrementalCholesky::rebuildTop() {
 
 void IncrementalCholesky::refactor() {
   rebuildTop();
-  const double growth =
-      static_cast<double>(filled_blocks_) / static_cast<double>(std::max<std::size_t>(1, blocks_when_ordered_));
+  const double growth = static_cast<double>(filled_blocks_) /
+                        static_cast<double>(std::max<std::size_t>(1, blocks_when_ordered_));
   if (factor_flops_ > kLittleWork + kMostGrowth * growth * flops_when_ordered_) reorder();
   while (!dirty_.empty()) {
     const int f = dirty_.begin()->second;
@@ -335,9 +335,11 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
         column_l += dof_l;
         if (at_l > at_k || (at_l < front.p) != to_panel) continue;
         for (int j = 0; j < dof_l; ++j) {
-          const double* const b = element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_of_l + j);
+          const double* const b =
+              element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_of_l + j);
           for (int i = at_l == at_k ? j : 0; i < dof_k; ++i) {
-            const double* const a = element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_k + i);
+            const double* const a =
+                element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_k + i);
             double sum = 0;
             for (int r = 0; r < element.rows; ++r) sum += a[r] * b[r];
             *entry(front, at_k + i, at_l + j) += sum;
@@ -359,10 +361,11 @@ void IncrementalCholesky::addChildren(Front& front, bool to_panel) {
     }
     for (int j = 0; j < child.u; ++j) {
       for (int i = j; i < child.u; ++i) {
-        const int row = std::max(target[at(i)], target[at(j)]), column = std::min(target[at(i)], target[at(j)]);
+        const int row = std::max(target[at(i)], target[at(j)]),
+                  column = std::min(target[at(i)], target[at(j)]);
         if ((column < front.p) != to_panel) continue;
-        *entry(front, row, column) +=
-            child.U.data()[dense::updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe)];
+        *entry(front, row, column) += child.U.data()[dense::updateOffset(i / kStripe) +
+                                                     static_cast<std::size_t>(kStripe * j + i % kStripe)];
       }
     }
   }

@@ -132,8 +132,8 @@ class IncrementalCholesky {
   std::set<std::pair<int, int>> undetermined_;
   // What is to become the new top: blocks and elements of dissolved fronts, and the subtrees that hung below.
   std::vector<int> loose_blocks_, loose_elements_, loose_subtrees_;
-  std::vector<int> local_;      // of each block: its place in the front or graph at hand; -1 outside of it
-  std::vector<double> step_;    // entries of d
+  std::vector<int> local_;    // of each block: its place in the front or graph at hand; -1 outside of it
+  std::vector<double> step_;  // entries of d
   std::vector<std::size_t> step_at_;
   std::vector<Move> moves_;
   std::vector<int> to_visit_;

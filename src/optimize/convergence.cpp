@@ -83,6 +83,19 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   return has_step ? std::optional(StopReason::step) : std::nullopt;
 }
 
+bool Convergence::creeps(const StepOutcome& outcome) {
+  constexpr int many = 50;
+  if (std::abs(outcome.rss_before - outcome.rss_after) > System::kNoise * outcome.rss_before) {
+    hidden_steps_ = 0;
+    hidden_promise_ = std::numeric_limits<double>::infinity();
+  } else if (++hidden_steps_ % many == 0) {
+    const double promised = system_.promise().decrease;
+    if (!(promised < hidden_promise_ / 2)) return true;
+    hidden_promise_ = promised;
+  }
+  return false;
+}
+
 std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance, bool has_rank) {
   has_advanced_ = false;
   const double rss = system_.linearize();

@@ -2,6 +2,7 @@
 /// step was refused, or promises little, says nothing.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "problem/stated_noise.hpp"
@@ -18,12 +19,14 @@ class Convergence {
         sigma_is_estimated_(sigma_is_estimated),
         is_stated_(statesAllNoise(system.problem())) {}
 
-  /// Tells it the RSS of the start.
+  /// `rss` is that of the start.
   void begin(double rss) { first_rss_ = rss; }
-  /// Behind a step that was taken from where the gradient's cosine was `gradient`.
+  /// After a step that was taken from where System::orthogonality() was `gradient`.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
-  /// Where no step was taken.
-  /// `has_rank`: not where the algorithm has found none; there the gradient alone tells.
+  /// Whether many steps one after the other have changed the RSS by rounding alone, and the promise hardly. To be asked after each
+  /// step that was taken and is not the last.
+  bool creeps(const StepOutcome& outcome);
+  /// Where no step was taken. Without `has_rank`, as the algorithm has found it, the gradient alone decides.
   std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance, bool has_rank = true);
   /// Whether what is promised where no step helps, even from a fresh start of the algorithm, is hidden by
   /// rounding errors of the RSS and small beside a standard deviation.
@@ -41,7 +44,10 @@ class Convergence {
   const Options& options_;
   bool sigma_is_estimated_, is_stated_;
   double first_rss_ = 0;
-  int candidates_ = 0;  // since the last step that was none
+  int candidates_ = 0;    // since the last step that was none
+  int hidden_steps_ = 0;  // that changed the RSS by rounding alone, one after the other
+  double hidden_promise_ =
+      std::numeric_limits<double>::infinity();  // when last looked at, some such steps ago
   bool has_advanced_ = false;
 };
 

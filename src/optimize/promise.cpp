@@ -4,7 +4,6 @@
 #include <limits>
 #include <vector>
 
-#include "linearize/variable_of.hpp"
 #include "slom/optimize/system.hpp"
 
 namespace slom {
@@ -76,31 +75,6 @@ void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) 
   const double decrease = -rows->gradient().dot(step);
   if (decrease > std::max(promise.decrease, most_rounding * rss_))
     promise = {true, false, decrease, std::move(step)};
-}
-
-/// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
-/// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
-/// would gain. A column of rounding errors stays one everywhere.
-bool System::hasRunAway(int unknown) {
-  constexpr int decades = 40;
-  const int variable = variableOf(structure_, unknown);
-  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
-  std::vector<double> x(static_cast<std::size_t>(record.dof));
-  record.store->coordinates(record.store->valueAt(record.slot), x.data());
-  const double coordinate = x[static_cast<std::size_t>(unknown - structure_.offsetOf(variable))];
-  if (!std::isfinite(coordinate)) return false;  // an angle, which comes back by itself
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(structure_.system.unknowns());
-  for (int k = 1; k <= decades; ++k) {
-    d[unknown] = coordinate * (std::pow(10.0, -k) - 1);
-    const double rss = tryStep(d);
-    undo();
-    if (!(std::abs(rss - rss_) <= kNoise * rss_)) {
-      linearize();
-      return true;
-    }
-  }
-  linearize();
-  return false;
 }
 
 bool System::advance(const Promise& promise) {

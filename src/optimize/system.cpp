@@ -1,24 +1,17 @@
 #include "slom/optimize/system.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 #include <vector>
 
 #include "base/stopwatch.hpp"
-#include "linearize/variable_of.hpp"
 #include "optimize/active_bounds.hpp"
 #include "optimize/lengths.hpp"
 #include "optimize/second_look.hpp"
-#include "problem/value_snapshot.hpp"
 
 namespace slom {
 
 namespace {
-constexpr int kMostHoldings = 10;      // of unseen unknowns, in one step
-constexpr double kAgreement = 1e-2;    // of a column of J and what residuals do
-constexpr double kHardlySeen = 1e-20;  // diagonal of H, relative to the largest: units may differ that much
-
 /// Whether the largest of some products of squares is right: none of those that matter has left the range of
 /// numbers.
 bool isWellScaled(double largest) { return largest > 1e-200 && largest < 1e200; }
@@ -203,58 +196,10 @@ Eigen::VectorXd System::typicalSizes() {
   return magnitude;
 }
 
-/// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
-/// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
-bool System::isTrueColumn(int unknown, double step) {
-  const int variable = variableOf(structure_, unknown);
-  const int component = unknown - structure_.offsetOf(variable);
-  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
-  ValueSnapshot before(problem_, variable);
-  const bool was_linearized = linearized_at_ == problem_.valueRevision();
-  const auto residuals = [&] {
-    std::vector<double> all;
-    problem_.forEachUse(variable, [&](MeasurementPool& pool, int i) {
-      const std::size_t first = all.size();
-      all.resize(first + static_cast<std::size_t>(pool.rows(i)));
-      problem_.naming(pool, [&] { pool.evaluate(i, i + 1, all.data() + first); });
-    });
-    return Eigen::VectorXd(
-        Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size())));
-  };
-  const Eigen::VectorXd r = residuals();
-  const double length = std::sqrt(solver_->diagonal()[unknown]);
-  std::vector<double> d(static_cast<std::size_t>(record.dof), 0.0);
-  int agreements = 0;
-  for (const double part : {1.0, 0.7e-3, 0.3e-6, 0.9e-8}) {
-    d[static_cast<std::size_t>(component)] = part * step;
-    record.store->boxplus(record.store->valueAt(record.slot), d.data());
-    const double expected = length * std::abs(part * step);
-    try {
-      const double change = (residuals() - r).norm();
-      if (std::abs(change - expected) <= kAgreement * expected) ++agreements;
-    } catch (const Error&) {  // the user's function throws there
-    }
-    before.restore();
-  }
-  if (was_linearized) linearized_at_ = problem_.valueRevision();
-  return agreements >= 2;
-}
-
-/// The unknowns that d moves though they are not seen.
-std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
-  std::vector<int> unseen;
-  const Eigen::VectorXd& H = solver_->diagonal();
-  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
-  const Eigen::VectorXd magnitude = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
-  const double rounding =
-      std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
-  for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const int unknown = static_cast<int>(i);
-    if (magnitude[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= magnitude[i]) &&
-        !isTrueColumn(unknown, d[i]))
-      unseen.push_back(unknown);
-  }
-  return unseen;
+SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+  const SolveStatus status = solver_->solve(damping, step);
+  if (status.ok) requireSolutionLength(*solver_, step.size(), structure_.system.unknowns());
+  return status;
 }
 
 /// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
@@ -278,43 +223,6 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
 
 double System::digitsOfDerivatives(const Problem& problem) {
   return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
-}
-
-SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
-  const SolveStatus status = solver_->solve(damping, step);
-  if (status.ok) requireSolutionLength(*solver_, step.size(), structure_.system.unknowns());
-  return status;
-}
-
-SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
-  bool has_changed = false;
-  SolveStatus status = lookAgain(solve({}, step), has_changed);
-  if (has_changed) status = solve({}, step);
-  full_rank_at_ = ~structured_at_;
-  if (!status.ok) return status;
-  clearHeld(step);
-  const std::vector<int> unseen = unseenUnknowns(step);
-  if (!unseen.empty()) return {false, unseen.front(), 0, 0};
-  full_rank_at_ = structured_at_;
-  return status;
-}
-
-SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
-  SolveStatus status = solve(damping, step);
-  Eigen::VectorXd holding;
-  for (int i = 0; status.ok && i < kMostHoldings; ++i) {
-    clearHeld(step);
-    const std::vector<int> unseen = unseenUnknowns(step);
-    if (unseen.empty()) return status;
-    if (holding.size() == 0) holding = damping;
-    // Each time firmer, for g may be large where H is not.
-    for (const int u : unseen) holding[u] = std::max(holding[u] * 1e6, solver_->diagonal().maxCoeff());
-    status = solve(holding, step);
-  }
-  if (status.ok) {
-    for (const int u : unseenUnknowns(step)) step[u] = 0;
-  }
-  return status;
 }
 
 /// Components that are held do not move by what rounding leaves of their equations.

@@ -2,12 +2,15 @@
 ///   state    N scalars; mtk::Dynamic for a size known only at run time
 ///   tangent  the same N numbers; x [+] d = x + d, y [-] x = y - x
 ///   names    x, y, z for N = 2 and 3, otherwise 0, 1, ...
+///   a + b, a - b, 2 * a are values: mtk/types/vect_arithmetic.hpp
 /// Derive from it to give the numbers a meaning: `struct Camera : mtk::vect<9> { ... };`. A derived type can
 /// name its components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};`
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <string_view>
 #include <tuple>
 
 #include "mtk/detail/lanes.hpp"
@@ -168,132 +171,6 @@ auto vector(const First& first, const Rest&... rest) {
   }
 }
 
-// Arithmetic that gives values. Eigen's operators give expressions that refer to their operands, so that a function
-// `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
-
-namespace detail {
-/// A vector of type V whose `size` entries are still to be set.
-template <class V>
-V unfilled(Eigen::Index size) {
-  if constexpr (V::DOF == Dynamic) {
-    return V(size);
-  } else {
-    return V(Uninitialized());
-  }
-}
-
-template <class A, class B>
-concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) &&
-                   requires { typename promote_t<typename A::Scalar, typename B::Scalar>; };
-/// The sum of an A and a B, as many entries as the one of fixed size has.
-template <class A, class B>
-using Sum = vect<(A::SizeAtCompileTime == Dynamic ? int(B::SizeAtCompileTime) : int(A::SizeAtCompileTime)),
-                 promote_t<typename A::Scalar, typename B::Scalar>>;
-template <class A, class B, class Op>
-Sum<A, B> entrywise(const A& a, const B& b, const char* name, const Op& op) {
-  static_assert(int(A::SizeAtCompileTime) == int(B::SizeAtCompileTime) || A::SizeAtCompileTime == Dynamic ||
-                    B::SizeAtCompileTime == Dynamic,
-                "mtk: vectors of different sizes cannot be added or subtracted");
-  requireSameSize(a, b, name);
-  auto result = unfilled<Sum<A, B>>(a.size());
-  forEachEntry<Sum<A, B>::DOF>(a.size(), [&](int i) { result[i] = op(a[i], b[i]); });
-  return result;
-}
-inline constexpr auto plus = [](const auto& a, const auto& b) { return a + b; };
-inline constexpr auto minus = [](const auto& a, const auto& b) { return a - b; };
-}  // namespace detail
-
-template <int N, class A, int M, class B>
-auto operator+(const vect<N, A>& a, const vect<M, B>& b) {
-  return detail::entrywise(a, b, "a + b", detail::plus);
-}
-template <int N, class A, int M, class B>
-auto operator-(const vect<N, A>& a, const vect<M, B>& b) {
-  return detail::entrywise(a, b, "a - b", detail::minus);
-}
-template <int N, class S, class D>
-  requires detail::Summable<vect<N, S>, D>
-auto operator+(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
-  return detail::entrywise(a, b.derived().eval(), "a + b", detail::plus);
-}
-template <int N, class S, class D>
-  requires detail::Summable<vect<N, S>, D>
-auto operator-(const vect<N, S>& a, const Eigen::MatrixBase<D>& b) {
-  return detail::entrywise(a, b.derived().eval(), "a - b", detail::minus);
-}
-template <int N, class S, class D>
-  requires detail::Summable<vect<N, S>, D>
-auto operator+(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
-  return detail::entrywise(a.derived().eval(), b, "a + b", detail::plus);
-}
-template <int N, class S, class D>
-  requires detail::Summable<vect<N, S>, D>
-auto operator-(const Eigen::MatrixBase<D>& a, const vect<N, S>& b) {
-  return detail::entrywise(a.derived().eval(), b, "a - b", detail::minus);
-}
-namespace detail {
-template <int N, class S, class Op>
-auto scaled(const vect<N, S>& a, const Op& op) {
-  auto result = unfilled<vect<N, decltype(op(a[0]))>>(a.size());
-  forEachEntry<N>(a.size(), [&](int i) { result[i] = op(a[i]); });
-  return result;
-}
-/// A number type other than S, one of the two not built in.
-template <class T, class S>
-concept OtherScalar =
-    !std::is_same_v<T, S> &&
-    (is_scalar_v<T> || std::is_arithmetic_v<T>)&&!(std::is_arithmetic_v<T> && std::is_arithmetic_v<S>);
-}  // namespace detail
-
-template <int N, class S>
-vect<N, S> operator-(const vect<N, S>& a) {
-  return detail::scaled(a, [](const S& x) { return S(-x); });
-}
-template <int N, class S>
-vect<N, S> operator*(const vect<N, S>& a, const std::type_identity_t<S>& factor) {
-  return detail::scaled(a, [&](const S& x) { return x * factor; });
-}
-template <int N, class S>
-vect<N, S> operator*(const std::type_identity_t<S>& factor, const vect<N, S>& a) {
-  return detail::scaled(a, [&](const S& x) { return x * factor; });
-}
-template <int N, class S>
-vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor) {
-  return detail::scaled(a, [&](const S& x) { return x / divisor; });
-}
-// By a built-in number of another type: the vector keeps its own.
-template <int N, class S, class T>
-  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
-vect<N, S> operator*(const vect<N, S>& a, const T& factor) {
-  return a * S(factor);
-}
-template <int N, class S, class T>
-  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
-vect<N, S> operator*(const T& factor, const vect<N, S>& a) {
-  return a * S(factor);
-}
-template <int N, class S, class T>
-  requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
-vect<N, S> operator/(const vect<N, S>& a, const T& divisor) {
-  return a / S(divisor);
-}
-// By a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
-template <int N, class S, class T>
-  requires detail::OtherScalar<T, S>
-vect<N, promote_t<S, T>> operator*(const vect<N, S>& a, const T& factor) {
-  return detail::scaled(a, [&](const S& x) { return x * factor; });
-}
-template <int N, class S, class T>
-  requires detail::OtherScalar<T, S>
-vect<N, promote_t<S, T>> operator*(const T& factor, const vect<N, S>& a) {
-  return detail::scaled(a, [&](const S& x) { return x * factor; });
-}
-template <int N, class S, class T>
-  requires detail::OtherScalar<T, S>
-vect<N, promote_t<S, T>> operator/(const vect<N, S>& a, const T& divisor) {
-  return detail::scaled(a, [&](const S& x) { return x / divisor; });
-}
-
 namespace detail {
 inline constexpr std::array<std::string_view, 2> xy_names{"x", "y"};
 inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
@@ -314,3 +191,5 @@ struct std::tuple_size<mtk::detail::MixedVector<S, T...>>
     : std::integral_constant<std::size_t, sizeof...(T)> {};
 template <std::size_t I, class S, class... T>
 struct std::tuple_element<I, mtk::detail::MixedVector<S, T...>> : std::tuple_element<I, std::tuple<T...>> {};
+
+#include "mtk/types/vect_arithmetic.hpp"

@@ -17,16 +17,17 @@ namespace slom {
 class NormalEquations {
  public:
   /// `position`: of each block in the order of elimination. The graph has an edge for each pair of blocks that meet in a
-  /// measurement, and may have more: these blocks are 0. The structure must outlive this.
+  /// measurement, and may have more, whose blocks are 0. The structure must outlive this object.
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
-  /// Again for the structure, in which other measurements have come to the same graph.
+  /// Repeats layOut after the measurements of the structure have changed, but not its graph.
   void layOutMeasurements();
   void setZero();
   void add(const JacobianBatch& batch);
-  /// After all batches: adds what parts of the measurements have summed on their own.
+  /// After all batches: adds the private accumulators of the partitions to H and g.
   void addUp();
-  /// See JacobianSink. What several parts add to, the first of them adds to H and g, the others to numbers of their own.
-  std::span<const MeasurementPlace> parts() const { return parts_; }
+  /// See JacobianSink::parts: the partitions of the measurements. Where several of them add to a block, the first one adds to H and g, the
+  /// others to private accumulators.
+  std::span<const MeasurementPlace> parts() const { return partitions_; }
 
   const BlockLower& H() const { return H_; }
   /// By unknown, in the order of the structure; so are the others.
@@ -52,13 +53,14 @@ class NormalEquations {
     int block : 31;
     unsigned is_first : 1;  ///< nothing was added to it before
   };
-  /// Numbers of a part's own that are added to a block of H, and, where that is on the diagonal, to its entries of g.
-  struct Own {
+  /// A private accumulator of a partition: it is added to a block of H and, where that is on the diagonal, to its entries of g.
+  struct Accumulator {
     int block, column;
-    std::size_t start;
+    std::size_t start;  ///< of its entries
   };
-  void chooseParts();
   void findDestinations();
+  void placeAccumulators();
+  void clearUntouched(const std::vector<signed char>& partition);
   bool addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
                Destination destination, const double* J, const double* r);
   void prefetch(const int* places, Destination destination) const;
@@ -69,15 +71,16 @@ class NormalEquations {
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<Place> place_;  // by block of the structure; after them those of parts
+  std::vector<Place> place_;  // by block of the structure; after them those of accumulators
   std::vector<int> offset_;
   std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
-  std::vector<MeasurementPlace> parts_;                // where they begin; empty: there is but one
-  std::vector<Own> own_;  // in the order of the parts; in destinations after the blocks of H
-  std::vector<std::vector<int>>
-      place_of_;  // of each group: measurement x arity, where any part has places of its own
-  dense::BigArray own_values_;
-  std::size_t own_size_ = 0;
+  std::vector<MeasurementPlace> partitions_;           // where they begin; empty: there is only one
+  std::vector<Accumulator>
+      accumulators_;  // in the order of the partitions; destinations number them after the blocks of H
+  /// Of each group: measurement x arity, into place_. Empty where there are no accumulators: then places are blocks.
+  std::vector<std::vector<int>> place_of_;
+  dense::BigArray accumulator_values_;
+  std::size_t accumulator_size_ = 0;
   Eigen::VectorXd gradient_, diagonal_;
 };
 

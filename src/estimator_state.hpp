@@ -1,0 +1,63 @@
+/// What an estimator owns: the problem, its linearisation, the solver, the algorithm and the choices of the user.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "analyze/given_derivatives.hpp"
+#include "analyze/linearized_problem.hpp"
+#include "base/threads.hpp"
+#include "slom/estimator.hpp"
+#include "slom/solve/block_solver.hpp"
+
+namespace slom {
+
+struct Estimator::State {
+  Problem problem;
+  Linearizer linearizer;
+  System system{problem, linearizer};
+  std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
+  std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
+  detail::ThreadArena arena;
+  std::unique_ptr<LinearizedProblem> current;  ///< null: none, or out of date
+  Sigma sigma = Sigma::known;
+  FreeGauge gauge = FreeGauge::error;
+  GivenDerivatives given_derivatives;
+
+  State() { system.setSolver(*solver); }
+
+  /// f(), on as many threads as setThreads said.
+  template <class F>
+  auto run(const F& f) {
+    return arena.run(f);
+  }
+
+  /// The problem linearised at the current values, for all analyses there together.
+  const LinearizedProblem& linearized() {
+    if (current == nullptr || !current->isCurrent())
+      current = std::make_unique<LinearizedProblem>(problem, system);
+    return *current;
+  }
+  /// f(linearized()), on as many threads as setThreads said.
+  template <class F>
+  auto analyze(const F& f) {
+    return run([&] { return f(linearized()); });
+  }
+
+  /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
+  double varianceFactor();
+  /// Whether the current values count as a minimum, for statements that hold at one alone.
+  bool isAtMinimum(double variance_factor);
+  /// Completes what the optimisation has filled. `singular_at`: where the rank ran out, if it did.
+  void complete(Summary& summary, const Options& options, const SolveStatus& singular_at);
+
+ private:
+  void fillSizes(Summary& summary);
+  void countFreeDirections(Summary& summary, const Options& options);
+  void fillTables(Summary& summary, const Options& options);
+  void addWarnings(Summary& summary, const Options& options);
+  void explainRankDeficiency(Summary& summary, const Options& options);
+  std::string messageFor(const Summary& summary, const Options& options, const SolveStatus& singular_at);
+};
+
+}  // namespace slom

@@ -1,0 +1,127 @@
+// What the summary of a fit says besides what the optimisation itself knows: sizes, a message, tables and warnings.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "analyze/fit_tables.hpp"
+#include "analyze/misfit.hpp"
+#include "analyze/singular.hpp"
+#include "base/words.hpp"
+#include "estimator_state.hpp"
+#include "slom/analyze/losses.hpp"
+
+namespace slom {
+
+namespace {
+void append(std::vector<std::string>& warnings, std::vector<std::string> texts) {
+  for (std::string& text : texts) warnings.push_back(std::move(text));
+}
+
+/// What is wrong, but for what other warnings say.
+std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
+  std::vector<std::string> texts;
+  for (const Finding& finding : diagnosis.findings) {
+    if (finding.is_fault && finding.kind != Finding::Kind::unmeasured_variable) texts.push_back(finding.text);
+  }
+  return texts;
+}
+
+/// Whether a fit may take more time for what is said of it.
+bool hasTime(const Summary& summary, const Options& options) {
+  return summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
+}
+
+std::string iterationLimitMessage(const Summary& summary) {
+  const double graduation = summary.trace.back().graduation;
+  return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
+         (graduation > 1 ? " while the losses were still widened, mu = " + number(graduation, 6) +
+                               "; raise max_iterations"
+                         : "");
+}
+
+std::string noProgressMessage(const System::Promise& promise) {
+  return std::string(toString(StopReason::no_progress)) +
+         (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
+                           : "") +
+         ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
+         "may be too large for what they have to resolve";
+}
+}  // namespace
+
+void Estimator::State::complete(Summary& summary, const Options& options, const SolveStatus& singular_at) {
+  fillSizes(summary);
+  summary.message = messageFor(summary, options, singular_at);
+  countFreeDirections(summary, options);
+  fillTables(summary, options);
+  addWarnings(summary, options);
+}
+
+void Estimator::State::fillSizes(Summary& summary) {
+  run([&] { fillGroups(problem, linearizer, summary, false); });
+  const ProblemStructure& structure = system.structure();
+  summary.solver = system.solver().description();
+  summary.variables = structure.system.filledCount();
+  summary.measurements = structure.residuals;
+  summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
+  summary.redundancy = summary.measurements - summary.unknowns;
+  summary.sigma_is_estimated = sigma == Sigma::estimated;
+}
+
+void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {
+  if (summary.unknowns == 0 || summary.unknowns > Summary::kMostCounted || system.hadFullRank() ||
+      !hasTime(summary, options))
+    return;
+  try {
+    summary.free_directions =
+        analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); });
+    summary.redundancy += summary.free_directions;
+  } catch (const Error&) {  // there are no derivatives
+  }
+}
+
+void Estimator::State::fillTables(Summary& summary, const Options& options) {
+  summary.active_bounds = activeBounds(problem);
+  if (summary.unknowns == 0 || summary.unknowns > options.most_parameters ||
+      summary.stop_reason == StopReason::rank_deficient)
+    return;
+  try {
+    const double factor = varianceFactor();
+    analyze([&](const LinearizedProblem& linearized) { fillParameters(linearized, gauge, factor, summary); });
+  } catch (const Error&) {  // there are no covariances
+  }
+}
+
+void Estimator::State::addWarnings(Summary& summary, const Options& options) {
+  if (summary.stop_reason == StopReason::rank_deficient) explainRankDeficiency(summary, options);
+  append(summary.warnings, unmeasuredVariables(problem));
+  append(summary.warnings, misfits(problem, summary));
+  given_derivatives.check(problem, summary.warnings);
+}
+
+/// By losses that give whole groups no weight, or else by a diagnosis, where there is time for one.
+void Estimator::State::explainRankDeficiency(Summary& summary, const Options& options) {
+  std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
+  const bool is_explained = !weightless.empty();
+  append(summary.warnings, std::move(weightless));
+  if (!is_explained && hasTime(summary, options))
+    append(summary.warnings,
+           analyze([](const LinearizedProblem& linearized) { return faultsOf(linearized.diagnosis()); }));
+}
+
+std::string Estimator::State::messageFor(const Summary& summary, const Options& options,
+                                         const SolveStatus& singular_at) {
+  switch (summary.stop_reason) {
+    case StopReason::rank_deficient:
+      return singularError(problem, system.structure(), singular_at).what();
+    case StopReason::max_iterations:
+      return iterationLimitMessage(summary);
+    case StopReason::no_progress:
+      return noProgressMessage(run([&] { return system.promise(false); }));
+    case StopReason::time_limit:
+      return "time limit of " + number(options.max_seconds, 6) + " s reached";
+    default:
+      return toString(summary.stop_reason);
+  }
+}
+
+}  // namespace slom
