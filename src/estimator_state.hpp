@@ -7,6 +7,7 @@
 #include "analyze/given_derivatives.hpp"
 #include "analyze/linearized_problem.hpp"
 #include "base/threads.hpp"
+#include "online/online_fit.hpp"
 #include "slom/estimator.hpp"
 #include "slom/solve/block_solver.hpp"
 
@@ -20,6 +21,7 @@ struct Estimator::State {
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
   std::unique_ptr<LinearizedProblem> current;  ///< null: none, or out of date
+  std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
   GivenDerivatives given_derivatives;

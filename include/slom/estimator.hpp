@@ -35,6 +35,7 @@
 #include "slom/model/pimpl.hpp"
 #include "slom/model/prior.hpp"
 #include "slom/model/runtime_measurement.hpp"
+#include "slom/online/update.hpp"
 #include "slom/optimize/algorithm.hpp"
 #include "slom/problem/problem.hpp"
 
@@ -250,6 +251,11 @@ class Estimator {
   /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
   /// exception: look at `converged`, `stop_reason` and `message`. The values are the best that were reached.
   Summary optimize(const Options& options = {});
+  /// For problems that grow while they are fitted: brings the values to the optimum after insertions, removals and other changes, in
+  /// time in proportion to what these change. The optimum is that of optimize(), as long as the values do not lie in the valley of another
+  /// one. May be mixed with optimizeStep() and optimize(). Throws [slom.bad-option], and [slom.not-finite] or [slom.measurement-threw] for
+  /// measurements without a residual at the values that they are inserted with.
+  UpdateSummary update(const UpdateOptions& options = {});
 
   /// Takes over `algorithm`: `est.changeAlgorithm(new SLOM::LevenbergMarquardt())`.
   void changeAlgorithm(Algorithm* algorithm);

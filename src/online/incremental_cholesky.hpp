@@ -39,6 +39,7 @@ class IncrementalCholesky {
   std::span<const int> blocksOf(int element) const { return elements_[at(element)].blocks; }
   int rowsOf(int element) const { return elements_[at(element)].rows; }
   const std::vector<double>& A(int element) const { return elements_[at(element)].A; }
+  const std::vector<double>& gradient(int element) const { return elements_[at(element)].g; }
   void setA(int element, std::span<const double> A);
   void setGradient(int element, std::span<const double> g);
 

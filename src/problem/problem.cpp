@@ -287,6 +287,15 @@ void Problem::restore() {
   moves_.add(kAll, size());
 }
 
+void Problem::move(int variable, const double* d) {
+  const VariableRecord& record = table_[at(variable)];
+  record.store->boxplus(record.store->valueAt(record.slot), d);
+  double most = 0;
+  for (int i = 0; i < record.dof; ++i) most = std::max(most, std::abs(d[i]));
+  travelled_[at(variable)] += most;
+  moves_.add(variable, size());
+}
+
 void Problem::applyStep(const std::vector<int>& offset, const double* step) {
   for (const TypedStore& own : stores_) own.store->applyStep(offset, step);
   for (std::size_t v = 0; v < table_.size(); ++v) {

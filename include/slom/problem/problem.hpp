@@ -138,6 +138,8 @@ class Problem {
 
   void save();
   void restore();
+  /// x := x [+] d of one variable.
+  void move(int variable, const double* d);
   /// x := x [+] step[offset[v] ...] for each variable v with offset[v] < offset[v + 1].
   void applyStep(const std::vector<int>& offset, const double* step);
 

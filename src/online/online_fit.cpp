@@ -1,0 +1,304 @@
+#include "online/online_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/index.hpp"
+#include "base/words.hpp"
+
+namespace slom {
+
+namespace {
+
+/// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
+/// step has decreased the RSS by less than half of what was promised.
+constexpr double kStale = 0.1, kSlightlyStale = 1e-3;
+constexpr double kKept = 0.5;
+/// What a subtree must promise to be moved, relative to what may be left in all.
+constexpr double kShare = 1e-2, kSmallerShare = 0.1;
+/// Squared deviations of nothing.
+constexpr double kNothingPromised = 1e-16;
+constexpr double kNoiseOfRss = 1e-13;
+
+}  // namespace
+
+// ---- following the problem --------------------------------------------------------------------------------------
+
+void OnlineFit::follow() {
+  const auto changes = has_started_ ? problem_.changesSince(structure_revision_) : std::nullopt;
+  if (!changes) {
+    startAgain();
+  } else {
+    records_.resize(problem_.pools().size());
+    for (const Change& change : *changes) {
+      if (change.kind == Change::Kind::measurement_inserted) {
+        records_[at(change.pool)].emplace_back();
+        pending_.emplace_back(change.pool, change.index);
+      } else if (change.kind == Change::Kind::measurement_removed) {
+        std::vector<Record>& records = records_[at(change.pool)];
+        dropElement(records[at(change.index)]);
+        records[at(change.index)] = records.back();
+        records.pop_back();
+        pending_.emplace_back(change.pool, change.index);  // where the last one is not yet an element
+      } else {
+        touched_variables_.push_back(change.index);
+      }
+    }
+  }
+  structure_revision_ = problem_.structureRevision();
+  followVariables();
+  followMoves();
+  value_revision_ = problem_.valueRevision();
+  for (const Place& place : pending_) {
+    if (place.second < static_cast<int>(records_[at(place.first)].size()) &&
+        recordOf(place).element == kPending)
+      makeElement(place);
+  }
+  pending_.clear();
+}
+
+void OnlineFit::startAgain() {
+  factor_ = {};
+  rss_ = rss_rest_ = 0;
+  known_.clear();
+  pending_.clear();
+  touched_variables_.clear();
+  records_.assign(problem_.pools().size(), {});
+  for (int p = 0; p < static_cast<int>(records_.size()); ++p) {
+    records_[at(p)].resize(at(problem_.pools()[at(p)]->size()));
+    for (int i = 0; i < problem_.pools()[at(p)]->size(); ++i) pending_.emplace_back(p, i);
+  }
+  for (int v = 0; v < static_cast<int>(problem_.variables().size()); ++v) touched_variables_.push_back(v);
+  has_started_ = true;
+  value_revision_ = problem_.valueRevision();
+}
+
+/// Blocks for the variables that are free now and were not, none for those that were. Their measurements become elements anew.
+void OnlineFit::followVariables() {
+  std::sort(touched_variables_.begin(), touched_variables_.end());
+  touched_variables_.erase(std::unique(touched_variables_.begin(), touched_variables_.end()),
+                           touched_variables_.end());
+  known_.resize(problem_.variables().size());
+  std::vector<int> inserted;
+  for (const int v : touched_variables_) {
+    const VariableRecord& record = problem_.variables()[at(v)];
+    Known& known = known_[at(v)];
+    const bool exists = record.store != nullptr;
+    const bool has_block = exists && problem_.activeSet().isOptimized(v) && record.dof > 0;
+    if (known.serial >= 0 && has_block && known.serial == record.serial) {  // other components are fixed
+      std::vector<Place> uses;
+      collectUses(v, uses);
+      for (const Place& place : uses) linearize(place, 0);
+      continue;
+    }
+    if (known.serial < 0 && !has_block) continue;
+    if (exists) {
+      std::vector<Place> uses;
+      collectUses(v, uses);
+      for (const Place& place : uses) {
+        dropElement(recordOf(place));
+        pending_.push_back(place);
+      }
+    }
+    if (known.serial >= 0) factor_.removeBlock(v);
+    known.serial = has_block ? record.serial : -1;
+    if (has_block) inserted.push_back(v);
+  }
+  const auto isOlder = [&](int a, int b) {
+    return problem_.variables()[at(a)].serial < problem_.variables()[at(b)].serial;
+  };
+  std::sort(inserted.begin(), inserted.end(), isOlder);
+  for (const int v : inserted) factor_.insertBlock(v, problem_.variables()[at(v)].dof);
+  touched_variables_.clear();
+}
+
+void OnlineFit::followMoves() {
+  const auto moves = problem_.movedSince(value_revision_);
+  const bool all = !moves || std::find(moves->begin(), moves->end(), Problem::kAll) != moves->end();
+  touched_.clear();
+  ++visit_;
+  if (all) {
+    for (int p = 0; p < static_cast<int>(records_.size()); ++p) {
+      for (int i = 0; i < static_cast<int>(records_[at(p)].size()); ++i) touched_.emplace_back(p, i);
+    }
+  } else {
+    for (const int v : *moves) {
+      if (problem_.variables()[at(v)].store != nullptr) collectUses(v, touched_);
+    }
+  }
+  linearizeTouched(0);
+}
+
+/// The measurements of a variable that were not collected since visit_ changed.
+void OnlineFit::collectUses(int variable, std::vector<Place>& places) {
+  problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
+    const Place place(problem_.indexOfPool(pool), i);
+    Record& record = recordOf(place);
+    if (&places == &touched_) {
+      if (record.visited == visit_) return;
+      record.visited = visit_;
+    }
+    places.push_back(place);
+  });
+}
+
+void OnlineFit::dropElement(Record& record) {
+  addToRss(-record.cost);
+  if (record.element >= 0) factor_.removeElement(record.element);
+  record = {};
+}
+
+void OnlineFit::makeElement(Place place) {
+  const MeasurementPool& pool = *problem_.pools()[at(place.first)];
+  std::vector<int> blocks;
+  for (int k = 0; k < pool.arity(); ++k) {
+    const int v = pool.variables(place.second)[k];
+    if (known_[at(v)].serial >= 0 && std::find(blocks.begin(), blocks.end(), v) == blocks.end())
+      blocks.push_back(v);
+  }
+  Record& record = recordOf(place);
+  const int rows = pool.rows(place.second);
+  record.element = blocks.empty() || rows == 0 ? kNone : factor_.insertElement(blocks, rows);
+  linearize(place, 0);
+}
+
+void OnlineFit::addToRss(double change) {
+  // Neumaier's sum: what is added and later subtracted leaves nothing.
+  const double sum = rss_ + change;
+  rss_rest_ += std::abs(rss_) >= std::abs(change) ? (rss_ - sum) + change : (change - sum) + rss_;
+  rss_ = sum;
+}
+
+/// At the current values. The factor gets the Jacobian where that differs from the one it has by more than `most_difference`.
+void OnlineFit::linearize(Place place, double most_difference) {
+  Record& record = recordOf(place);
+  if (record.element == kPending) return;
+  double cost = 0;
+  const JacobianBatch batch =
+      linearizer_.linearizeOne(problem_, problem_.activeSet(), place.first, place.second, &cost);
+  ++linearized_;
+  addToRss(cost - record.cost);
+  record.cost = cost;
+  if (record.element == kNone) return;
+  const MeasurementPool& pool = *problem_.pools()[at(place.first)];
+  const std::span<const int> blocks = factor_.blocksOf(record.element);
+  const int rows = batch.rows[0];
+  const std::vector<double>& before = factor_.A(record.element);
+  A_.assign(before.size(), 0.0);
+  const double* J = batch.J;
+  for (int k = 0; k < pool.arity(); ++k) {
+    const int v = pool.variables(place.second)[k], entries = rows * batch.dof[k];
+    std::size_t start = 0;
+    for (const int b : blocks) {
+      if (b == v) {
+        for (int e = 0; e < entries; ++e) A_[start + at(e)] += J[e];
+        break;
+      }
+      start += at(rows * factor_.dof(b));
+    }
+    J += entries;
+  }
+  const int columns = static_cast<int>(A_.size()) / rows;
+  g_.assign(at(columns), 0.0);
+  double difference = 0, size = 0;
+  for (int c = 0; c < columns; ++c) {
+    for (int r = 0; r < rows; ++r) {
+      const std::size_t e = at(c * rows + r);
+      g_[at(c)] += A_[e] * batch.r[r];
+      difference += (A_[e] - before[e]) * (A_[e] - before[e]);
+      size += before[e] * before[e];
+    }
+  }
+  factor_.setGradient(record.element, g_);
+  if (difference > most_difference * most_difference * size) factor_.setA(record.element, A_);
+}
+
+void OnlineFit::linearizeTouched(double most_difference) {
+  for (const Place& place : touched_) linearize(place, most_difference);
+}
+
+// ---- steps --------------------------------------------------------------------------------------------------
+
+void OnlineFit::move(const std::vector<IncrementalCholesky::Move>& moves) {
+  undo_.clear();
+  touched_.clear();
+  ++visit_;
+  for (const auto& [block, d] : moves)
+    undo_.emplace_back(block, std::make_unique<ValueSnapshot>(problem_, block));
+  for (const auto& [block, d] : moves) problem_.move(block, d);
+  for (const auto& [block, d] : moves) collectUses(block, touched_);
+  value_revision_ = problem_.valueRevision();
+  moved_ += static_cast<int>(moves.size());
+}
+
+bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
+  linearized_ = moved_ = 0;
+  factor_.resetWork();
+  follow();
+  factor_.refactor();
+  double share = kShare;
+  bool is_fresh = false;  // the Jacobians in the factor are those of the current values, where it last moved
+  int steps = 0;
+  for (;;) {
+    const double rss = rss_ + rss_rest_, allowed = options.tolerance * std::max(rss, 0.0) + kNothingPromised;
+    const double promised = factor_.promise();
+    const bool is_near = promised <= allowed;
+    if (is_near || steps >= options.max_steps) {
+      fill(summary, steps, is_near);
+      return true;
+    }
+    const auto& moves = factor_.solve(share * allowed);
+    ++steps;
+    const auto stay = [&] {
+      for (auto& [variable, value] : undo_) value->restore();
+      value_revision_ = problem_.valueRevision();
+      linearizeTouched(0);
+      factor_.refactor();
+    };
+    move(moves);
+    try {
+      linearizeTouched(kStale);
+    } catch (const Error&) {  // there are no residuals
+      stay();
+      fill(summary, steps, false);
+      return false;
+    }
+    const double after = rss_ + rss_rest_;
+    if (!(after <= rss + kNoiseOfRss * rss)) {
+      stay();
+      if (is_fresh) {
+        fill(summary, steps, false);
+        return false;
+      }
+      is_fresh = true;
+      continue;
+    }
+    is_fresh = rss - after < kKept * promised;
+    if (is_fresh) {
+      linearizeTouched(kSlightlyStale);
+      share *= kSmallerShare;
+    }
+    factor_.refactor();
+  }
+}
+
+void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
+  const IncrementalCholesky::Work& work = factor_.work();
+  summary.converged = converged;
+  summary.rss = rss_ + rss_rest_;
+  summary.promise = factor_.promise();
+  summary.steps += steps;
+  summary.variables_moved += moved_;
+  summary.measurements_linearized += linearized_;
+  summary.fronts_factorized += work.fronts_factorized;
+  summary.flops += work.flops;
+  summary.reordered = summary.reordered || work.reordered_all;
+  summary.undetermined.clear();
+  for (const auto& [variable, component] : factor_.undetermined()) {
+    if (!problem_.activeSet().isHeld(variable, component))
+      summary.undetermined.push_back(problem_.componentNames(variable)[at(component)]);
+  }
+}
+
+}  // namespace slom

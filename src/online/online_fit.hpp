@@ -1,0 +1,81 @@
+/// A fit that follows the problem: work in proportion to what has changed.
+///
+/// Every measurement has its residual and Jacobian at the current values, for the gradient, and the Jacobian that is in the factor, which
+/// may be that of earlier values. A step d = -H^-1 g is thus a quasi-Newton step towards the optimum of the problem itself, and its
+/// promise, g^T H^-1 g, does not suffer from old linearisation points. The factor gets a new Jacobian where the old one differs so much
+/// that steps converge slowly.
+///   source   Nocedal and Wright, "Numerical optimization", 2006, section 11.1 (chord method); for what iSAM2 does instead, Kaess et
+///            al., "iSAM2", IJRR 2012 (fluid relinearisation, by thresholds of coordinates)
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "online/incremental_cholesky.hpp"
+#include "problem/value_snapshot.hpp"
+#include "slom/linearize/linearize.hpp"
+#include "slom/online/update.hpp"
+
+namespace slom {
+
+class OnlineFit {
+ public:
+  OnlineFit(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
+
+  /// Steps until the tolerance is met. False, with the values as good as they came to be, where a step went uphill although the factor
+  /// is up to date, or met values without residuals: a damped fit of everything is to go on.
+  bool run(const UpdateOptions& options, UpdateSummary& summary);
+
+  const IncrementalCholesky& factor() const { return factor_; }
+  IncrementalCholesky& factor() { return factor_; }
+
+ private:
+  /// A measurement, at its place in its pool.
+  struct Record {
+    int element = kPending;
+    double cost = 0;  // rho(|W r|^2)
+    std::uint64_t visited = 0;
+  };
+  static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
+  using Place = std::pair<int, int>;               // pool, index
+
+  void follow();
+  void startAgain();
+  void followVariables();
+  void followMoves();
+  void makeElement(Place place);
+  void dropElement(Record& record);
+  void collectUses(int variable, std::vector<Place>& places);
+  /// Returns by how much the Jacobian differs from that in the factor, relative to it.
+  void linearize(Place place, double most_difference);
+  void linearizeTouched(double most_difference);
+  void addToRss(double change);
+  void move(const std::vector<IncrementalCholesky::Move>& moves);
+  void fill(UpdateSummary& summary, int steps, bool converged) const;
+  Record& recordOf(Place place) {
+    return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];
+  }
+
+  struct Known {
+    long serial = -1;  // of the variable that has a block; -1: none
+  };
+
+  Problem& problem_;
+  Linearizer& linearizer_;
+  IncrementalCholesky factor_;
+  std::uint64_t structure_revision_ = 0, value_revision_ = 0;
+  bool has_started_ = false;
+  std::vector<std::vector<Record>> records_;
+  std::vector<Known> known_;
+  std::vector<int> touched_variables_;
+  std::vector<Place> pending_, touched_;
+  std::vector<std::pair<int, std::unique_ptr<ValueSnapshot>>> undo_;
+  std::uint64_t visit_ = 0;
+  double rss_ = 0, rss_rest_ = 0;
+  int linearized_ = 0, moved_ = 0;
+  std::vector<double> A_, g_;
+};
+
+}  // namespace slom

@@ -1,0 +1,238 @@
+// The online fit: at every step the optimum of the batch fit, whatever was inserted, removed, fixed or moved before; and a factor that
+// is, bit by bit, the one computed from scratch.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include <slom/measurements.hpp>
+#include <slom/slom.hpp>
+
+#include "online/incremental_cholesky.hpp"
+#include "support/message_of.hpp"
+#include "support/slow_with_sanitizers.hpp"
+
+namespace slom {
+namespace {
+
+using Pose = mtk::trafo<mtk::SO2<>>;
+using Point = mtk::vect<2>;
+
+/// A robot in the plane that walks about, sees landmarks and places where it has been; anything may be changed at any time.
+class Walk {
+ public:
+  explicit Walk(unsigned seed) : random_(seed) {
+    poses_.push_back(est.insertRV(Pose(), false, "start"));
+    is_fixed_.push_back(true);
+    truth_.emplace_back();
+  }
+
+  Estimator est;
+
+  void step() {
+    const Pose motion({1 + noise(0.2), noise(0.2)}, mtk::SO2<>(noise(0.4)));
+    const Pose measured(motion.pos + Point(noise(0.05), noise(0.05)), motion.orient * mtk::SO2<>(noise(0.02)));
+    truth_.push_back(truth_.back() * motion);
+    poses_.push_back(est.insertRV(*poses_.back() * measured));
+    is_fixed_.push_back(false);
+    edges_.push_back(est.insertMeasurement(RelativePose(), poses_[poses_.size() - 2], poses_.back(),
+                                           slom::measured(measured), StandardDeviation(0.05)));
+    is_chain_.push_back(true);
+    if (uniform() < 0.5) close();
+    if (uniform() < 0.3) see();
+  }
+  void close() {
+    const std::size_t a = index(poses_.size()), b = index(poses_.size());
+    if (a == b) return;
+    Pose z = truth_[a].inverse() * truth_[b];
+    z.pos += Point(noise(0.05), noise(0.05));
+    edges_.push_back(est.insertMeasurement(RelativePose(), poses_[a], poses_[b], measured(z), StandardDeviation(0.05)));
+    is_chain_.push_back(false);
+  }
+  void see() {
+    const std::size_t a = index(poses_.size());
+    if (landmarks_.empty() || uniform() < 0.3) {
+      const Point p = truth_[a] * Point(noise(3), noise(3));
+      landmark_truth_.push_back(p);
+      landmarks_.push_back(est.insertRV(*poses_[a] * (truth_[a].inverse() * p)));
+    }
+    const std::size_t l = index(landmarks_.size());
+    const Point z = truth_[a].inverse() * landmark_truth_[l] + Point(noise(0.05), noise(0.05));
+    est.insertMeasurement(Landmark(), poses_[a], landmarks_[l], measured(z), StandardDeviation(0.05), Huber(3));
+  }
+  void removeClosure() {
+    const std::size_t e = index(edges_.size());
+    if (is_chain_[e]) return;
+    est.removeMeasurement(edges_[e]);
+    edges_.erase(edges_.begin() + static_cast<std::ptrdiff_t>(e));
+    is_chain_.erase(is_chain_.begin() + static_cast<std::ptrdiff_t>(e));
+  }
+  void fixOrFree() {
+    const std::size_t a = 1 + index(poses_.size() - 1);
+    est.optimizeRV(poses_[a], is_fixed_[a]);
+    is_fixed_[a] = !is_fixed_[a];
+  }
+  void fixComponent() {
+    const std::size_t a = index(poses_.size());
+    if (uniform() < 0.5) {
+      est.fix(poses_[a], "pos.y");
+    } else {
+      est.free(poses_[a]);
+    }
+  }
+  void push() {
+    const std::size_t a = index(poses_.size());
+    est.reinitRV(poses_[a], *poses_[a] * Pose({noise(0.1), noise(0.1)}, mtk::SO2<>(noise(0.05))));
+  }
+
+  void any() {
+    if (poses_.size() < 5 || uniform() < 0.5) return step();
+    switch (index(7)) {
+      case 0: return close();
+      case 1: return see();
+      case 2: return removeClosure();
+      case 3: return fixOrFree();
+      case 4: return fixComponent();
+      case 5: return push();
+      default: est.optimize(); return;
+    }
+  }
+
+  double uniform() { return std::uniform_real_distribution<double>()(random_); }
+
+ private:
+  double noise(double sigma) { return sigma * std::normal_distribution<double>()(random_); }
+  std::size_t index(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
+
+  std::mt19937 random_;
+  std::vector<VarID<Pose>> poses_;
+  std::vector<Pose> truth_;
+  std::vector<VarID<Point>> landmarks_;
+  std::vector<Point> landmark_truth_;
+  using EdgeID = decltype(std::declval<Estimator&>().insertMeasurement(
+      RelativePose(), std::declval<VarID<Pose>>(), std::declval<VarID<Pose>>(), slom::measured(Pose()),
+      StandardDeviation(1.0)));
+  std::vector<EdgeID> edges_;
+  std::vector<bool> is_chain_, is_fixed_;
+};
+
+TEST(OnlineFit, IsAtTheBatchOptimumAfterAnyOperations) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Walk walk(seed);
+    for (int i = 0; i < (testing::has_sanitizers ? 60 : 200); ++i) {
+      walk.any();
+      if (walk.uniform() < 0.3) continue;  // several changes at once
+      const UpdateSummary online = walk.est.update();
+      ASSERT_TRUE(online.converged) << "seed " << seed << ", operation " << i << ": " << online.message;
+      const double rss = walk.est.getRSS();
+      EXPECT_NEAR(online.rss, rss, 1e-9 * rss + 1e-20);
+      walk.est.optimize();
+      EXPECT_LE(rss, (1 + 2e-6) * walk.est.getRSS() + 1e-12) << "seed " << seed << ", operation " << i;
+    }
+  }
+}
+
+TEST(IncrementalCholesky, IsTheFactorFromScratchBitByBitAndSolves) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    std::mt19937 random(seed);
+    IncrementalCholesky factor;
+    std::vector<int> elements, blocks;
+    const auto index = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
+    const auto fill = [&](int e) {
+      std::normal_distribution<double> normal;
+      std::vector<double> A(factor.A(e).size()), g(A.size() / static_cast<std::size_t>(factor.rowsOf(e)));
+      for (double& a : A) a = normal(random);
+      for (double& x : g) x = normal(random);
+      factor.setA(e, A);
+      factor.setGradient(e, g);
+    };
+    for (int i = 0; i < 300; ++i) {
+      const int b = static_cast<int>(blocks.size());
+      factor.insertBlock(b, 1 + b % 3);
+      blocks.push_back(b);
+      const std::vector<int> own{b};
+      elements.push_back(factor.insertElement(own, 3));
+      fill(elements.back());
+      for (int k = 0; k < 2 && b > 0; ++k) {
+        const int other = k == 0 ? b - 1 : static_cast<int>(index(static_cast<std::size_t>(b)));
+        if (k == 1 && (other == b - 1 || index(3) > 0)) continue;
+        const std::vector<int> pair{other, b};
+        elements.push_back(factor.insertElement(pair, 2));
+        fill(elements.back());
+      }
+      if (index(4) == 0) {  // what is removed is not one of those that make blocks regular
+        const std::size_t e = index(elements.size());
+        if (factor.blocksOf(elements[e]).size() == 2) {
+          factor.removeElement(elements[e]);
+          elements.erase(elements.begin() + static_cast<std::ptrdiff_t>(e));
+        }
+      }
+      if (index(3) == 0) fill(elements[index(elements.size())]);
+      if (index(3) == 0) continue;
+      factor.refactor();
+      const std::vector<double> before = factor.content();
+      const double promise = factor.promise();
+      const int all = factor.frontCount();
+      factor.resetWork();
+      factor.recompute();
+      EXPECT_EQ(factor.work().fronts_factorized, all);
+      ASSERT_EQ(before, factor.content()) << "seed " << seed << ", block " << i;
+      EXPECT_EQ(promise, factor.promise());
+
+      // The step is that of a dense solver.
+      std::vector<int> start{0};
+      for (const int k : blocks) start.push_back(start.back() + factor.dof(k));
+      Eigen::MatrixXd H = Eigen::MatrixXd::Zero(start.back(), start.back());
+      Eigen::VectorXd g = Eigen::VectorXd::Zero(start.back());
+      for (const int e : elements) {
+        const int rows = factor.rowsOf(e);
+        Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(rows, start.back());
+        const double* a = factor.A(e).data();
+        const double* from = factor.gradient(e).data();
+        for (const int k : factor.blocksOf(e)) {
+          for (int c = 0; c < factor.dof(k); ++c, a += rows) {
+            wide.col(start[static_cast<std::size_t>(k)] + c) = Eigen::Map<const Eigen::VectorXd>(a, rows);
+            g[start[static_cast<std::size_t>(k)] + c] += *from++;
+          }
+        }
+        H += wide.transpose() * wide;
+      }
+      const Eigen::VectorXd d = -H.ldlt().solve(g);
+      EXPECT_NEAR(promise, -g.dot(d), 1e-9 * promise);
+      Eigen::VectorXd online = Eigen::VectorXd::Zero(d.size());
+      for (const auto& [block, step] : factor.solve(0)) {
+        for (int c = 0; c < factor.dof(block); ++c) online[start[static_cast<std::size_t>(block)] + c] = step[c];
+      }
+      EXPECT_LT((online - d).norm(), 1e-8 * d.norm());
+    }
+  }
+}
+
+TEST(OnlineFit, NamesWhatNothingDetermines) {
+  Estimator est;
+  const auto a = est.insertRV(Point(1, 2), "a");
+  est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
+  UpdateSummary summary = est.update();
+  EXPECT_TRUE(summary.converged);
+  EXPECT_EQ(summary.undetermined, std::vector<std::string>{"a.y"});
+  EXPECT_EQ(*a, Point(3, 2));
+  est.insertMeasurement([](const auto& p) { return p[1] - p[0] - 1; }, a);
+  summary = est.update();
+  EXPECT_TRUE(summary.undetermined.empty());
+  EXPECT_LT((*a - Point(3, 4)).norm(), 1e-7);
+}
+
+TEST(OnlineFit, RefusesOptionsWithoutSense) {
+  Estimator est;
+  EXPECT_EQ(testing::messageOf([&] { est.update({.tolerance = 0}); }),
+            "[slom.bad-option] tolerance is 0; pass a positive number, such as 1e-6");
+  EXPECT_EQ(testing::messageOf([&] { est.update({.max_steps = 0}); }),
+            "[slom.bad-option] max_steps is 0; pass a positive number");
+  EXPECT_TRUE(est.update().converged);
+}
+
+}  // namespace
+}  // namespace slom
