@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -21,6 +22,24 @@ constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other
 
 std::string firstPlace(const CameraData& camera) {
   return camera.place(camera.views.front(), camera.views.front().corners.front());
+}
+
+/// One point of the board, under one number, at two pixels: at most one of them can be right.
+void requireEachPointOnce(const CameraData& camera, const View& view) {
+  std::map<std::tuple<int, double, double, double>, const Corner*> known;
+  for (const Corner& corner : view.corners) {
+    const vec3& p = corner.world;
+    const auto [other, is_new] = known.emplace(std::tuple(corner.number, p.x(), p.y(), p.z()), &corner);
+    if (is_new) continue;
+    const vec2 &one = other->second->pixel, &two = corner.pixel;
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{}: corner {} of image {} is there twice, at the pixels ({:.6g}, {:.6g}) and "
+                    "({:.6g}, {:.6g}); remove one of the two",
+                    camera.place(view, corner), corner.number, view.image, one.x(), one.y(), two.x(),
+                    two.y()),
+        camera.name);
+  }
 }
 
 void checkView(const CameraData& camera, const View& view) {
@@ -80,9 +99,10 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
     throw DataError(
         "slom.calibration.bad-view",
         fmt::format(
-            "{}: corner {} of image {} repeats corner {} of line {}, the same point of the board at the same "
-            "pixel; remove one of the two rows",
-            camera.place(view, other), other.number, view.image, one.number, one.line),
+            "{}: corner {} of image {} repeats corner {}{}, the same point of the board at the same pixel; "
+            "remove one of the two{}",
+            camera.place(view, other), other.number, view.image, one.number,
+            one.line > 0 ? fmt::format(" of line {}", one.line) : "", one.line > 0 ? " rows" : ""),
         camera.name);
   }
 }
@@ -96,6 +116,7 @@ void checkViews(const CameraData& camera) {
   for (const View& view : camera.views) {
     checkView(camera, view);
     requireNoRepeatedCorner(camera, view);
+    requireEachPointOnce(camera, view);
   }
   if (camera.views.size() < 2) {
     throw DataError(
@@ -136,14 +157,36 @@ void checkConnected(const Dataset& data) {
 void checkImuImages(const Dataset& data) {
   if (!data.imu) return;
   const std::vector<int> images = data.images();
-  for (const ImuReading& reading : data.imu->readings) {
-    if (std::binary_search(images.begin(), images.end(), reading.image)) continue;
+  for (std::size_t i = 0; i < data.imu->readings.size(); ++i) {
+    const int image = data.imu->readings[i].image;
+    if (std::binary_search(images.begin(), images.end(), image)) continue;
     throw DataError("slom.calibration.imu-images",
-                    {.place = fmt::format("{}:{}", data.imu->file, reading.line),
-                     .fault = fmt::format("there are no corners of image {} in any camera", reading.image),
+                    {.place = data.imu->place(i),
+                     .fault = fmt::format("there are no corners of image {} in any camera", image),
                      .remedy = "correct the number, or leave the reading out"});
   }
 }
+
+namespace {
+
+/// No parameter of a camera is constrained twice.
+void requireConstraintsOnce(const std::vector<LensConstraint>& constraints) {
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const LensConstraint &one = constraints[i], &other = constraints[j];
+      if (one.parameter != other.parameter) continue;
+      if (!one.concerns(other.camera) && !other.concerns(one.camera)) continue;
+      const std::string& camera = one.camera.empty() ? other.camera : one.camera;
+      throw DataError(
+          "slom.calibration.bad-settings",
+          fmt::format("{} of {} is constrained twice, by lens[{}] and lens[{}]; keep one of the two",
+                      one.parameter, camera.empty() ? "all cameras" : "camera " + camera, j, i),
+          one.parameter);
+    }
+  }
+}
+
+}  // namespace
 
 void checkSettings(const Dataset& data, const Settings& settings) {
   const auto refuse = [](const std::string& sentence, const std::string& subject = {}) {
@@ -175,10 +218,18 @@ void checkSettings(const Dataset& data, const Settings& settings) {
     if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns))
       refuse(fmt::format("there is no camera {} to constrain {} of; correct the name", constraint.camera,
                          constraint.parameter));
+    if (std::isnan(constraint.lower) || std::isnan(constraint.upper))
+      refuse(fmt::format("{} is to lie between {} and {}; give numbers", constraint.parameter,
+                         constraint.lower, constraint.upper),
+             constraint.parameter);
+    if (constraint.isFixed() && !std::isfinite(constraint.lower))
+      refuse(fmt::format("{} is fixed at {}; give a finite number", constraint.parameter, constraint.lower),
+             constraint.parameter);
     if (!(constraint.lower <= constraint.upper))
       refuse(fmt::format("{} cannot lie between {} and {}; give the lower limit first", constraint.parameter,
                          constraint.lower, constraint.upper));
   }
+  requireConstraintsOnce(settings.lens);
 }
 
 void checkDataset(const Dataset& data) {
