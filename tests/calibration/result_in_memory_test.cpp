@@ -196,14 +196,32 @@ TEST(SettingsInMemory, ThatMakeNoSense) {
             id + "Settings::sigma_acc is nan; give a positive number");
   EXPECT_EQ(refusal([](Settings& s) { s.fixed.gravity = infinity; }),
             id + "Settings::fixed.gravity is inf; give a positive number");
+  EXPECT_EQ(refusal([](Settings& s) { s.sigma_px = 1e-300; }),
+            id + "Settings::sigma_px is 1e-300; give a number from 1e-06 to 1e+06 px");
+  EXPECT_EQ(refusal([](Settings& s) { s.sigma_acc = 1e12; }),
+            id + "Settings::sigma_acc is 1000000000000; give a number from 1e-06 to 1e+06 m/s^2");
+  EXPECT_EQ(refusal([](Settings& s) { s.sigma_denominator = 1e-300; }),
+            id + "Settings::sigma_denominator is 1e-300; give a number from 1e-06 to 1e+06");
+  EXPECT_EQ(refusal([](Settings& s) { s.fixed.gravity = 1e-300; }),
+            id + "Settings::fixed.gravity is 1e-300; give a number from 0.001 to 1e+06 m/s^2");
   EXPECT_EQ(refusal([](Settings& s) { s.fixed.acc_bias = vec3(0., nan, 0.); }),
-            id + "Settings::fixed.acc_bias is not finite; give numbers in m/s^2");
+            id + "Settings::fixed.acc_bias is (0, nan, 0); give numbers from -1e+06 to 1e+06 m/s^2");
+  EXPECT_EQ(refusal([](Settings& s) { s.fixed.acc_bias = vec3(1e300, 0., 0.); }),
+            id + "Settings::fixed.acc_bias is (1e+300, 0, 0); give numbers from -1e+06 to 1e+06 m/s^2");
   EXPECT_EQ(refusal([](Settings& s) { s.max_iterations = 0; }),
             id + "Settings::max_iterations is 0; give a number from 1 on");
   EXPECT_EQ(refusal([](Settings& s) { s.limits.max_seconds = nan; }),
             id + "Settings::limits.max_seconds is nan; give a number from 0 on");
   EXPECT_EQ(constrained({{"", "k1", nan, 1}}), id + "k1 is to lie between nan and 1; give numbers");
-  EXPECT_EQ(constrained({{"", "k1", infinity, infinity}}), id + "k1 is fixed at inf; give a finite number");
+  EXPECT_EQ(constrained({{"", "k1", infinity, infinity}}),
+            id + "k1 is fixed at inf; give a value from -1e+06 to 1e+06");
+  EXPECT_EQ(constrained({{"left", "fx", -500, -500}}),
+            id + "fx is fixed at -500; give a value from 0.001 to 1e+09 px");
+  EXPECT_EQ(constrained({{"left", "fx", -500, 0}}),
+            id + "fx is to lie between -500 and 0; give limits about values from 0.001 to 1e+09 px");
+  EXPECT_EQ(constrained({{"left", "cx", 2e6, 2e6}}),
+            id + "cx is fixed at 2000000; give a value from -1e+06 to 1e+06 px");
+  EXPECT_EQ(constrained({{"", "k1", -infinity, infinity}}), "no error");
   EXPECT_EQ(constrained({{"", "k1", 1, -1}}),
             id + "k1 cannot lie between 1 and -1; give the lower limit first");
   EXPECT_EQ(constrained({{"up", "k1", 0, 0}}),

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
@@ -165,71 +164,6 @@ void checkImuImages(const Dataset& data) {
                      .fault = fmt::format("there are no corners of image {} in any camera", image),
                      .remedy = "correct the number, or leave the reading out"});
   }
-}
-
-namespace {
-
-/// No parameter of a camera is constrained twice.
-void requireConstraintsOnce(const std::vector<LensConstraint>& constraints) {
-  for (std::size_t i = 0; i < constraints.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const LensConstraint &one = constraints[i], &other = constraints[j];
-      if (one.parameter != other.parameter) continue;
-      if (!one.concerns(other.camera) && !other.concerns(one.camera)) continue;
-      const std::string& camera = one.camera.empty() ? other.camera : one.camera;
-      throw DataError(
-          "slom.calibration.bad-settings",
-          fmt::format("{} of {} is constrained twice, by lens[{}] and lens[{}]; keep one of the two",
-                      one.parameter, camera.empty() ? "all cameras" : "camera " + camera, j, i),
-          one.parameter);
-    }
-  }
-}
-
-}  // namespace
-
-void checkSettings(const Dataset& data, const Settings& settings) {
-  const auto refuse = [](const std::string& sentence, const std::string& subject = {}) {
-    throw DataError("slom.calibration.bad-settings", sentence, subject);
-  };
-  const auto require_positive = [&](const char* name, double value) {
-    if (!(value > 0 && std::isfinite(value)))
-      refuse(fmt::format("Settings::{} is {}; give a positive number", name, value), name);
-  };
-  require_positive("sigma_px", settings.sigma_px);
-  require_positive("sigma_acc", settings.sigma_acc);
-  if (settings.sigma_denominator) require_positive("sigma_denominator", *settings.sigma_denominator);
-  if (settings.fixed.gravity) require_positive("fixed.gravity", *settings.fixed.gravity);
-  if (settings.fixed.acc_bias && !settings.fixed.acc_bias->allFinite())
-    refuse("Settings::fixed.acc_bias is not finite; give numbers in m/s^2");
-  if (settings.max_iterations < 1)
-    refuse(fmt::format("Settings::max_iterations is {}; give a number from 1 on", settings.max_iterations));
-  if (!(settings.limits.max_seconds >= 0))
-    refuse(fmt::format("Settings::limits.max_seconds is {}; give a number from 0 on",
-                       settings.limits.max_seconds));
-  if (data.cameras.empty()) refuse("the data set has no camera; add one");
-  const std::vector<std::string>& parameters = settings.model.parameters();
-  for (const LensConstraint& constraint : settings.lens) {
-    if (std::find(parameters.begin(), parameters.end(), constraint.parameter) == parameters.end()) {
-      refuse(fmt::format("the model {} has no parameter {} to constrain; its parameters are {}",
-                         settings.model.name(), constraint.parameter, fmt::join(parameters, ", ")));
-    }
-    const auto concerns = [&](const CameraData& camera) { return constraint.concerns(camera.name); };
-    if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns))
-      refuse(fmt::format("there is no camera {} to constrain {} of; correct the name", constraint.camera,
-                         constraint.parameter));
-    if (std::isnan(constraint.lower) || std::isnan(constraint.upper))
-      refuse(fmt::format("{} is to lie between {} and {}; give numbers", constraint.parameter,
-                         constraint.lower, constraint.upper),
-             constraint.parameter);
-    if (constraint.isFixed() && !std::isfinite(constraint.lower))
-      refuse(fmt::format("{} is fixed at {}; give a finite number", constraint.parameter, constraint.lower),
-             constraint.parameter);
-    if (!(constraint.lower <= constraint.upper))
-      refuse(fmt::format("{} cannot lie between {} and {}; give the lower limit first", constraint.parameter,
-                         constraint.lower, constraint.upper));
-  }
-  requireConstraintsOnce(settings.lens);
 }
 
 void checkDataset(const Dataset& data) {
