@@ -1,4 +1,5 @@
 // Results that do not belong to the data, or lack what is asked of them, and settings that make no sense.
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <string>
@@ -177,6 +178,16 @@ TEST_F(ResultInMemory, OfAComparisonWithoutAChoice) {
   EXPECT_EQ(messageOf([] { Comparison().chosenTrial(); }),
             "[slom.calibration.no-result] no model is chosen, because none of those tried fits; ask "
             "Comparison::chosen first, and see ModelTrial::failure");
+}
+
+TEST(SettingsInMemory, TimeCountsFromAnyPoint) {
+  using Clock = std::chrono::steady_clock;
+  Settings settings = pinholeWithDistortion();
+  settings.limits.max_seconds = 1000;
+  settings.limits.since = Clock::time_point::max();
+  EXPECT_TRUE(calibrate(rigInMemory(), settings).success());
+  settings.limits.since = Clock::time_point::min();
+  EXPECT_EQ(calibrate(rigInMemory(), settings).message, "time limit of 1000 s reached");
 }
 
 TEST(SettingsInMemory, ThatMakeNoSense) {
