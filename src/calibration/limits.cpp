@@ -10,8 +10,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double secondsLeft(const Limits& limits) {
-  const Clock::time_point now = Clock::now();
-  return limits.max_seconds - std::chrono::duration<double>(now - limits.since.value_or(now)).count();
+  using Seconds = std::chrono::duration<double>;  // the difference of any two points in time has one
+  const Clock::time_point now = Clock::now(), since = limits.since.value_or(now);
+  return limits.max_seconds - (Seconds(now.time_since_epoch()) - Seconds(since.time_since_epoch())).count();
 }
 
 std::string limitReached(double max_seconds) {

@@ -18,7 +18,7 @@ int decimalsOf(double number) {
 }  // namespace
 
 std::string fixedDecimals(double number, int count) {
-  return std::isfinite(number) ? fmt::format("{:.{}f}", number, count) : "-";
+  return std::isfinite(number) ? fmt::format("{:.{}f}", number, std::max(count, 0)) : "-";
 }
 
 ValueText withStd(double value, double std) {

@@ -11,8 +11,8 @@
 namespace slom::calibration {
 
 /// Residuals, projection uncertainty over the image, cross-validation by halves, correlations, and which further images would
-/// help most; for Result::quality. `result` is of the same data and settings. After a fit that failed: residuals alone. Takes about as
-/// long as the calibration.
+/// help most; for Result::quality. `result` is calibrate(data, settings); DataError [slom.calibration.no-result] where its cameras, images,
+/// IMU, model or sigma_px are others. After a fit that failed: residuals alone. Takes about as long as the calibration.
 Quality assess(const Dataset& data, const Settings& settings, const Result& result);
 
 /// The calibration in one sentence, and what speaks against trusting it.
@@ -24,12 +24,14 @@ struct Verdict {
 };
 const char* toString(Verdict::Level level);
 
-/// `result.quality` must be there.
+/// Of a calibration that succeeded `result.quality` must be there: DataError [slom.calibration.no-quality] where it is not, or is that of
+/// another result.
 Verdict verdictOf(const Result& result);
 
 /// Of all cameras [px].
 double rmsOfAll(const Result& result);
 
+/// A view of `result.quality->further_views`:
 /// `a board tilted by 40 degrees, its left edge farther away, in the upper left of the image of left, at 0.60
 /// m: from 1.1 to 0.70 px`
 std::string sentenceOf(const FurtherView& view, const Result& result);

@@ -40,10 +40,11 @@ struct Comparison {
 
   std::string cut_short;  ///< empty, or why some were not tried to the end
 
-  const ModelTrial& chosenTrial() const { return trials.at(*chosen); }
+  /// DataError [slom.calibration.no-result] where none is chosen.
+  const ModelTrial& chosenTrial() const;
 };
 
-/// Fits each model. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial; so
+/// Fits each model, of one at least. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial; so
 /// it is when the time is over.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 

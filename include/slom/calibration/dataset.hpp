@@ -1,6 +1,19 @@
 /// What was measured: corners of a board seen by cameras, and accelerometer readings, linked by image numbers.
+///
+/// What is required of the data; anything else is a DataError that names camera, image and corner, or the reading, before
+/// anything is computed:
+///   cameras   at least one; each has a name of its own, which is not empty, and at least two views. Cameras are connected by
+///             common images, directly or through other cameras. An image size is known with both sides from 1 to most_side_px,
+///             or it is unknown.
+///   views     at most one for each camera and image number, in any order: the result is that of views sorted by image number, to
+///             the last bit. A view has at least four corners that lie in a plane and not, or all but one, on a line.
+///   corners   finite coordinates, of magnitude most_corner_px and most_corner_m at most; no point of the board is in a view
+///             twice. Corner::number is a name for messages and reports alone.
+///   readings  finite, of magnitude most_reading_m_s2 at most; at most one for each image, and of an image that some camera has.
+///             An ImuData without readings is an error; without an IMU, Dataset::imu stays empty.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -9,6 +22,9 @@
 #include "slom/calibration/types.hpp"
 
 namespace slom::calibration {
+
+/// Magnitudes beyond which a coordinate or a reading is taken for a mistake.
+inline constexpr double most_corner_px = 1e6, most_corner_m = 1e6, most_reading_m_s2 = 1e6;
 
 /// A corner of the board, found in an image.
 struct Corner {
@@ -52,14 +68,14 @@ bool isPlausible(const ImageSize& size);
 struct CameraData {
   std::string name;
   std::string file{};       ///< what messages call the source of the corners; it is never opened
-  std::vector<View> views;  ///< by rising image number, none empty
+  std::vector<View> views;  ///< in any order of their images
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
   std::vector<UnusedPhoto> unused{};      ///< by rising image number
   std::vector<Copy> copies{};             ///< by rising image number
   int board_symmetry = 1;                 ///< in how many ways the board looks the same (Board::symmetry)
 
   std::size_t cornerCount() const;
-  /// The view of an image, or nullptr.
+  /// The view of an image, or nullptr. Quickest where the views are sorted by image number.
   const View* find(int image) const;
   /// Where a corner comes from, as errors begin: `left.csv:7`, or the photograph that it was found in.
   std::string place(const View& view, const Corner& corner) const;
@@ -70,13 +86,16 @@ std::string nameOf(const CameraData& camera);
 
 struct ImuReading {
   int image = 0;
-  vec3 acc;  ///< [m/s^2], in the axes of the IMU
-  int line = 0;
+  vec3 acc;      ///< [m/s^2], in the axes of the IMU
+  int line = 0;  ///< of ImuData::file, for messages; 0: it has none
 };
 
 struct ImuData {
   std::string file{};  ///< what messages call it
   std::vector<ImuReading> readings;
+
+  /// Where a reading comes from, as errors begin: `imu.csv:2`, or `imu.readings[4]` where it has no line.
+  std::string place(std::size_t index) const;
 };
 
 /// All of it. The first camera is the reference.
@@ -94,7 +113,8 @@ struct Dataset {
 /// with them the readings of the IMU of images that no camera has then. A photograph given twice is no further measurement; taken
 /// as one, it makes all uncertainties too small, and agrees with itself in cross-validation. The time grows as the number of
 /// corners does, but where thousands of frames are of a camera at rest. DataError where two cameras have most
-/// of their views in common, and where of a camera's views only one is left.
+/// of their views in common, and where of a camera's views only one is left; the data are then as they were before. Sorts the views by
+/// image number.
 ///
 /// A view repeats another one when three quarters of the corners of the smaller one, and four at least, are
 /// the same points of the board within 0.005 px of each other. Frames of a camera at rest differ by more: no

@@ -12,14 +12,20 @@ namespace slom::calibration {
 /// image), what is wrong and what to do. Ids begin with `slom.calibration.`:
 ///   bad-settings   a standard deviation, a limit or a constraint that makes no sense
 ///   unknown-model  no camera model of this name
-///   bad-view       a view that gives no pose: too few corners, on a line, in no plane, or a corner that is there twice
+///   bad-camera     a camera without a name, or with that of another one; an image size that cannot be; a camera without its
+///                  model's parameters
+///   bad-view       a view that gives no pose: too few corners, on a line, in no plane, or a corner that is there twice; an image
+///                  that a camera has twice
+///   bad-corner     a corner whose pixel or place in the world is not finite, or too large
+///   bad-reading    a reading that is not finite, or too large, or the second one of its image
 ///   too-few-views  a camera without two views
 ///   too-few-data   fewer numbers measured than unknown
 ///   unconnected    a camera without a common image with the others, directly or through further ones
 ///   no-pose        common images of two cameras that give no finite pose between them
 ///   imu-images     a reading of an image that no camera has
-///   imu-open       readings that do not determine the IMU
-///   no-result      uncertainty asked of a calibration that did not succeed, or of other data
+///   imu-open       readings that do not determine the IMU, or none at all
+///   no-result      uncertainty asked of a calibration that did not succeed, or of other data; a choice among models of which none fits
+///   no-quality     a verdict asked of a result without Result::quality, or with that of another one
 ///   bad-question   a camera, a pixel or a distance that is not there
 ///   copies         two cameras with the same views, or a camera with one view and copies of it
 class DataError : public mtk::Error {
@@ -36,7 +42,7 @@ class DataError : public mtk::Error {
   /// The sentence is `place: fault; remedy`, followed by `, or fix gravity and acc_bias` for each set of `worth_fixing`.
   DataError(std::string id, Parts parts);
 
-  /// Empty but for the ids too-few-data, imu-images and imu-open.
+  /// Empty but for the ids too-few-data, bad-reading, imu-images and imu-open.
   const Parts& parts() const noexcept { return parts_; }
 
  private:

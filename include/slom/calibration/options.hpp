@@ -36,6 +36,9 @@ struct Limits {
   std::function<bool()> should_stop;  ///< asked often; may be empty
 };
 
+/// Sigmas lie from 1e-6 to 1e6, Fixed::gravity from 1e-3 to 1e6 m/s^2, components of Fixed::acc_bias within 1e6 m/s^2. A constraint leaves
+/// values that a lens may have (focal lengths from 1e-3 to 1e9 px, others within 1e6), and no parameter is constrained twice. DataError
+/// [slom.calibration.bad-settings] otherwise.
 struct Settings {
   Model model = Model("opencv5");  ///< of all cameras
   double sigma_px = 0.25;          ///< standard deviation of a corner's u and of its v [px]

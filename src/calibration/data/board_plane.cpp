@@ -2,18 +2,34 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "slom/calibration/board.hpp"
+#include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 
 BoardPlane fitPlane(const std::vector<Corner>& corners) {
+  if (corners.size() < 3) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("there are corners: {}, which determine no plane; pass at least 3", corners.size()),
+        "corners");
+  }
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Corner& corner : corners) centre += corner.world / double(corners.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Corner& corner : corners) {
     const Eigen::Vector3d d = corner.world - centre;
     scatter += d * d.transpose() / double(corners.size());
+  }
+  if (!scatter.allFinite()) {
+    throw DataError(
+        "slom.calibration.bad-corner",
+        fmt::format("the corners do not lie in a plane, because their coordinates are not finite or "
+                    "too large; give coordinates of magnitude {:g} m at most",
+                    most_corner_m),
+        "corners");
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       scatter);  // eigenvalues rise: the normal comes first
@@ -42,6 +58,7 @@ bool onLine(const Eigen::Matrix<double, 5, 1>& sums, double count, double tolera
 bool onLineButOne(const std::vector<vec2>& points, double tolerance) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const vec2& point : points) centre += point / double(points.size());
+  if (points.size() <= 3) return true;
   using Sums = Eigen::Matrix<double, 5, 1>;
   const auto sums_of = [&](const vec2& point) {
     const Eigen::Vector2d d = point - centre;

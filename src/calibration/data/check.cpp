@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
@@ -21,6 +21,24 @@ constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other
 
 std::string firstPlace(const CameraData& camera) {
   return camera.place(camera.views.front(), camera.views.front().corners.front());
+}
+
+/// One point of the board, under one number, at two pixels: at most one of them can be right.
+void requireEachPointOnce(const CameraData& camera, const View& view) {
+  std::map<std::tuple<int, double, double, double>, const Corner*> known;
+  for (const Corner& corner : view.corners) {
+    const vec3& p = corner.world;
+    const auto [other, is_new] = known.emplace(std::tuple(corner.number, p.x(), p.y(), p.z()), &corner);
+    if (is_new) continue;
+    const vec2 &one = other->second->pixel, &two = corner.pixel;
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("{}: corner {} of image {} is there twice, at the pixels ({:.6g}, {:.6g}) and "
+                    "({:.6g}, {:.6g}); remove one of the two",
+                    camera.place(view, corner), corner.number, view.image, one.x(), one.y(), two.x(),
+                    two.y()),
+        camera.name);
+  }
 }
 
 void checkView(const CameraData& camera, const View& view) {
@@ -80,9 +98,10 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
     throw DataError(
         "slom.calibration.bad-view",
         fmt::format(
-            "{}: corner {} of image {} repeats corner {} of line {}, the same point of the board at the same "
-            "pixel; remove one of the two rows",
-            camera.place(view, other), other.number, view.image, one.number, one.line),
+            "{}: corner {} of image {} repeats corner {}{}, the same point of the board at the same pixel; "
+            "remove one of the two{}",
+            camera.place(view, other), other.number, view.image, one.number,
+            one.line > 0 ? fmt::format(" of line {}", one.line) : "", one.line > 0 ? " rows" : ""),
         camera.name);
   }
 }
@@ -96,6 +115,7 @@ void checkViews(const CameraData& camera) {
   for (const View& view : camera.views) {
     checkView(camera, view);
     requireNoRepeatedCorner(camera, view);
+    requireEachPointOnce(camera, view);
   }
   if (camera.views.size() < 2) {
     throw DataError(
@@ -136,48 +156,13 @@ void checkConnected(const Dataset& data) {
 void checkImuImages(const Dataset& data) {
   if (!data.imu) return;
   const std::vector<int> images = data.images();
-  for (const ImuReading& reading : data.imu->readings) {
-    if (std::binary_search(images.begin(), images.end(), reading.image)) continue;
+  for (std::size_t i = 0; i < data.imu->readings.size(); ++i) {
+    const int image = data.imu->readings[i].image;
+    if (std::binary_search(images.begin(), images.end(), image)) continue;
     throw DataError("slom.calibration.imu-images",
-                    {.place = fmt::format("{}:{}", data.imu->file, reading.line),
-                     .fault = fmt::format("there are no corners of image {} in any camera", reading.image),
+                    {.place = data.imu->place(i),
+                     .fault = fmt::format("there are no corners of image {} in any camera", image),
                      .remedy = "correct the number, or leave the reading out"});
-  }
-}
-
-void checkSettings(const Dataset& data, const Settings& settings) {
-  const auto refuse = [](const std::string& sentence, const std::string& subject = {}) {
-    throw DataError("slom.calibration.bad-settings", sentence, subject);
-  };
-  const auto require_positive = [&](const char* name, double value) {
-    if (!(value > 0 && std::isfinite(value)))
-      refuse(fmt::format("Settings::{} is {}; give a positive number", name, value), name);
-  };
-  require_positive("sigma_px", settings.sigma_px);
-  require_positive("sigma_acc", settings.sigma_acc);
-  if (settings.sigma_denominator) require_positive("sigma_denominator", *settings.sigma_denominator);
-  if (settings.fixed.gravity) require_positive("fixed.gravity", *settings.fixed.gravity);
-  if (settings.fixed.acc_bias && !settings.fixed.acc_bias->allFinite())
-    refuse("Settings::fixed.acc_bias is not finite; give numbers in m/s^2");
-  if (settings.max_iterations < 1)
-    refuse(fmt::format("Settings::max_iterations is {}; give a number from 1 on", settings.max_iterations));
-  if (!(settings.limits.max_seconds >= 0))
-    refuse(fmt::format("Settings::limits.max_seconds is {}; give a number from 0 on",
-                       settings.limits.max_seconds));
-  if (data.cameras.empty()) refuse("the data set has no camera; add one");
-  const std::vector<std::string>& parameters = settings.model.parameters();
-  for (const LensConstraint& constraint : settings.lens) {
-    if (std::find(parameters.begin(), parameters.end(), constraint.parameter) == parameters.end()) {
-      refuse(fmt::format("the model {} has no parameter {} to constrain; its parameters are {}",
-                         settings.model.name(), constraint.parameter, fmt::join(parameters, ", ")));
-    }
-    const auto concerns = [&](const CameraData& camera) { return constraint.concerns(camera.name); };
-    if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns))
-      refuse(fmt::format("there is no camera {} to constrain {} of; correct the name", constraint.camera,
-                         constraint.parameter));
-    if (!(constraint.lower <= constraint.upper))
-      refuse(fmt::format("{} cannot lie between {} and {}; give the lower limit first", constraint.parameter,
-                         constraint.lower, constraint.upper));
   }
 }
 

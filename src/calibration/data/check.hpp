@@ -20,7 +20,7 @@ void checkImuImages(const Dataset& data);
 /// Each standard deviation and limit makes sense, and constraints are about parameters and cameras that there are.
 void checkSettings(const Dataset& data, const Settings& settings);
 
-/// All of the above that concerns the data.
+/// All of the above that concerns the data, which are well formed (well_formed.hpp).
 void checkDataset(const Dataset& data);
 
 }  // namespace slom::calibration

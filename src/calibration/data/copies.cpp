@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <set>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/well_formed.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -183,13 +186,17 @@ void leaveOutReadings(Dataset& data) {
 
 }  // namespace
 
-void leaveOutCopies(Dataset& data) {
+void leaveOutCopies(Dataset& caller) {
+  requireWellFormed(caller);
+  Dataset data = caller;
+  for (CameraData& camera : data.cameras) sortViews(camera);
   for (std::size_t a = 0; a < data.cameras.size(); ++a) {
     for (std::size_t b = a + 1; b < data.cameras.size(); ++b)
       requireDifferent(data.cameras[a], data.cameras[b]);
   }
   for (CameraData& camera : data.cameras) leaveOutCopies(camera);
   if (data.imu) leaveOutReadings(data);
+  caller = std::move(data);
 }
 
 }  // namespace slom::calibration

@@ -22,12 +22,22 @@ std::size_t CameraData::cornerCount() const {
 const View* CameraData::find(int image) const {
   const auto view = std::lower_bound(views.begin(), views.end(), image,
                                      [](const View& v, int number) { return v.image < number; });
-  return view != views.end() && view->image == image ? &*view : nullptr;
+  if (view != views.end() && view->image == image) return &*view;
+  const auto anywhere =
+      std::find_if(views.begin(), views.end(), [&](const View& v) { return v.image == image; });
+  return anywhere != views.end() ? &*anywhere : nullptr;
 }
 
 std::string CameraData::place(const View& view, const Corner& corner) const {
   if (corner.line == 0) return view.photo.empty() ? nameOf(*this) : view.photo;
   return nameOf(*this) + ":" + std::to_string(corner.line);
+}
+
+std::string ImuData::place(std::size_t index) const {
+  const int line = index < readings.size() ? readings[index].line : 0;
+  if (line > 0) return (file.empty() ? "imu" : file) + ":" + std::to_string(line);
+  const std::string reading = "imu.readings[" + std::to_string(index) + "]";
+  return file.empty() ? reading : file + ", " + reading;
 }
 
 std::vector<int> Dataset::images() const {

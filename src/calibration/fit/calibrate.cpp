@@ -1,6 +1,8 @@
 #include "slom/calibration/calibrate.hpp"
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/well_formed.hpp"
 #include "calibration/fit/joint_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
@@ -14,8 +16,17 @@ std::string sentenceOf(const slom::Error& error) {
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkSettings(data, settings);
-  checkDataset(data);
-  return settings.model.definition().calibrate(data, started(settings), progress);
+  requireWellFormed(data);
+  const SortedDataset sorted(data);
+  checkDataset(*sorted);
+  Progress of_caller = progress;
+  if (progress.alone) {
+    of_caller.alone = [&](AloneReport report) {
+      report.camera = &sorted.ofCaller(*report.camera);
+      progress.alone(report);
+    };
+  }
+  return settings.model.definition().calibrate(*sorted, started(settings), of_caller);
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {

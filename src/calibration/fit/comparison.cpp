@@ -5,6 +5,8 @@
 #include <numeric>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/well_formed.hpp"
 #include "calibration/fit/joint_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
@@ -58,6 +60,15 @@ ModelTrial tryOne(const Dataset& data, const Settings& settings, const Model& mo
 
 double ModelTrial::heldOutRms() const { return std::sqrt(mean(held_out_squares)); }
 
+const ModelTrial& Comparison::chosenTrial() const {
+  if (chosen && *chosen < trials.size()) return trials[*chosen];
+  throw DataError(
+      "slom.calibration.no-result",
+      "no model is chosen, because none of those tried fits; ask Comparison::chosen first, and see "
+      "ModelTrial::failure",
+      "chosen");
+}
+
 void judge(Comparison& comparison) {
   const auto& trials = comparison.trials;
   for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -82,15 +93,21 @@ void judge(Comparison& comparison) {
 }
 
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models) {
+  if (models.empty()) {
+    throw DataError("slom.calibration.bad-settings",
+                    "there is no model to compare; pass some, such as comparedModels()", "models");
+  }
   for (const Model& model : models) {
     Settings of_model = settings;
     of_model.model = model;
     checkSettings(data, of_model);
   }
-  checkDataset(data);
+  requireWellFormed(data);
+  const SortedDataset sorted(data);
+  checkDataset(*sorted);
   Comparison comparison;
   const Settings from_now = started(settings);
-  for (const Model& model : models) comparison.trials.push_back(tryOne(data, from_now, model, comparison));
+  for (const Model& model : models) comparison.trials.push_back(tryOne(*sorted, from_now, model, comparison));
   judge(comparison);
   return comparison;
 }

@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include "calibration/initialization/right_singular.hpp"
 #include "slom/calibration/board.hpp"
+#include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -22,6 +24,14 @@ Eigen::Matrix3d normalisation(const std::vector<vec2>& points) {
 }  // namespace
 
 Eigen::Matrix3d findHomography(const std::vector<vec2>& board, const std::vector<vec2>& pixels) {
+  if (board.size() != pixels.size() || board.size() < 4) {
+    throw DataError(
+        "slom.calibration.bad-view",
+        fmt::format("a homography cannot be found from points: {} of the board, and {} of the image; "
+                    "pass as many of both, and at least 4",
+                    board.size(), pixels.size()),
+        "pixels");
+  }
   const Eigen::Matrix3d from_board = normalisation(board), from_pixels = normalisation(pixels);
   Eigen::MatrixXd A(2 * std::max<std::size_t>(board.size(), 5),
                     9);  // a zero row makes 4 pairs give 9 directions

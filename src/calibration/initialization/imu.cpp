@@ -136,7 +136,7 @@ void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs
   if (!fixed.gravity) what += ", gravity";
   throw DataError(
       "slom.calibration.imu-open",
-      {.place = fmt::format("{}:{}", imu.file, imu.readings.front().line),
+      {.place = imu.place(0),
        .fault = fmt::format("{} valid reading{} of tilts that spread by {:.2g} deg do not determine {}",
                             pairs.size(), pairs.size() == 1 ? "" : "s",
                             tiltSpread(pairs) * 180 / std::numbers::pi, what),

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "calibration/models/definition.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -34,6 +36,21 @@ const std::vector<Model>& comparedModels() {
   return compared;
 }
 
+namespace {
+
+void requireParameters(const Model& model, const std::vector<double>& parameters) {
+  if (parameters.size() == model.parameters().size()) return;
+  throw DataError(
+      "slom.calibration.bad-question",
+      fmt::format(
+          "there are parameters: {} instead of the {} of the model {}; pass all of them, in the order "
+          "of Model::parameters()",
+          parameters.size(), model.parameters().size(), model.name()),
+      "parameters");
+}
+
+}  // namespace
+
 Model::Model(std::string_view name) {
   std::string names;
   const std::vector<Model>& all = allModels();
@@ -57,12 +74,15 @@ std::vector<std::string> Model::heldNearZero() const {
 }
 
 std::optional<ForeignLens> Model::forOpencv(const std::vector<double>& parameters) const {
+  requireParameters(*this, parameters);
   return definition_->for_opencv(parameters);
 }
 std::optional<ForeignLens> Model::forRos(const std::vector<double>& parameters) const {
+  requireParameters(*this, parameters);
   return definition_->for_ros(parameters);
 }
 std::optional<ForeignLens> Model::forKalibr(const std::vector<double>& parameters) const {
+  requireParameters(*this, parameters);
   return definition_->for_kalibr(parameters);
 }
 

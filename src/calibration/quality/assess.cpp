@@ -2,7 +2,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <string>
 
+#include <fmt/format.h>
+
+#include "calibration/data/check.hpp"
+#include "calibration/data/result_of.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/well_formed.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/correlations.hpp"
 #include "calibration/quality/next_best_view.hpp"
@@ -10,6 +17,7 @@
 #include "calibration/quality/residuals.hpp"
 #include "calibration/quality/split_half.hpp"
 #include "slom/calibration/board.hpp"
+#include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -93,9 +101,25 @@ void cutShort(const std::string& reason, Quality& quality) {
     quality.split_half.why_not = reason;
 }
 
-}  // namespace
+void requireResultOf(const Dataset& data, const Settings& settings, const Result& result) {
+  std::string difference = differenceOf(data, result);
+  const std::string model = result.cameras.empty() ? "" : result.cameras.front().model;
+  if (difference.empty() && model != settings.model.name())
+    difference =
+        fmt::format("the result is of the model {}, the settings of {}", model, settings.model.name());
+  if (difference.empty() && result.sigma_px != settings.sigma_px)
+    difference = fmt::format("sigma_px is {} in the result, and {} in the settings", result.sigma_px,
+                             settings.sigma_px);
+  if (difference.empty()) return;
+  throw DataError(
+      "slom.calibration.no-result",
+      fmt::format("there is nothing to assess: {}; pass the result of calibrate() with these data "
+                  "and settings",
+                  difference),
+      "result");
+}
 
-Quality assess(const Dataset& data, const Settings& settings, const Result& result) {
+Quality assessSorted(const Dataset& data, const Settings& settings, const Result& result) {
   Quality quality;
   Clock clock(quality.times);
   const FittedRig rig(result);
@@ -116,6 +140,16 @@ Quality assess(const Dataset& data, const Settings& settings, const Result& resu
     cutShort(ended.what(), quality);
   }
   return quality;
+}
+
+}  // namespace
+
+Quality assess(const Dataset& data, const Settings& settings, const Result& result) {
+  checkSettings(data, settings);
+  requireWellFormed(data);
+  checkImuImages(data);
+  requireResultOf(data, settings, result);
+  return assessSorted(*SortedDataset(data), settings, result);
 }
 
 }  // namespace slom::calibration

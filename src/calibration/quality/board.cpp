@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "slom/calibration/error.hpp"
+
 namespace slom::calibration {
 
 BoardOutline outlineOf(const View& view) {
@@ -38,7 +40,8 @@ const View& fullestView(const Dataset& data) {
       if (!most || view.corners.size() > most->corners.size()) most = &view;
     }
   }
-  return *most;
+  if (most) return *most;
+  throw DataError("slom.calibration.too-few-views", "there is no view in the data set; add some", "data");
 }
 
 }  // namespace slom::calibration

@@ -5,8 +5,10 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include "calibration/models/definition.hpp"
+#include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -49,9 +51,25 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
 }
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera) {
+  if (camera.model.empty()) {
+    throw DataError("slom.calibration.bad-camera",
+                    fmt::format("camera {} has no model; pass one of the result of calibrate(), or set model "
+                                "and parameters",
+                                camera.name),
+                    camera.name);
+  }
+  const Model model(camera.model);
+  if (camera.parameters.size() != model.parameters().size()) {
+    throw DataError(
+        "slom.calibration.bad-camera",
+        fmt::format("camera {} has parameters: {} instead of the {} of the model {}; set all of them, in the "
+                    "order of Model::parameters()",
+                    camera.name, camera.parameters.size(), model.parameters().size(), model.name()),
+        camera.name);
+  }
   std::vector<double> values;
   for (const Parameter& parameter : camera.parameters) values.push_back(parameter.value);
-  return Model(camera.model).definition().make_lens(values);
+  return model.definition().make_lens(values);
 }
 
 }  // namespace slom::calibration

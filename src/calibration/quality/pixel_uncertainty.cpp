@@ -1,12 +1,14 @@
 #include "slom/calibration/pixel_uncertainty.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "calibration/data/check.hpp"
+#include "calibration/data/result_of.hpp"
+#include "calibration/data/well_formed.hpp"
 #include "calibration/quality/projection.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -21,23 +23,13 @@ namespace {
       "result");
 }
 
-void requireResultOf(const Dataset& data, const Result& result) {
+void requirePixelsOf(const Dataset& data, const Result& result) {
   if (!result.success()) {
     refuseResult(result.undetermined.empty() ? "the calibration did not converge" : result.undetermined);
   }
-  if (data.cameras.size() != result.cameras.size()) {
-    refuseResult(fmt::format("there are cameras: {} in the data, {} in the result", data.cameras.size(),
-                             result.cameras.size()));
-  }
-  std::vector<int> found;
-  for (const ImageResult& image : result.images) found.push_back(image.image);
-  for (const CameraData& camera : data.cameras) {
-    for (const View& view : camera.views) {
-      if (!std::binary_search(found.begin(), found.end(), view.image)) {
-        refuseResult(fmt::format("image {} of {} is not in the result", view.image, camera.name));
-      }
-    }
-  }
+  if (data.cameras.empty()) refuseResult("the data have no camera");
+  const std::string difference = differenceOf(data, result);
+  if (!difference.empty()) refuseResult(difference);
 }
 
 Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
@@ -66,7 +58,9 @@ struct PixelUncertainty::Implementation {
 };
 
 PixelUncertainty::PixelUncertainty(const Dataset& data, const Result& result) {
-  requireResultOf(data, result);
+  requireWellFormed(data);
+  checkImuImages(data);
+  requirePixelsOf(data, result);
   impl_ = std::make_shared<const Implementation>(data, result);
 }
 

@@ -5,6 +5,7 @@
 
 #include "calibration/text.hpp"
 #include "slom/calibration/assess.hpp"
+#include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
 
 namespace slom::calibration {
@@ -134,6 +135,36 @@ std::string knownProjection(const Quality& quality) {
       twoDigits(largest(quality, &ProjectionUncertainty::worst_px)));
 }
 
+/// Whether the quality is of as many cameras as the result, in all of its parts.
+bool isOfSameRig(const Quality& quality, const Result& result) {
+  const std::size_t cameras = result.cameras.size();
+  const auto has_projection = [](const CameraQuality& camera) { return !camera.projection.empty(); };
+  const auto is_there = [&](const WorstResidual& worst) { return worst.camera < cameras; };
+  return quality.cameras.size() == cameras && quality.split_half.cameras.size() <= cameras &&
+         (!quality.hasProjection() ||
+          std::all_of(quality.cameras.begin(), quality.cameras.end(), has_projection)) &&
+         std::all_of(quality.worst.begin(), quality.worst.end(), is_there);
+}
+
+void requireQuality(const Result& result) {
+  const auto refuse = [](const char* sentence, const char* subject) {
+    throw DataError("slom.calibration.no-quality", sentence, subject);
+  };
+  if (result.cameras.empty() || result.images.empty())
+    refuse("there is no verdict on a result without cameras or images; pass the result of calibrate()",
+           "result");
+  if (!result.quality)
+    refuse(
+        "there is no verdict on a result without an assessment; set result.quality to assess(data, "
+        "settings, result) before",
+        "quality");
+  if (!isOfSameRig(*result.quality, result))
+    refuse(
+        "there is no verdict on a result with the assessment of another one; set result.quality to "
+        "assess(data, settings, result) before",
+        "quality");
+}
+
 }  // namespace
 
 const char* toString(Verdict::Level level) {
@@ -164,6 +195,7 @@ Verdict verdictOf(const Result& result) {
     verdict.sentence = failure(result);
     return verdict;
   }
+  requireQuality(result);
   doubtCompleteness(*result.quality, verdict.doubts);
   doubtImages(result, verdict.doubts);
   doubtCorners(result, verdict.doubts);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "slom/calibration/assess.hpp"
+#include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
 
 namespace slom::calibration {
@@ -19,6 +20,15 @@ std::string placeOf(const FurtherView& view) {
 }  // namespace
 
 std::string sentenceOf(const FurtherView& view, const Result& result) {
+  const auto is_third = [](int i) { return i >= 0 && i < 3; };
+  if (view.camera >= result.cameras.size() || !is_third(view.column) || !is_third(view.row)) {
+    throw DataError(
+        "slom.calibration.bad-question",
+        fmt::format("there is no camera {} with a column {} and a row {}; pass one of the further views of "
+                    "this result's quality",
+                    view.camera, view.column, view.row),
+        "view");
+  }
   const std::string attitude =
       view.edge_away.empty()
           ? "facing the camera"
