@@ -238,11 +238,11 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
   return std::accumulate(rss.begin(), rss.end(), 0.0);
 }
 
-JacobianBatch Linearizer::linearizeOne(const Problem& problem, const ActiveSet& active, int pool, int i,
-                                       double* cost) {
+JacobianBatch Linearizer::linearizeSome(const Problem& problem, const ActiveSet& active, int pool, int first,
+                                        int last, double* cost) {
   if (chunks_.empty()) chunks_.resize(1);
   Chunk& chunk = chunks_.front();
-  linearizeChunk(problem, active, {pool, i, i + 1}, false, chunk);
+  linearizeChunk(problem, active, {pool, first, last}, false, chunk);
   requireGood(problem, chunk);
   if (cost != nullptr) *cost = chunk.rss;
   return chunk.batch();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "solve/dense/kernels.hpp"
@@ -100,8 +101,13 @@ void IncrementalCholesky::touch(int f, bool is_factor) {
     if (is_factor) front.has_factor = false;
     front.has_solution = false;
     if (is_known) return;  // and so are those above it
-    dirty_.emplace(front.order, f);
+    pushDirty(f);
   }
+}
+
+void IncrementalCholesky::pushDirty(int f) {
+  dirty_.emplace_back(fronts_[at(f)].order, f);
+  std::push_heap(dirty_.begin(), dirty_.end(), std::greater<>());
 }
 
 // ---- the top of the tree ------------------------------------------------------------------------------------
@@ -138,7 +144,6 @@ void IncrementalCholesky::dissolve(int f) {
   if (front.parent >= 0) std::erase(fronts_[at(front.parent)].children, f);
   std::erase(loose_subtrees_, f);
   roots_.erase(f);
-  dirty_.erase({front.order, f});
   factor_flops_ -= flopsOf(front.p, front.u);
   front = {};
   free_fronts_.push_back(f);
@@ -247,7 +252,7 @@ void IncrementalCholesky::rebuildTop() {
     front.B.resize(dense::panelSize(front.u, front.p));
     front.U.resize(dense::updateSize(front.u));
     factor_flops_ += flopsOf(front.p, front.u);
-    dirty_.emplace(front.order, f);
+    pushDirty(f);
   }
   const auto firstOf = [&](const std::vector<int>& blocks) {
     return *std::min_element(blocks.begin(), blocks.end(),
@@ -280,10 +285,13 @@ void IncrementalCholesky::refactor() {
                         static_cast<double>(std::max<std::size_t>(1, blocks_when_ordered_));
   if (factor_flops_ > kLittleWork + kMostGrowth * growth * flops_when_ordered_) reorder();
   while (!dirty_.empty()) {
-    const int f = dirty_.begin()->second;
-    if (!fronts_[at(f)].has_factor) factorizeFront(f);
+    std::pop_heap(dirty_.begin(), dirty_.end(), std::greater<>());
+    const auto [order, f] = dirty_.back();
+    dirty_.pop_back();
+    const Front& front = fronts_[at(f)];
+    if (front.order != order || front.has_solution) continue;
+    if (!front.has_factor) factorizeFront(f);
     solveFront(f);
-    dirty_.erase(dirty_.begin());
   }
 }
 
@@ -293,7 +301,7 @@ void IncrementalCholesky::recompute() {
     Front& front = fronts_[f];
     if (front.pivots.empty()) continue;
     front.has_factor = front.has_solution = false;
-    dirty_.emplace(front.order, static_cast<int>(f));
+    pushDirty(static_cast<int>(f));
   }
   refactor();
 }

@@ -107,6 +107,7 @@ class IncrementalCholesky {
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   void touch(int front, bool is_factor);
+  void pushDirty(int front);
   void markPathFrom(int block);
   void dissolve(int front);
   void rebuildTop();
@@ -129,7 +130,8 @@ class IncrementalCholesky {
   std::vector<Front> fronts_;
   std::vector<int> free_fronts_;
   std::set<int> roots_;
-  std::set<std::pair<std::uint64_t, int>> dirty_;  // fronts to be factorised or solved, children first
+  /// Fronts to be factorised or solved, with their order: a heap, children first. Those that are dissolved meanwhile stay in it.
+  std::vector<std::pair<std::uint64_t, int>> dirty_;
   std::set<std::pair<int, int>> undetermined_;
   // What is to become the new top: blocks and elements of dissolved fronts, and the subtrees that hung below.
   std::vector<int> loose_blocks_, loose_elements_, loose_subtrees_;

@@ -13,13 +13,21 @@ namespace {
 
 /// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
 /// step has decreased the RSS by less than half of what was promised.
-constexpr double kStale = 0.1, kSlightlyStale = 1e-3;
-constexpr double kKept = 0.5;
+constexpr double kStaleOnline = 0.1, kSlightlyStale = 1e-3;
+constexpr double kKeptOnline = 0.5;
 /// What a subtree must promise to be moved, relative to what may be left in all.
-constexpr double kShare = 1e-2, kSmallerShare = 0.1;
+constexpr double kShareOnline = 1e-2, kSmallerShare = 0.1;
 /// Squared deviations of nothing.
 constexpr double kNothingPromised = 1e-16;
+constexpr double kSlowest = 0.99;  // of the promises of two steps
 constexpr double kNoiseOfRss = 1e-13;
+/// A step that goes uphill is shortened, by this factor, down to that.
+/// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
+constexpr double kFarOff = 0.5;
+bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
+/// A step that decreases the RSS by more than so many times what was promised is prolonged, to so many times its length at most.
+constexpr double kStretched = 1.5, kLongest = 8;
+constexpr double kShorterOnline = 0.5, kShortestOnline = 0.1;
 
 }  // namespace
 
@@ -89,7 +97,7 @@ void OnlineFit::followVariables() {
     if (known.serial >= 0 && has_block && known.serial == record.serial) {  // other components are fixed
       std::vector<Place> uses;
       collectUses(v, uses);
-      for (const Place& place : uses) linearize(place, 0);
+      for (const Place& place : uses) linearize(place, 1, 0);
       continue;
     }
     if (known.serial < 0 && !has_block) continue;
@@ -160,7 +168,7 @@ void OnlineFit::makeElement(Place place) {
   Record& record = recordOf(place);
   const int rows = pool.rows(place.second);
   record.element = blocks.empty() || rows == 0 ? kNone : factor_.insertElement(blocks, rows);
-  linearize(place, 0);
+  linearize(place, 1, 0);
 }
 
 void OnlineFit::addToRss(double change) {
@@ -170,28 +178,49 @@ void OnlineFit::addToRss(double change) {
   rss_ = sum;
 }
 
-/// At the current values. The factor gets the Jacobian where that differs from the one it has by more than `most_difference`.
-void OnlineFit::linearize(Place place, double most_difference) {
+/// `count` measurements at the current values. The factor gets a Jacobian where that differs from the one it has by more than
+/// `most_difference`.
+void OnlineFit::linearize(Place first, int count, double most_difference) {
+  const MeasurementPool& pool = *problem_.pools()[at(first.first)];
+  const bool has_losses = pool.lossCount() > 0;  // costs are not those of the residuals then
+  const int each = has_losses ? 1 : count;
+  for (int i = first.second; i < first.second + count; i += each) {
+    double cost = 0;
+    const JacobianBatch batch =
+        linearizer_.linearizeSome(problem_, problem_.activeSet(), first.first, i, i + each, &cost);
+    const double *r = batch.r, *J = batch.J;
+    const int* dof = batch.dof;
+    for (int m = 0; m < each; ++m) {
+      const int rows = batch.rows[m];
+      if (!has_losses) {
+        cost = 0;
+        for (int k = 0; k < rows; ++k) cost += r[k] * r[k];
+      }
+      take({first.first, i + m}, r, J, dof, cost, most_difference);
+      r += rows;
+      for (int k = 0; k < pool.arity(); ++k) J += rows * *dof++;
+    }
+  }
+}
+
+void OnlineFit::take(Place place, const double* r, const double* J, const int* dof, double cost,
+                     double most_difference) {
   Record& record = recordOf(place);
   if (record.element == kPending) return;
-  double cost = 0;
-  const JacobianBatch batch =
-      linearizer_.linearizeOne(problem_, problem_.activeSet(), place.first, place.second, &cost);
   ++linearized_;
   addToRss(cost - record.cost);
   record.cost = cost;
   if (record.element == kNone) return;
   const MeasurementPool& pool = *problem_.pools()[at(place.first)];
-  const std::span<const int> blocks = factor_.blocksOf(record.element);
-  const int rows = batch.rows[0];
+  const int* const variables = pool.variables(place.second);
+  const int rows = pool.rows(place.second);
   const std::vector<double>& before = factor_.A(record.element);
   A_.assign(before.size(), 0.0);
-  const double* J = batch.J;
   for (int k = 0; k < pool.arity(); ++k) {
-    const int v = pool.variables(place.second)[k], entries = rows * batch.dof[k];
+    const int entries = rows * dof[k];
     std::size_t start = 0;
-    for (const int b : blocks) {
-      if (b == v) {
+    for (const int b : factor_.blocksOf(record.element)) {
+      if (b == variables[k]) {
         for (int e = 0; e < entries; ++e) A_[start + at(e)] += J[e];
         break;
       }
@@ -203,9 +232,9 @@ void OnlineFit::linearize(Place place, double most_difference) {
   g_.assign(at(columns), 0.0);
   double difference = 0, size = 0;
   for (int c = 0; c < columns; ++c) {
-    for (int r = 0; r < rows; ++r) {
-      const std::size_t e = at(c * rows + r);
-      g_[at(c)] += A_[e] * batch.r[r];
+    for (int k = 0; k < rows; ++k) {
+      const std::size_t e = at(c * rows + k);
+      g_[at(c)] += A_[e] * r[k];
       difference += (A_[e] - before[e]) * (A_[e] - before[e]);
       size += before[e] * before[e];
     }
@@ -215,21 +244,86 @@ void OnlineFit::linearize(Place place, double most_difference) {
 }
 
 void OnlineFit::linearizeTouched(double most_difference) {
-  for (const Place& place : touched_) linearize(place, most_difference);
+  constexpr std::size_t most = 64;
+  for (std::size_t first = 0; first < touched_.size();) {
+    std::size_t last = first + 1;
+    while (last < touched_.size() && last - first < most && touched_[last].first == touched_[first].first &&
+           touched_[last].second == touched_[last - 1].second + 1)
+      ++last;
+    linearize(touched_[first], static_cast<int>(last - first), most_difference);
+    first = last;
+  }
 }
 
 // ---- steps --------------------------------------------------------------------------------------------------
 
-void OnlineFit::move(const std::vector<IncrementalCholesky::Move>& moves) {
-  undo_.clear();
+/// Remembers a step and the measurements that it touches.
+void OnlineFit::prepare(const std::vector<IncrementalCholesky::Move>& moves) {
+  moved_variables_.clear();
+  step_.clear();
   touched_.clear();
   ++visit_;
-  for (const auto& [block, d] : moves)
-    undo_.emplace_back(block, std::make_unique<ValueSnapshot>(problem_, block));
-  for (const auto& [block, d] : moves) problem_.move(block, d);
-  for (const auto& [block, d] : moves) collectUses(block, touched_);
-  value_revision_ = problem_.valueRevision();
+  for (const auto& [block, d] : moves) {
+    moved_variables_.push_back(block);
+    step_.insert(step_.end(), d, d + factor_.dof(block));
+    collectUses(block, touched_);
+  }
+  std::sort(touched_.begin(), touched_.end());
   moved_ += static_cast<int>(moves.size());
+}
+
+/// By a multiple of the last step.
+void OnlineFit::moveBy(double factor) {
+  const double* d = step_.data();
+  std::vector<double> part;
+  for (const int v : moved_variables_) {
+    part.assign(d, d + factor_.dof(v));
+    for (double& x : part) x *= factor;
+    problem_.move(v, part.data());
+    d += factor_.dof(v);
+  }
+  value_revision_ = problem_.valueRevision();
+}
+
+/// Linearises where a step has led to; whether the RSS is at most this.
+bool OnlineFit::isBelow(double most) {
+  try {
+    linearizeTouched(kStaleOnline);
+    return rss() <= most;
+  } catch (const Error&) {  // there are no residuals
+    return false;
+  }
+}
+
+/// Takes the step, a part of it or more, such that the RSS falls. Where it does not, the values stay, and the factor gets their Jacobians.
+bool OnlineFit::go(double promised) {
+  const double before = rss(), most = before + kNoiseOfRss * before;
+  moveBy(1);
+  if (isBelow(most)) {
+    stretch(before, promised);
+    return true;
+  }
+  double length = 1;
+  while (!isFarOff(promised, before) && length * kShorterOnline > kShortestOnline) {
+    moveBy((kShorterOnline - 1) * length);
+    length *= kShorterOnline;
+    if (isBelow(most)) return true;
+  }
+  moveBy(-length);
+  linearizeTouched(0);
+  return false;
+}
+
+/// Goes on along a step that has decreased the RSS by more than was promised, as where losses make the curvature smaller than it is in the
+/// factor: to the minimum of the parabola through the promise and the decrease.
+void OnlineFit::stretch(double before, double promised) {
+  const double after = rss(), ratio = (before - after) / promised;
+  if (!(ratio > kStretched)) return;
+  const double more = (2 - ratio) * kLongest > 1 ? 1 / (2 - ratio) - 1 : kLongest - 1;
+  moveBy(more);
+  if (isBelow(after)) return;
+  moveBy(-more);
+  linearizeTouched(kStaleOnline);
 }
 
 bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
@@ -237,56 +331,43 @@ bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
   factor_.resetWork();
   follow();
   factor_.refactor();
-  double share = kShare;
+  double share = kShareOnline;
+  // What all further steps together promise, relative to the next one: more than 1 where each leaves much to the others.
+  double slowness = 1;
   bool is_fresh = false;  // the Jacobians in the factor are those of the current values, where it last moved
-  int steps = 0;
-  for (;;) {
-    const double rss = rss_ + rss_rest_, allowed = options.tolerance * std::max(rss, 0.0) + kNothingPromised;
-    const double promised = factor_.promise();
-    const bool is_near = promised <= allowed;
+  for (int steps = 0;; ++steps) {
+    const double before = rss(), promised = factor_.promise();
+    const double allowed = options.tolerance * std::max(before, 0.0) + kNothingPromised;
+    const bool is_near = promised * slowness <= allowed;
     if (is_near || steps >= options.max_steps) {
       fill(summary, steps, is_near);
       return true;
     }
-    const auto& moves = factor_.solve(share * allowed);
-    ++steps;
-    const auto stay = [&] {
-      for (auto& [variable, value] : undo_) value->restore();
-      value_revision_ = problem_.valueRevision();
-      linearizeTouched(0);
+    prepare(factor_.solve(share * allowed));
+    if (!go(promised)) {
       factor_.refactor();
-    };
-    move(moves);
-    try {
-      linearizeTouched(kStale);
-    } catch (const Error&) {  // there are no residuals
-      stay();
-      fill(summary, steps, false);
-      return false;
-    }
-    const double after = rss_ + rss_rest_;
-    if (!(after <= rss + kNoiseOfRss * rss)) {
-      stay();
-      if (is_fresh) {
-        fill(summary, steps, false);
+      if (is_fresh || isFarOff(promised, before)) {
+        fill(summary, steps + 1, false);
         return false;
       }
       is_fresh = true;
       continue;
     }
-    is_fresh = rss - after < kKept * promised;
+    const double decrease = before - rss();
+    is_fresh = decrease < kKeptOnline * promised;
     if (is_fresh) {
       linearizeTouched(kSlightlyStale);
       share *= kSmallerShare;
     }
     factor_.refactor();
+    slowness = std::max(1.0, decrease / promised) / (1 - std::min(kSlowest, factor_.promise() / promised));
   }
 }
 
 void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
   const IncrementalCholesky::Work& work = factor_.work();
   summary.converged = converged;
-  summary.rss = rss_ + rss_rest_;
+  summary.rss = rss();
   summary.promise = factor_.promise();
   summary.steps += steps;
   summary.variables_moved += moved_;

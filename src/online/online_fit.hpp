@@ -9,12 +9,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "online/incremental_cholesky.hpp"
-#include "problem/value_snapshot.hpp"
 #include "slom/linearize/linearize.hpp"
 #include "slom/online/update.hpp"
 
@@ -48,11 +46,17 @@ class OnlineFit {
   void makeElement(Place place);
   void dropElement(Record& record);
   void collectUses(int variable, std::vector<Place>& places);
-  /// Returns by how much the Jacobian differs from that in the factor, relative to it.
-  void linearize(Place place, double most_difference);
+  void linearize(Place first, int count, double most_difference);
+  void take(Place place, const double* r, const double* J, const int* dof, double cost,
+            double most_difference);
   void linearizeTouched(double most_difference);
   void addToRss(double change);
-  void move(const std::vector<IncrementalCholesky::Move>& moves);
+  void prepare(const std::vector<IncrementalCholesky::Move>& moves);
+  void moveBy(double factor);
+  bool isBelow(double most);
+  bool go(double promised);
+  void stretch(double before, double promised);
+  double rss() const { return rss_ + rss_rest_; }
   void fill(UpdateSummary& summary, int steps, bool converged) const;
   Record& recordOf(Place place) {
     return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];
@@ -71,7 +75,8 @@ class OnlineFit {
   std::vector<Known> known_;
   std::vector<int> touched_variables_;
   std::vector<Place> pending_, touched_;
-  std::vector<std::pair<int, std::unique_ptr<ValueSnapshot>>> undo_;
+  std::vector<int> moved_variables_;  // of the last step, whose entries are step_
+  std::vector<double> step_;
   std::uint64_t visit_ = 0;
   double rss_ = 0, rss_rest_ = 0;
   int linearized_ = 0, moved_ = 0;

@@ -37,9 +37,13 @@ class Linearizer {
   /// active set says. Throws [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
   double linearize(const Problem& problem, const ActiveSet& active, JacobianSink& sink);
   /// One measurement of a pool, as linearize() sends it; the batch is valid until the next call of anything here. Throws as linearize()
-  /// does. `cost`: what the measurement adds to the RSS.
-  JacobianBatch linearizeOne(const Problem& problem, const ActiveSet& active, int pool, int i,
-                             double* cost = nullptr);
+  /// does. `cost`: what the measurements add to the RSS.
+  JacobianBatch linearizeOne(const Problem& problem, const ActiveSet& active, int pool, int i) {
+    return linearizeSome(problem, active, pool, i, i + 1);
+  }
+  /// The same of [first, last) of a pool, all in one batch.
+  JacobianBatch linearizeSome(const Problem& problem, const ActiveSet& active, int pool, int first, int last,
+                              double* cost = nullptr);
   /// Throws [slom.overflow], naming the measurement with the largest residual.
   [[noreturn]] void raiseOverflow(const Problem& problem);
   /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.

@@ -10,7 +10,7 @@ struct UpdateOptions {
   /// Steps are taken until another one promises to decrease the RSS by no more than this part of it.
   double tolerance = 1e-6;
   /// Steps at most. What is left is done by the next call.
-  int max_steps = 20;
+  int max_steps = 100;
 };
 
 struct UpdateSummary {
