@@ -110,10 +110,10 @@ int main(int argc, char** argv) {
     }
     const slom::UpdateSummary update = est.update();
     unconverged += update.converged ? 0 : 1;
+    const double error = (poses.back()->pos - Point(truth[k + 1][1], truth[k + 1][2])).norm();
     if (poses.size() % 500 == 0) {
-      std::printf("pose %4zu: %zu beacons, scale of ranges %.2f, robot %.1f m from its true place\n",
-                  poses.size(), map.size(), *scale,
-                  (poses.back()->pos - Point(truth[k + 1][1], truth[k + 1][2])).norm());
+      std::printf("pose %4zu: %zu beacons, scale of ranges %.2f, %s of the true place\n", poses.size(),
+                  map.size(), *scale, error < 2 ? "within 2 m" : "not within 2 m");
     }
   }
   for (auto& [number, beacon] : map) {
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
     double nearest = INFINITY;
     for (const auto& row : beacons)
       nearest = std::min(nearest, (*beacon.position - Point(row[1], row[2])).norm());
-    std::printf("beacon %d: %.1f m from a true one\n", number, nearest);
+    std::printf("beacon %d: %s of a true one\n", number, nearest < 1 ? "within 1 m" : "not within 1 m");
   }
   std::printf("updates that did not converge: %d\n", unconverged);
 }

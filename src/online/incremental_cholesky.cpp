@@ -531,7 +531,8 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
   return moves_;
 }
 
-/// d of the front's pivots, given that of its rows; its children are to follow, unless hardly anything moves.
+/// d of the front's pivots, given that of its rows, unless it promises next to nothing. Children follow whose rows have moved, or in
+/// whose subtrees something is left.
 void IncrementalCholesky::goDown(int f, double threshold) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
@@ -547,21 +548,28 @@ void IncrementalCholesky::goDown(int f, double threshold) {
     }
     kernel.backwardRows(front.B.data(), front.p, front.u, front.vector.data(), d.data());
   }
-  double promised = front.promise_below;
+  double promised = 0;
   for (int i = 0; i < front.p; ++i) promised += d[at(i)] * d[at(i)];
-  if (!(promised > threshold)) return;
-  kernel.backwardPivots(front.D.data(), front.inverse.data(), front.p, d.data());
-  int i = 0;
-  for (const int b : front.pivots) {
-    local_[at(b)] = static_cast<int>(step_.size());
-    step_at_.push_back(step_.size());
-    moves_.push_back({b, nullptr});
-    for (int c = 0; c < dof(b); ++c, ++i) {
-      const bool is_held = !front.held.empty() && front.held[at(i)] != 0;
-      step_.push_back(is_held ? 0 : d[at(i)]);
+  if (promised > threshold) {
+    kernel.backwardPivots(front.D.data(), front.inverse.data(), front.p, d.data());
+    int i = 0;
+    for (const int b : front.pivots) {
+      local_[at(b)] = static_cast<int>(step_.size());
+      step_at_.push_back(step_.size());
+      moves_.push_back({b, nullptr});
+      for (int c = 0; c < dof(b); ++c, ++i) {
+        const bool is_held = !front.held.empty() && front.held[at(i)] != 0;
+        step_.push_back(is_held ? 0 : d[at(i)]);
+      }
     }
   }
-  to_visit_.insert(to_visit_.end(), front.children.begin(), front.children.end());
+  for (const int c : front.children) {
+    const Front& child = fronts_[at(c)];
+    const bool has_more = child.own_promise + child.promise_below > threshold;
+    if (has_more ||
+        std::any_of(child.rows.begin(), child.rows.end(), [&](int b) { return local_[at(b)] >= 0; }))
+      to_visit_.push_back(c);
+  }
 }
 
 std::vector<double> IncrementalCholesky::content() const {

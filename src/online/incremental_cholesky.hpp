@@ -61,7 +61,7 @@ class IncrementalCholesky {
     int block;
     const double* d;  ///< valid until the next call of anything here
   };
-  /// The blocks that d moves. Subtrees whose motion promises less than `threshold` are left where they are.
+  /// The blocks that d moves. Fronts whose own motion promises less than `threshold` are left where they are.
   const std::vector<Move>& solve(double threshold);
 
   /// Unknowns (block, component) that nothing determines, given those eliminated before: they stay where they are. Of all fronts.

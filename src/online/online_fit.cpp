@@ -13,10 +13,12 @@ namespace {
 
 /// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
 /// step has decreased the RSS by less than half of what was promised.
-constexpr double kStaleOnline = 0.1, kSlightlyStale = 1e-3;
+constexpr double kStaleOnline = 1e-4, kSlightlyStale = 1e-6;
 constexpr double kKeptOnline = 0.5;
 /// What a subtree must promise to be moved, relative to what may be left in all.
-constexpr double kShareOnline = 1e-2, kSmallerShare = 0.1;
+constexpr double kShareOnline = 0.1, kSmallerShare = 0.1;
+/// The promise is that of a model; this part of what is allowed is aimed at.
+constexpr double kAimedAt = 0.5;
 /// Squared deviations of nothing.
 constexpr double kNothingPromised = 1e-16;
 constexpr double kSlowest = 0.99;  // of the promises of two steps
@@ -315,10 +317,11 @@ bool OnlineFit::go(double promised) {
 }
 
 /// Goes on along a step that has decreased the RSS by more than was promised, as where losses make the curvature smaller than it is in the
-/// factor: to the minimum of the parabola through the promise and the decrease.
+/// factor, or back where it was less, as where large residuals make it larger: to the minimum of the parabola through the promise
+/// and the decrease.
 void OnlineFit::stretch(double before, double promised) {
   const double after = rss(), ratio = (before - after) / promised;
-  if (!(ratio > kStretched)) return;
+  if (ratio > kKeptOnline && ratio < kStretched) return;
   const double more = (2 - ratio) * kLongest > 1 ? 1 / (2 - ratio) - 1 : kLongest - 1;
   moveBy(more);
   if (isBelow(after)) return;
@@ -338,7 +341,7 @@ bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
   for (int steps = 0;; ++steps) {
     const double before = rss(), promised = factor_.promise();
     const double allowed = options.tolerance * std::max(before, 0.0) + kNothingPromised;
-    const bool is_near = promised * slowness <= allowed;
+    const bool is_near = promised * slowness <= kAimedAt * allowed;
     if (is_near || steps >= options.max_steps) {
       fill(summary, steps, is_near);
       return true;
