@@ -29,14 +29,18 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
   if (state.online == nullptr) state.online = std::make_unique<OnlineFit>(state.problem, state.linearizer);
   return state.run([&] {
     UpdateSummary summary;
-    if (state.problem.activeSet().hasBounds() || !state.online->run(options, summary)) {
-      summary.used_optimize = true;
-      const Summary fit = optimize();
-      static_cast<void>(state.online->run(options, summary));
-      summary.message = "optimize() took over: " + fit.message;
+    const bool has_bounds = state.problem.activeSet().hasBounds();
+    if (!has_bounds && state.online->run(options, summary)) {
+      summary.message = messageOf(summary, options);
       return summary;
     }
-    summary.message = messageOf(summary, options);
+    const Summary fit = optimize();
+    summary.used_optimize = true;
+    summary.converged = fit.converged;
+    summary.rss = fit.final_rss;
+    summary.promise = 0;
+    if (!has_bounds) static_cast<void>(state.online->run(options, summary));
+    summary.message = "optimize() took over: " + fit.message;
     return summary;
   });
 }

@@ -14,12 +14,16 @@ using Pose = mtk::trafo<mtk::SO2<>>;  // world_T_robot
 
 int main() {
   constexpr int kSide = 25, kSteps = 12 * kSide;
-  constexpr double kSight = 4, kSigma = 0.05, kSigmaAngle = 0.01;
+  constexpr double kSight = 4, kSigma = 0.05, kSigmaAngle = 0.003;
   mtk::testing::Random random(3);
   const auto noise = [&](double sigma) { return sigma * random.normal(); };
+  const auto noisy = [&](Point p) {
+    for (double& x : p) x += noise(kSigma);
+    return p;
+  };
   std::vector<Point> trees;
   for (int i = 0; i < 60; ++i)
-    trees.emplace_back(random.uniform(-4, kSide + 4), random.uniform(-4, kSide + 4));
+    trees.push_back(Point{random.uniform(-4, kSide + 4), random.uniform(-4, kSide + 4)});
 
   slom::Estimator est;
   Pose truth;
@@ -29,8 +33,8 @@ int main() {
   for (int k = 1; k <= kSteps; ++k) {
     const Pose motion(Point(1, 0), mtk::SO2<>(k % kSide == 0 ? M_PI / 2 : 0));
     truth = truth * motion;
-    const Pose odometry(motion.pos + Point(noise(kSigma), noise(kSigma)),
-                        mtk::SO2<>(motion.orient.angle() + noise(kSigmaAngle)));
+    const Point moved = noisy(motion.pos);
+    const Pose odometry(moved, mtk::SO2<>(motion.orient.angle() + noise(kSigmaAngle)));
     const slom::VarID<Pose> next = est.insertRV(*pose * odometry, "pose " + std::to_string(k));
     est.insertMeasurement(slom::RelativePose(), pose, next, slom::measured(odometry),
                           slom::StandardDeviation(mtk::vect<3>(kSigma, kSigma, kSigmaAngle)));
@@ -38,7 +42,7 @@ int main() {
     for (int t = 0; t < int(trees.size()); ++t) {
       const Point seen = truth.inverse() * trees[std::size_t(t)];
       if (seen.norm() > kSight) continue;
-      const Point measured = seen + Point(noise(kSigma), noise(kSigma));
+      const Point measured = noisy(seen);
       if (!landmarks.count(t))
         landmarks.emplace(t, est.insertRV(Point(*pose * measured), "tree " + std::to_string(t)));
       est.insertMeasurement(slom::Landmark(), pose, landmarks.at(t), slom::measured(measured),

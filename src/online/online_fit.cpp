@@ -23,12 +23,12 @@ constexpr double kAimedAt = 0.5;
 constexpr double kNothingPromised = 1e-16;
 constexpr double kSlowest = 0.99;  // of the promises of two steps
 constexpr double kNoiseOfRss = 1e-13;
-/// A step that goes uphill is shortened, by this factor, down to that.
 /// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
 constexpr double kFarOff = 0.5;
 bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
 /// A step that decreases the RSS by more than so many times what was promised is prolonged, to so many times its length at most.
 constexpr double kStretched = 1.5, kLongest = 8;
+/// A step that goes uphill is shortened, by this factor, down to that.
 constexpr double kShorterOnline = 0.5, kShortestOnline = 0.1;
 
 }  // namespace
@@ -330,6 +330,15 @@ void OnlineFit::stretch(double before, double promised) {
 }
 
 bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
+  try {
+    return stepToTolerance(options, summary);
+  } catch (...) {  // what was followed is incomplete
+    has_started_ = false;
+    throw;
+  }
+}
+
+bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& summary) {
   linearized_ = moved_ = 0;
   factor_.resetWork();
   follow();

@@ -39,6 +39,7 @@ class OnlineFit {
   static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
   using Place = std::pair<int, int>;               // pool, index
 
+  bool stepToTolerance(const UpdateOptions& options, UpdateSummary& summary);
   void follow();
   void startAgain();
   void followVariables();

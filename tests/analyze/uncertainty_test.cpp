@@ -174,7 +174,7 @@ struct Trilateration {
     std::normal_distribution<double> normal;
     for (int i = 0; i < count; ++i)
       points.push_back(
-          est.insertRV(vec2(10 * normal(engine), 10 * normal(engine)), "point " + std::to_string(i)));
+          est.insertRV(vec2{10 * normal(engine), 10 * normal(engine)}, "point " + std::to_string(i)));
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j)
         est.insertMeasurement(distance, points[i], points[j],
@@ -225,7 +225,12 @@ TEST(Uncertainty, ReportCountsFreeDirections) {
 }
 
 TEST(Uncertainty, NoRedundancyNamesFreeDirections) {
-  Trilateration network(3);
+  Trilateration network(0);
+  const std::vector<vec2> triangle{vec2(0, 0), vec2(10, 0), vec2(3, 7)};
+  for (const vec2& p : triangle) network.points.push_back(network.est.insertRV(p));
+  for (std::size_t i = 0; i < 3; ++i)
+    network.est.insertMeasurement(Trilateration::distance, network.points[i], network.points[(i + 1) % 3],
+                                  slom::measured(10.0));
   network.est.optimize();
   network.est.setSigma(slom::Sigma::estimated);
   network.est.setFreeGauge(slom::FreeGauge::inner_constraints);

@@ -312,6 +312,37 @@ TEST(OnlineFit, NamesWhatNothingDetermines) {
   EXPECT_LT((*a - Point(3, 4)).norm(), 1e-7);
 }
 
+/// A measurement without a residual is refused by name; once it is gone, all is as it would be without it.
+TEST(OnlineFit, GoesOnAfterAnError) {
+  Estimator est;
+  const auto a = est.insertRV(Point(1, 2), "a"), b = est.insertRV(Point(0, 0), "b");
+  est.insertMeasurement([](const auto& p) { return p; }, a, measured(Point(3, 4)));
+  est.insertMeasurement([](const auto& p, const auto& q) { return q - p; }, a, b, measured(Point(1, 1)));
+  EXPECT_TRUE(est.update().converged);
+  const auto bad = est.insertMeasurement([](const auto& p) { return p; }, a, measured(Point(std::nan(""), 0)),
+                                         named("bad"));
+  est.insertMeasurement([](const auto& p) { return p; }, b, measured(Point(6, 7)));
+  EXPECT_EQ(
+      testing::messageOf([&] { est.update(); }),
+      "[slom.not-finite] the residual of measurement bad #1 is not finite at a = (3 4); check its data, the function "
+      "where it divides, takes roots or logarithms or leaves an entry of its result unset, and the start values");
+  EXPECT_LT((*a - Point(3, 4)).norm(), 1e-7);
+  est.removeMeasurement(bad);
+  EXPECT_TRUE(est.update().converged);
+  EXPECT_LT((*b - Point(16. / 3, 19. / 3)).norm(), 1e-3);
+}
+
+TEST(OnlineFit, LeavesBoundsToTheBatchFit) {
+  Estimator est;
+  const auto a = est.insertRV(Point(1, 2), "a");
+  est.insertMeasurement([](const auto& p) { return p; }, a, measured(Point(3, 4)));
+  est.bound(a, "x", 0, 2);
+  const UpdateSummary summary = est.update();
+  EXPECT_TRUE(summary.converged && summary.used_optimize) << summary.message;
+  EXPECT_EQ((*a)[0], 2);
+  EXPECT_NEAR(summary.rss, 1, 1e-9);
+}
+
 TEST(OnlineFit, RefusesOptionsWithoutSense) {
   Estimator est;
   EXPECT_EQ(testing::messageOf([&] { est.update({.tolerance = 0}); }),

@@ -196,7 +196,9 @@ void leaveOutCopies(Dataset& caller) {
   }
   for (CameraData& camera : data.cameras) leaveOutCopies(camera);
   if (data.imu) leaveOutReadings(data);
-  caller = std::move(data);
+  for (std::size_t c = 0; c < data.cameras.size(); ++c)
+    caller.cameras[c] = std::move(data.cameras[c]);  // in their places
+  caller.imu = std::move(data.imu);
 }
 
 }  // namespace slom::calibration
