@@ -17,8 +17,7 @@ struct UpdateSummary {
   bool converged = false;  ///< the promise is within the tolerance
   std::string message;     ///< why it ended, in a sentence
   double rss = 0;          ///< at the end
-  double promise =
-      0;  ///< by how much another step would decrease the RSS, by the linear model: g^T H^-1 g; 0 with bounds
+  double promise = 0;  ///< by how much another step would decrease the RSS, by the linear model: g^T H^-1 g
   int steps = 0;
   int variables_moved = 0;          ///< counted in each step
   int measurements_linearized = 0;  ///< counted each time
