@@ -13,7 +13,7 @@ namespace {
 
 /// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
 /// step has decreased the RSS by less than half of what was promised.
-constexpr double kStaleOnline = 1e-4, kSlightlyStale = 1e-6;
+constexpr double kStaleOnline = 1e-3, kSlightlyStale = 1e-4;
 constexpr double kKeptOnline = 0.5;
 /// What a subtree must promise to be moved, relative to what may be left in all.
 constexpr double kShareOnline = 0.1, kSmallerShare = 0.1;
