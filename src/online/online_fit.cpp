@@ -23,6 +23,7 @@ constexpr double kAimedAt = 0.5;
 constexpr double kNothingPromised = 1e-16;
 constexpr double kSlowest = 0.99;  // of the promises of two steps
 constexpr double kNoiseOfRss = 1e-13;
+constexpr double kMostPeak = 1e6;  // of the sum of costs since it was added up, relative to what it is now
 /// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
 constexpr double kFarOff = 0.5;
 bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
@@ -70,7 +71,7 @@ void OnlineFit::follow() {
 
 void OnlineFit::startAgain() {
   factor_ = {};
-  rss_ = rss_rest_ = 0;
+  rss_ = rss_rest_ = peak_ = 0;
   known_.clear();
   pending_.clear();
   touched_variables_.clear();
@@ -178,6 +179,18 @@ void OnlineFit::addToRss(double change) {
   const double sum = rss_ + change;
   rss_rest_ += std::abs(rss_) >= std::abs(change) ? (rss_ - sum) + change : (change - sum) + rss_;
   rss_ = sum;
+  peak_ = std::max(peak_, std::abs(sum));
+}
+
+/// Adds up all measurements where the sum was so much larger meanwhile that little of what is left can be trusted. That takes time in
+/// proportion to everything, once for each such event.
+void OnlineFit::sumAgain() {
+  if (peak_ <= kMostPeak * std::abs(rss())) return;
+  rss_ = rss_rest_ = 0;
+  for (const std::vector<Record>& records : records_) {
+    for (const Record& record : records) addToRss(record.cost);
+  }
+  peak_ = std::abs(rss());
 }
 
 /// `count` measurements at the current values. The factor gets a Jacobian where that differs from the one it has by more than
@@ -210,7 +223,8 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
   Record& record = recordOf(place);
   if (record.element == kPending) return;
   ++linearized_;
-  addToRss(cost - record.cost);
+  addToRss(-record.cost);  // one after the other: their difference would be rounded
+  addToRss(cost);
   record.cost = cost;
   if (record.element == kNone) return;
   const MeasurementPool& pool = *problem_.pools()[at(place.first)];
@@ -348,6 +362,7 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   double slowness = 1;
   bool is_fresh = false;  // the Jacobians in the factor are those of the current values, where it last moved
   for (int steps = 0;; ++steps) {
+    sumAgain();
     const double before = rss(), promised = factor_.promise();
     const double allowed = options.tolerance * std::max(before, 0.0) + kNothingPromised;
     const bool is_near = promised * slowness <= kAimedAt * allowed;

@@ -52,6 +52,7 @@ class OnlineFit {
             double most_difference);
   void linearizeTouched(double most_difference);
   void addToRss(double change);
+  void sumAgain();
   void prepare(const std::vector<IncrementalCholesky::Move>& moves);
   void moveBy(double factor);
   bool isBelow(double most);
@@ -79,7 +80,7 @@ class OnlineFit {
   std::vector<int> moved_variables_;  // of the last step, whose entries are step_
   std::vector<double> step_;
   std::uint64_t visit_ = 0;
-  double rss_ = 0, rss_rest_ = 0;
+  double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
   int linearized_ = 0, moved_ = 0;
   std::vector<double> A_, g_;
 };

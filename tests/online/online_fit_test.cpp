@@ -332,6 +332,35 @@ TEST(OnlineFit, GoesOnAfterAnError) {
   EXPECT_LT((*b - Point(16. / 3, 19. / 3)).norm(), 1e-3);
 }
 
+/// What a huge residual has swallowed of the RSS is there again when it has gone, and the tolerance is one of the right number.
+TEST(OnlineFit, KnowsTheRssAfterHugeResiduals) {
+  for (const double off : {1e4, 1e6, 1e8, 1e10, 1e14}) {
+    Estimator est;
+    const auto x = est.insertRV(1.0, "x"), y = est.insertRV(2.0, "y");
+    for (const double z : {0.5, 1.5, 3.0}) {
+      est.insertMeasurement([](const auto& v) { return v; }, x, measured(z));
+      est.insertMeasurement([](const auto& v) { return v; }, y, measured(z));
+    }
+    est.update();
+    const auto bad = est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, x, y,
+                                           measured(off), StandardDeviation(0.01));
+    est.update();
+    EXPECT_NEAR(est.update().rss, est.getRSS(), 1e-9 * est.getRSS()) << off;
+    est.removeMeasurement(bad);
+    const UpdateSummary summary = est.update();
+    EXPECT_TRUE(summary.converged);
+    EXPECT_NEAR(summary.rss, est.getRSS(), 1e-9 * est.getRSS()) << off;
+    const double mean = 5. / 3;
+    EXPECT_NEAR(*x, mean, 1e-2) << off;
+    EXPECT_NEAR(*y, mean, 1e-2) << off;
+    // A start that is far off, which goes by itself.
+    est.reinitRV(x, off);
+    EXPECT_TRUE(est.update().converged);
+    EXPECT_NEAR(est.update().rss, est.getRSS(), 1e-9 * est.getRSS()) << off;
+    EXPECT_NEAR(*x, mean, 1e-2) << off;
+  }
+}
+
 TEST(OnlineFit, LeavesBoundsToTheBatchFit) {
   Estimator est;
   const auto a = est.insertRV(Point(1, 2), "a");
