@@ -54,6 +54,7 @@ struct LinearizedProblem::Results {
   std::unique_ptr<InverseBlocks> inverse;
   std::unique_ptr<FreeNetwork> free_network;
   std::unique_ptr<NearNullSpace> null_space;
+  std::optional<int> free_directions;
   std::optional<Diagnosis> diagnosis;
 };
 
@@ -226,10 +227,13 @@ const NearNullSpace& LinearizedProblem::nearNullSpace() const {
 }
 
 int LinearizedProblem::freeDirections() const {
-  if (structure_.system.unknowns() == 0) return 0;
+  std::optional<int>& count = results_->free_directions;
+  if (count) return *count;
+  const int unknowns = structure_.system.unknowns();
   MatrixXd none;
-  if (isExact() && solveFor(MatrixXd(structure_.system.unknowns(), 0), none).ok) return 0;
-  return nearNullSpace().dimension(digitsOfDerivatives());
+  const bool is_unique = unknowns == 0 || (isExact() && solveFor(MatrixXd(unknowns, 0), none).ok);
+  count = is_unique ? 0 : nearNullSpace().dimension(digitsOfDerivatives());
+  return *count;
 }
 
 const Diagnosis& LinearizedProblem::diagnosis() const {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "solve/dense/kernels.hpp"
 #include "solve/symbolic/ordering.hpp"
@@ -24,6 +26,24 @@ int paddedToStripes(int rows) { return dense::stripesOf(rows) * kStripe; }
 
 double flopsOf(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
 
+/// By minimum degree, but the last block, which what comes next will most likely touch, at the end.
+std::vector<int> orderNewestLast(const BlockGraph& graph) {
+  const int newest = graph.size() - 1;
+  BlockGraph older;
+  older.start.push_back(0);
+  for (int i = 0; i < newest; ++i) {
+    std::copy_if(graph.neighbour.begin() + graph.start[at(i)],
+                 graph.neighbour.begin() + graph.start[at(i + 1)], std::back_inserter(older.neighbour),
+                 [&](int k) { return k != newest; });
+    older.start.push_back(static_cast<int>(older.neighbour.size()));
+    older.dof.push_back(graph.dof[at(i)]);
+  }
+  std::vector<int> order;
+  if (older.size() > 0) order = orderByMinimumDegree(older);
+  order.push_back(newest);
+  return order;
+}
+
 }  // namespace
 
 // ---- blocks and elements ---------------------------------------------------------------------------------------
@@ -33,7 +53,7 @@ void IncrementalCholesky::insertBlock(int block, int dof) {
     blocks_.resize(at(block + 1));
     local_.resize(at(block + 1), -1);
   }
-  blocks_[at(block)] = {dof, -1, 0, 0, next_age_++};
+  blocks_[at(block)] = {dof, -1, 0, next_age_++};
   ++filled_blocks_;
   loose_blocks_.push_back(block);
 }
@@ -41,7 +61,7 @@ void IncrementalCholesky::insertBlock(int block, int dof) {
 void IncrementalCholesky::removeBlock(int block) {
   markPathFrom(block);
   std::erase(loose_blocks_, block);
-  std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == block; });
+  forgetUndetermined(block);
   blocks_[at(block)] = {};
   --filled_blocks_;
 }
@@ -61,7 +81,6 @@ int IncrementalCholesky::insertElement(std::span<const int> blocks, int rows) {
   element.front = -1;
   for (const int b : blocks) {
     element.columns += dof(b);
-    ++blocks_[at(b)].elements;
     markPathFrom(b);
   }
   element.A.assign(at(rows) * at(element.columns), 0.0);
@@ -72,10 +91,7 @@ int IncrementalCholesky::insertElement(std::span<const int> blocks, int rows) {
 
 void IncrementalCholesky::removeElement(int e) {
   Element& element = elements_[at(e)];
-  for (const int b : element.blocks) {
-    markPathFrom(b);
-    --blocks_[at(b)].elements;
-  }
+  for (const int b : element.blocks) markPathFrom(b);
   std::erase(loose_elements_, e);
   element = {};
   free_elements_.push_back(e);
@@ -126,6 +142,7 @@ void IncrementalCholesky::dissolve(int f) {
   for (const int b : front.pivots) {
     blocks_[at(b)].front = -1;
     loose_blocks_.push_back(b);
+    if (!front.held.empty()) forgetUndetermined(b);
   }
   for (const int e : front.elements) {
     elements_[at(e)].front = -1;
@@ -134,12 +151,6 @@ void IncrementalCholesky::dissolve(int f) {
   for (const int child : front.children) {
     fronts_[at(child)].parent = -1;
     loose_subtrees_.push_back(child);
-  }
-  for (std::size_t i = 0; i < front.held.size(); ++i) {
-    if (front.held[i] == 0) continue;
-    for (const int b : front.pivots)
-      std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == b; });
-    break;
   }
   if (front.parent >= 0) std::erase(fronts_[at(front.parent)].children, f);
   std::erase(loose_subtrees_, f);
@@ -185,17 +196,10 @@ void IncrementalCholesky::reorder() {
   work_.reordered_all = true;
 }
 
-/// Orders the blocks of dissolved fronts and makes fronts of them.
-void IncrementalCholesky::rebuildTop() {
-  std::erase_if(loose_blocks_, [&](int b) { return blocks_[at(b)].dof == 0; });
-  std::erase_if(loose_elements_, [&](int e) { return elements_[at(e)].blocks.empty(); });
-  if (loose_blocks_.empty()) return;
-  // Canonical: the same set of blocks gives the same order, however it came together.
-  std::sort(loose_blocks_.begin(), loose_blocks_.end(),
-            [&](int a, int b) { return blocks_[at(a)].age < blocks_[at(b)].age; });
+/// The graph of the loose blocks, in their order, by loose elements and by what the loose subtrees leave.
+BlockGraph IncrementalCholesky::looseGraph() {
   const int count = static_cast<int>(loose_blocks_.size());
   for (int i = 0; i < count; ++i) local_[at(loose_blocks_[at(i)])] = i;
-
   std::vector<std::vector<int>> neighbours(at(count));
   std::vector<int> places;
   const auto addClique = [&](const std::vector<int>& blocks) {
@@ -208,43 +212,41 @@ void IncrementalCholesky::rebuildTop() {
   };
   for (const int e : loose_elements_) addClique(elements_[at(e)].blocks);
   for (const int f : loose_subtrees_) addClique(fronts_[at(f)].rows);
-  BlockGraph graph, older;
+  for (const int b : loose_blocks_) local_[at(b)] = -1;
+  BlockGraph graph;
   graph.start.push_back(0);
-  older.start.push_back(0);
-  const int newest = count - 1;  // which what comes next will most likely touch: it is eliminated last
   for (int i = 0; i < count; ++i) {
     std::vector<int>& own = neighbours[at(i)];
     std::sort(own.begin(), own.end());
     own.erase(std::unique(own.begin(), own.end()), own.end());
-    for (const int k : own) {
-      if (k == i) continue;
-      graph.neighbour.push_back(k);
-      if (i != newest && k != newest) older.neighbour.push_back(k);
-    }
+    std::copy_if(own.begin(), own.end(), std::back_inserter(graph.neighbour), [&](int k) { return k != i; });
     graph.start.push_back(static_cast<int>(graph.neighbour.size()));
-    graph.dof.push_back(blocks_[at(loose_blocks_[at(i)])].dof);
-    if (i == newest) break;
-    older.start.push_back(static_cast<int>(older.neighbour.size()));
-    older.dof.push_back(graph.dof.back());
+    graph.dof.push_back(dof(loose_blocks_[at(i)]));
   }
-  std::vector<int> order;
-  if (older.size() > 0) order = orderByMinimumDegree(older);
-  order.push_back(newest);
-  const Fronts made = makeFronts(graph, order);
+  return graph;
+}
 
+/// The block of these that is eliminated first.
+int IncrementalCholesky::firstOf(const std::vector<int>& blocks) const {
+  return *std::min_element(blocks.begin(), blocks.end(),
+                           [&](int a, int b) { return blocks_[at(a)].order < blocks_[at(b)].order; });
+}
+
+/// Fronts of these shapes, which eliminate the loose blocks. Returns their indices.
+std::vector<int> IncrementalCholesky::makeLooseFronts(const Fronts& shapes) {
   std::vector<int> index;
-  for (const slom::Front& shape : made.front) {
+  for (const slom::Front& shape : shapes.front) {
     const int f = newFront();
     index.push_back(f);
     Front& front = fronts_[at(f)];
     for (int c = shape.first_column; c < shape.last_column; ++c) {
-      const int b = loose_blocks_[at(made.order[at(c)])];
+      const int b = loose_blocks_[at(shapes.order[at(c)])];
       front.pivots.push_back(b);
       blocks_[at(b)].front = f;
       blocks_[at(b)].order = next_order_++;
     }
     for (int r = shape.first_row; r < shape.last_row; ++r)
-      front.rows.push_back(loose_blocks_[at(made.order[at(made.row[at(r)])])]);
+      front.rows.push_back(loose_blocks_[at(shapes.order[at(shapes.row[at(r)])])]);
     front.p = shape.p;
     front.u = shape.u;
     front.order = blocks_[at(front.pivots.front())].order;
@@ -254,12 +256,22 @@ void IncrementalCholesky::rebuildTop() {
     factor_flops_ += flopsOf(front.p, front.u);
     pushDirty(f);
   }
-  const auto firstOf = [&](const std::vector<int>& blocks) {
-    return *std::min_element(blocks.begin(), blocks.end(),
-                             [&](int a, int b) { return blocks_[at(a)].order < blocks_[at(b)].order; });
-  };
+  return index;
+}
+
+/// Orders the blocks of dissolved fronts, makes fronts of them, and gives these the loose subtrees and elements.
+void IncrementalCholesky::rebuildTop() {
+  std::erase_if(loose_blocks_, [&](int b) { return blocks_[at(b)].dof == 0; });
+  std::erase_if(loose_elements_, [&](int e) { return elements_[at(e)].blocks.empty(); });
+  if (loose_blocks_.empty()) return;
+  // Canonical: the same set of blocks gives the same order, however it came together.
+  std::sort(loose_blocks_.begin(), loose_blocks_.end(),
+            [&](int a, int b) { return blocks_[at(a)].age < blocks_[at(b)].age; });
+  const BlockGraph graph = looseGraph();
+  const Fronts shapes = makeFronts(graph, orderNewestLast(graph));
+  const std::vector<int> index = makeLooseFronts(shapes);
   for (std::size_t i = 0; i < index.size(); ++i)
-    attach(index[i], made.front[i].parent < 0 ? -1 : index[at(made.front[i].parent)]);
+    attach(index[i], shapes.front[i].parent < 0 ? -1 : index[at(shapes.front[i].parent)]);
   for (const int f : loose_subtrees_) {
     const std::vector<int>& rows = fronts_[at(f)].rows;
     attach(f, rows.empty() ? -1 : blocks_[at(firstOf(rows))].front);
@@ -270,8 +282,7 @@ void IncrementalCholesky::rebuildTop() {
     element.front = blocks_[at(firstOf(element.blocks))].front;
     fronts_[at(element.front)].elements.push_back(e);
   }
-  for (const int b : loose_blocks_) local_[at(b)] = -1;
-  work_.blocks_ordered += count;
+  work_.blocks_ordered += graph.size();
   loose_blocks_.clear();
   loose_elements_.clear();
   loose_subtrees_.clear();
@@ -315,6 +326,24 @@ void IncrementalCholesky::place(const Front& front) {
       offset += blocks_[at(b)].dof;
     }
   }
+}
+
+void IncrementalCholesky::forgetPlaces(const Front& front) {
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) local_[at(b)] = -1;
+  }
+}
+
+/// Adds entries of blocks, one after the other, where these are placed.
+void IncrementalCholesky::addByPlace(const std::vector<int>& blocks, const double* from,
+                                     std::vector<double>& to) const {
+  for (const int b : blocks) {
+    for (int i = 0; i < dof(b); ++i) to[at(local_[at(b)] + i)] += *from++;
+  }
+}
+
+void IncrementalCholesky::forgetUndetermined(int block) {
+  undetermined_.erase(undetermined_.lower_bound({block, 0}), undetermined_.lower_bound({block + 1, 0}));
 }
 
 /// Of the lower triangle, row >= column.
@@ -409,15 +438,10 @@ void IncrementalCholesky::factorizeFront(int f) {
   }
   for (const int c : front.children) {
     const Front& child = fronts_[at(c)];
-    const double* from = child.diagonal_below.data();
-    for (const int b : child.rows) {
-      for (int i = 0; i < dof(b); ++i) diagonal[at(local_[at(b)] + i)] += *from++;
-    }
+    addByPlace(child.rows, child.diagonal_below.data(), diagonal);
   }
-  if (!front.held.empty()) {
-    for (const int b : front.pivots)
-      std::erase_if(undetermined_, [&](const auto& unknown) { return unknown.first == b; });
-  }
+  if (!front.held.empty())
+    std::for_each(front.pivots.begin(), front.pivots.end(), [&](int b) { forgetUndetermined(b); });
   front.held.clear();
   std::vector<double> least(at(front.p));
   for (int i = 0; i < front.p; ++i)
@@ -442,9 +466,7 @@ void IncrementalCholesky::factorizeFront(int f) {
   front.has_factor = true;
   ++work_.fronts_factorized;
   work_.flops += flopsOf(front.p, front.u);
-  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
-    for (const int b : *blocks) local_[at(b)] = -1;
-  }
+  forgetPlaces(front);
 }
 
 /// Nothing determines the pivot: it stays where it is.
@@ -469,18 +491,12 @@ void IncrementalCholesky::solveFront(int f) {
   std::vector<double> g(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
-    const double* from = element.g.data();
-    for (const int b : element.blocks) {
-      for (int i = 0; i < dof(b); ++i) g[at(local_[at(b)] + i)] += *from++;
-    }
+    addByPlace(element.blocks, element.g.data(), g);
   }
   front.promise_below = 0;
   for (const int c : front.children) {
     const Front& child = fronts_[at(c)];
-    const double* from = child.below.data();
-    for (const int b : child.rows) {
-      for (int i = 0; i < dof(b); ++i) g[at(local_[at(b)] + i)] += *from++;
-    }
+    addByPlace(child.rows, child.below.data(), g);
     front.promise_below += child.own_promise + child.promise_below;
   }
   front.y.assign(at(paddedToStripes(front.p)), 0.0);
@@ -489,17 +505,15 @@ void IncrementalCholesky::solveFront(int f) {
     if (front.held[i] != 0) front.y[i] = 0;
   }
   kernel.forwardPivots(front.D.data(), front.inverse.data(), front.p, front.y.data());
-  front.vector.assign(at(paddedToStripes(front.u)), 0.0);
-  if (front.u > 0) kernel.forwardRows(front.B.data(), front.p, front.u, front.y.data(), front.vector.data());
+  rows_.assign(at(paddedToStripes(front.u)), 0.0);
+  if (front.u > 0) kernel.forwardRows(front.B.data(), front.p, front.u, front.y.data(), rows_.data());
   front.below.resize(at(front.u));
-  for (int i = 0; i < front.u; ++i) front.below[at(i)] = g[at(front.p + i)] + front.vector[at(i)];
+  for (int i = 0; i < front.u; ++i) front.below[at(i)] = g[at(front.p + i)] + rows_[at(i)];
   front.own_promise = 0;
   for (int i = 0; i < front.p; ++i) front.own_promise += front.y[at(i)] * front.y[at(i)];
   front.has_solution = true;
   ++work_.fronts_solved;
-  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
-    for (const int b : *blocks) local_[at(b)] = -1;
-  }
+  forgetPlaces(front);
 }
 
 double IncrementalCholesky::promise() const {
@@ -513,7 +527,6 @@ double IncrementalCholesky::promise() const {
 const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double threshold) {
   moves_.clear();
   step_.clear();
-  step_at_.clear();
   to_visit_.clear();
   for (const int f : roots_) {
     const Front& front = fronts_[at(f)];
@@ -524,10 +537,7 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
     to_visit_.pop_back();
     goDown(f, threshold);
   }
-  for (std::size_t i = 0; i < moves_.size(); ++i) {
-    moves_[i].d = step_.data() + step_at_[i];
-    local_[at(moves_[i].block)] = -1;
-  }
+  for (Move& move : moves_) move.d = step_.data() + std::exchange(local_[at(move.block)], -1);
   return moves_;
 }
 
@@ -539,14 +549,14 @@ void IncrementalCholesky::goDown(int f, double threshold) {
   std::vector<double> d(at(paddedToStripes(front.p)), 0.0);
   for (int i = 0; i < front.p; ++i) d[at(i)] = -front.y[at(i)];
   if (front.u > 0) {
-    std::fill(front.vector.begin(), front.vector.end(), 0.0);
+    rows_.assign(at(paddedToStripes(front.u)), 0.0);
     int i = 0;
     for (const int b : front.rows) {
       const int place = local_[at(b)];  // in the step, where the block has moved
-      if (place >= 0) std::copy_n(step_.data() + place, dof(b), front.vector.data() + i);
+      if (place >= 0) std::copy_n(step_.data() + place, dof(b), rows_.data() + i);
       i += dof(b);
     }
-    kernel.backwardRows(front.B.data(), front.p, front.u, front.vector.data(), d.data());
+    kernel.backwardRows(front.B.data(), front.p, front.u, rows_.data(), d.data());
   }
   double promised = 0;
   for (int i = 0; i < front.p; ++i) promised += d[at(i)] * d[at(i)];
@@ -555,7 +565,6 @@ void IncrementalCholesky::goDown(int f, double threshold) {
     int i = 0;
     for (const int b : front.pivots) {
       local_[at(b)] = static_cast<int>(step_.size());
-      step_at_.push_back(step_.size());
       moves_.push_back({b, nullptr});
       for (int c = 0; c < dof(b); ++c, ++i) {
         const bool is_held = !front.held.empty() && front.held[at(i)] != 0;

@@ -19,7 +19,9 @@
 #include <span>
 #include <vector>
 
+#include "base/index.hpp"
 #include "solve/dense/big_array.hpp"
+#include "solve/symbolic/supernodes.hpp"
 
 namespace slom {
 
@@ -29,7 +31,6 @@ class IncrementalCholesky {
   void insertBlock(int block, int dof);
   /// One that no element touches any more.
   void removeBlock(int block);
-  bool hasBlock(int block) const { return block < blockCount() && blocks_[at(block)].dof > 0; }
   int dof(int block) const { return blocks_[at(block)].dof; }
 
   /// An element over these blocks, each once. Its numbers are 0 until they are set. Returns its index.
@@ -51,8 +52,6 @@ class IncrementalCholesky {
   };
   /// Brings the factor and L^-1 g up to date.
   void refactor();
-  /// Orders all blocks anew, whatever the work.
-  void reorder();
   /// g^T H^-1 g.
   double promise() const;
 
@@ -82,7 +81,6 @@ class IncrementalCholesky {
     int dof = 0;              // 0: there is none
     int front = -1;           // that eliminates it
     std::uint64_t order = 0;  // of elimination
-    int elements = 0;         // that touch it
     std::uint64_t age = 0;    // of insertion
   };
   struct Element {
@@ -98,29 +96,33 @@ class IncrementalCholesky {
     std::vector<int> children;  // by the order of their first pivots
     std::vector<int> elements;  // ascending
     dense::BigArray D, B, U;
-    std::vector<double> inverse, y, below, diagonal_below, vector;
+    std::vector<double> inverse, y, below, diagonal_below;
     std::vector<char> held;  // of the pivots; empty: none
     double own_promise = 0, promise_below = 0;
     bool has_factor = false, has_solution = false;
     std::uint64_t order = 0;  // of the first pivot
   };
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
   void touch(int front, bool is_factor);
   void pushDirty(int front);
   void markPathFrom(int block);
   void dissolve(int front);
   void rebuildTop();
+  void reorder();
+  BlockGraph looseGraph();
+  std::vector<int> makeLooseFronts(const Fronts& shapes);
+  int firstOf(const std::vector<int>& blocks) const;
   int newFront();
   void attach(int child, int parent);
   void place(const Front& front);
+  void forgetPlaces(const Front& front);
+  void addByPlace(const std::vector<int>& blocks, const double* from, std::vector<double>& to) const;
+  void forgetUndetermined(int block);
   double* entry(Front& front, int row, int column) const;
   void assemblePanel(Front& front);
   void addElements(Front& front, bool to_panel);
   void addChildren(Front& front, bool to_panel);
   void factorizeFront(int f);
   void solveFront(int f);
-  bool pivotsAreFine(Front& front);
   void hold(Front& front, int pivot);
   void goDown(int f, double threshold);
 
@@ -137,7 +139,7 @@ class IncrementalCholesky {
   std::vector<int> loose_blocks_, loose_elements_, loose_subtrees_;
   std::vector<int> local_;    // of each block: its place in the front or graph at hand; -1 outside of it
   std::vector<double> step_;  // entries of d
-  std::vector<std::size_t> step_at_;
+  std::vector<double> rows_;  // of the front at hand
   std::vector<Move> moves_;
   std::vector<int> to_visit_;
   std::uint64_t next_order_ = 1, next_age_ = 1;

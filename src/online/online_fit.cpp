@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "base/index.hpp"
-#include "base/words.hpp"
 
 namespace slom {
 
@@ -90,30 +88,26 @@ void OnlineFit::followVariables() {
   std::sort(touched_variables_.begin(), touched_variables_.end());
   touched_variables_.erase(std::unique(touched_variables_.begin(), touched_variables_.end()),
                            touched_variables_.end());
-  known_.resize(problem_.variables().size());
+  known_.resize(problem_.variables().size(), kUnknown);
   std::vector<int> inserted;
   for (const int v : touched_variables_) {
     const VariableRecord& record = problem_.variables()[at(v)];
-    Known& known = known_[at(v)];
+    long& known = known_[at(v)];
     const bool exists = record.store != nullptr;
     const bool has_block = exists && problem_.activeSet().isOptimized(v) && record.dof > 0;
-    if (known.serial >= 0 && has_block && known.serial == record.serial) {  // other components are fixed
-      std::vector<Place> uses;
-      collectUses(v, uses);
-      for (const Place& place : uses) linearize(place, 1, 0);
+    if (has_block && known == record.serial) {  // other components are fixed
+      for (const Place& place : usesOf(v)) linearize(place, 1, 0);
       continue;
     }
-    if (known.serial < 0 && !has_block) continue;
+    if (known == kUnknown && !has_block) continue;
     if (exists) {
-      std::vector<Place> uses;
-      collectUses(v, uses);
-      for (const Place& place : uses) {
+      for (const Place& place : usesOf(v)) {
         dropElement(recordOf(place));
         pending_.push_back(place);
       }
     }
-    if (known.serial >= 0) factor_.removeBlock(v);
-    known.serial = has_block ? record.serial : -1;
+    if (known != kUnknown) factor_.removeBlock(v);
+    known = has_block ? record.serial : kUnknown;
     if (has_block) inserted.push_back(v);
   }
   const auto isOlder = [&](int a, int b) {
@@ -135,22 +129,25 @@ void OnlineFit::followMoves() {
     }
   } else {
     for (const int v : *moves) {
-      if (problem_.variables()[at(v)].store != nullptr) collectUses(v, touched_);
+      if (problem_.variables()[at(v)].store != nullptr) touchUsesOf(v);
     }
   }
   linearizeTouched(0);
 }
 
-/// The measurements of a variable that were not collected since visit_ changed.
-void OnlineFit::collectUses(int variable, std::vector<Place>& places) {
+std::vector<OnlineFit::Place> OnlineFit::usesOf(int variable) const {
+  std::vector<Place> places;
+  problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
+    places.emplace_back(problem_.indexOfPool(pool), i);
+  });
+  return places;
+}
+
+/// Adds the variable's measurements to touched_, each once since visit_ changed.
+void OnlineFit::touchUsesOf(int variable) {
   problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
     const Place place(problem_.indexOfPool(pool), i);
-    Record& record = recordOf(place);
-    if (&places == &touched_) {
-      if (record.visited == visit_) return;
-      record.visited = visit_;
-    }
-    places.push_back(place);
+    if (std::exchange(recordOf(place).visited, visit_) != visit_) touched_.push_back(place);
   });
 }
 
@@ -165,7 +162,7 @@ void OnlineFit::makeElement(Place place) {
   std::vector<int> blocks;
   for (int k = 0; k < pool.arity(); ++k) {
     const int v = pool.variables(place.second)[k];
-    if (known_[at(v)].serial >= 0 && std::find(blocks.begin(), blocks.end(), v) == blocks.end())
+    if (known_[at(v)] != kUnknown && std::find(blocks.begin(), blocks.end(), v) == blocks.end())
       blocks.push_back(v);
   }
   Record& record = recordOf(place);
@@ -282,7 +279,7 @@ void OnlineFit::prepare(const std::vector<IncrementalCholesky::Move>& moves) {
   for (const auto& [block, d] : moves) {
     moved_variables_.push_back(block);
     step_.insert(step_.end(), d, d + factor_.dof(block));
-    collectUses(block, touched_);
+    touchUsesOf(block);
   }
   std::sort(touched_.begin(), touched_.end());
   moved_ += static_cast<int>(moves.size());

@@ -26,9 +26,6 @@ class OnlineFit {
   /// is up to date, or met values without residuals: a damped fit of everything is to go on.
   bool run(const UpdateOptions& options, UpdateSummary& summary);
 
-  const IncrementalCholesky& factor() const { return factor_; }
-  IncrementalCholesky& factor() { return factor_; }
-
  private:
   /// A measurement, at its place in its pool.
   struct Record {
@@ -36,6 +33,7 @@ class OnlineFit {
     double cost = 0;  // rho(|W r|^2)
     std::uint64_t visited = 0;
   };
+  static constexpr long kUnknown = -1;
   static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
   using Place = std::pair<int, int>;               // pool, index
 
@@ -46,7 +44,8 @@ class OnlineFit {
   void followMoves();
   void makeElement(Place place);
   void dropElement(Record& record);
-  void collectUses(int variable, std::vector<Place>& places);
+  std::vector<Place> usesOf(int variable) const;
+  void touchUsesOf(int variable);
   void linearize(Place first, int count, double most_difference);
   void take(Place place, const double* r, const double* J, const int* dof, double cost,
             double most_difference);
@@ -64,17 +63,13 @@ class OnlineFit {
     return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];
   }
 
-  struct Known {
-    long serial = -1;  // of the variable that has a block; -1: none
-  };
-
   Problem& problem_;
   Linearizer& linearizer_;
   IncrementalCholesky factor_;
   std::uint64_t structure_revision_ = 0, value_revision_ = 0;
   bool has_started_ = false;
   std::vector<std::vector<Record>> records_;
-  std::vector<Known> known_;
+  std::vector<long> known_;  // serials of the variables that have blocks; kUnknown: has none
   std::vector<int> touched_variables_;
   std::vector<Place> pending_, touched_;
   std::vector<int> moved_variables_;  // of the last step, whose entries are step_
