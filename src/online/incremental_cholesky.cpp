@@ -21,12 +21,14 @@ constexpr double kLeastOnlinePivot = 1e-13;
 /// All blocks are ordered anew when a factorisation of everything takes so many times the work for each block as when they were last.
 constexpr double kMostGrowth = 2;
 constexpr double kLittleWork = 1e5;
+/// From here on nested dissection beats minimum degree: the tree stays shallow.
+constexpr int kManyBlocks = 50;
 
 int paddedToStripes(int rows) { return dense::stripesOf(rows) * kStripe; }
 
 double flopsOf(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
 
-/// By minimum degree, but the last block, which what comes next will most likely touch, at the end.
+/// To keep the factor sparse, but the last block, which what comes next will most likely touch, at the end.
 std::vector<int> orderNewestLast(const BlockGraph& graph) {
   const int newest = graph.size() - 1;
   BlockGraph older;
@@ -39,7 +41,8 @@ std::vector<int> orderNewestLast(const BlockGraph& graph) {
     older.dof.push_back(graph.dof[at(i)]);
   }
   std::vector<int> order;
-  if (older.size() > 0) order = orderByMinimumDegree(older);
+  if (older.size() >= kManyBlocks) order = orderByNestedDissection(older);
+  if (order.empty() && older.size() > 0) order = orderByMinimumDegree(older);
   order.push_back(newest);
   return order;
 }
@@ -346,63 +349,100 @@ void IncrementalCholesky::forgetUndetermined(int block) {
   undetermined_.erase(undetermined_.lower_bound({block, 0}), undetermined_.lower_bound({block + 1, 0}));
 }
 
-/// Of the lower triangle, row >= column.
-double* IncrementalCholesky::entry(Front& front, int row, int column) const {
-  if (column < front.p) {
-    double* const panel = row < front.p ? front.D.data() : front.B.data();
-    const int i = row < front.p ? row : row - front.p;
-    return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + kStripe * column +
-           i % kStripe;
-  }
+/// Where a row of the lower triangle begins, in the columns of the pivots or in the others: its entries are kStripe apart.
+double* IncrementalCholesky::rowOf(Front& front, int row, bool to_panel) const {
+  const auto inPanel = [&](double* panel, int i) {
+    return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + i % kStripe;
+  };
+  if (row < front.p) return inPanel(front.D.data(), row);
   const int i = row - front.p;
-  return front.U.data() + dense::updateOffset(i / kStripe) + kStripe * (column - front.p) + i % kStripe;
+  if (to_panel) return inPanel(front.B.data(), i);
+  return front.U.data() + dense::updateOffset(i / kStripe) + i % kStripe -
+         static_cast<std::ptrdiff_t>(kStripe) * front.p;
+}
+
+double* IncrementalCholesky::entry(Front& front, int row, int column) const {
+  return rowOf(front, row, column < front.p) + static_cast<std::ptrdiff_t>(kStripe) * column;
 }
 
 /// Adds the products of elements to the columns of the pivots, or to the others.
 void IncrementalCholesky::addElements(Front& front, bool to_panel) {
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
-    int column_k = 0;
+    const int rows = element.rows;
+    const double* A_k = element.A.data();
     for (const int k : element.blocks) {
       const int dof_k = dof(k), at_k = local_[at(k)];
-      int column_l = 0;
+      const double* A_l = element.A.data();
       for (const int l : element.blocks) {
         const int dof_l = dof(l), at_l = local_[at(l)];
-        const int column_of_l = column_l;
-        column_l += dof_l;
+        const double* const first = A_l;
+        A_l += static_cast<std::ptrdiff_t>(rows) * dof_l;
         if (at_l > at_k || (at_l < front.p) != to_panel) continue;
-        for (int j = 0; j < dof_l; ++j) {
-          const double* const b =
-              element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_of_l + j);
-          for (int i = at_l == at_k ? j : 0; i < dof_k; ++i) {
-            const double* const a =
-                element.A.data() + static_cast<std::ptrdiff_t>(element.rows) * (column_k + i);
+        for (int i = 0; i < dof_k; ++i) {
+          double* const to = rowOf(front, at_k + i, to_panel) + static_cast<std::ptrdiff_t>(kStripe) * at_l;
+          const double* const a = A_k + static_cast<std::ptrdiff_t>(rows) * i;
+          const int columns = at_l == at_k ? i + 1 : dof_l;
+          for (int j = 0; j < columns; ++j) {
+            const double* const b = first + static_cast<std::ptrdiff_t>(rows) * j;
             double sum = 0;
-            for (int r = 0; r < element.rows; ++r) sum += a[r] * b[r];
-            *entry(front, at_k + i, at_l + j) += sum;
+            for (int r = 0; r < rows; ++r) sum += a[r] * b[r];
+            to[kStripe * j] += sum;
           }
         }
       }
-      column_k += dof_k;
+      A_k += static_cast<std::ptrdiff_t>(rows) * dof_k;
     }
   }
 }
 
+/// Adds the update matrices of the children, block by block: in the order of the front's rows, which may not be that of the child's.
 void IncrementalCholesky::addChildren(Front& front, bool to_panel) {
-  std::vector<int> target;
+  struct Part {
+    int to, from, dof;
+  };
+  std::vector<Part> parts;
   for (const int c : front.children) {
     Front& child = fronts_[at(c)];
-    target.clear();
+    parts.clear();
+    int from = 0;
     for (const int b : child.rows) {
-      for (int i = 0; i < blocks_[at(b)].dof; ++i) target.push_back(local_[at(b)] + i);
+      parts.push_back({local_[at(b)], from, dof(b)});
+      from += dof(b);
     }
-    for (int j = 0; j < child.u; ++j) {
-      for (int i = j; i < child.u; ++i) {
-        const int row = std::max(target[at(i)], target[at(j)]),
-                  column = std::min(target[at(i)], target[at(j)]);
-        if ((column < front.p) != to_panel) continue;
-        *entry(front, row, column) += child.U.data()[dense::updateOffset(i / kStripe) +
-                                                     static_cast<std::size_t>(kStripe * j + i % kStripe)];
+    std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.to < b.to; });
+    const double* const U = child.U.data();
+    const auto rowOfU = [&](int i) { return U + dense::updateOffset(i / kStripe) + i % kStripe; };
+    for (std::size_t a = 0; a < parts.size(); ++a) {
+      const Part& row = parts[a];
+      // Rows that lie side by side, here and there.
+      for (int i = 0, count = 0; i < row.dof; i += count) {
+        const int to_row = row.to + i < front.p ? row.to + i : row.to + i - front.p;
+        count = std::min({row.dof - i, kStripe - (row.from + i) % kStripe, kStripe - to_row % kStripe});
+        double* const to = rowOf(front, row.to + i, to_panel);
+        const double* const own = rowOfU(row.from + i);
+        for (std::size_t b = 0; b <= a; ++b) {
+          const Part& column = parts[b];
+          if ((column.to < front.p) != to_panel) continue;
+          double* const into = to + static_cast<std::ptrdiff_t>(kStripe) * column.to;
+          if (a == b) {
+            const double* const u = own + static_cast<std::ptrdiff_t>(kStripe) * column.from;
+            for (int k = 0; k < count; ++k) {
+              for (int j = 0; j <= i + k; ++j) into[kStripe * j + k] += u[kStripe * j + k];
+            }
+          } else if (column.from < row.from) {
+            const double* const u = own + static_cast<std::ptrdiff_t>(kStripe) * column.from;
+            for (int j = 0; j < column.dof; ++j) {
+              for (int k = 0; k < count; ++k) into[kStripe * j + k] += u[kStripe * j + k];
+            }
+          } else {
+            for (int j = 0; j < column.dof; ++j) {
+              const double* const u =
+                  rowOfU(column.from + j) + static_cast<std::ptrdiff_t>(kStripe) * (row.from + i);
+              for (int k = 0; k < count; ++k) into[kStripe * j + k] += u[kStripe * k];
+            }
+          }
+        }
       }
     }
   }

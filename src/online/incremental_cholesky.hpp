@@ -117,6 +117,7 @@ class IncrementalCholesky {
   void forgetPlaces(const Front& front);
   void addByPlace(const std::vector<int>& blocks, const double* from, std::vector<double>& to) const;
   void forgetUndetermined(int block);
+  double* rowOf(Front& front, int row, bool to_panel) const;
   double* entry(Front& front, int row, int column) const;
   void assemblePanel(Front& front);
   void addElements(Front& front, bool to_panel);

@@ -11,10 +11,11 @@ namespace {
 
 /// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
 /// step has decreased the RSS by less than half of what was promised.
-constexpr double kStaleOnline = 1e-3, kSlightlyStale = 1e-4;
+constexpr double kStaleOnline = 3e-4, kSlightlyStale = 1e-4;
 constexpr double kKeptOnline = 0.5;
-/// What a subtree must promise to be moved, relative to what may be left in all.
-constexpr double kShareOnline = 0.1, kSmallerShare = 0.1;
+/// What a subtree must promise to be moved, relative to what may be left in all. What hundreds of subtrees leave adds up, and another step
+/// costs more than moving some that need not move.
+constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
 /// The promise is that of a model; this part of what is allowed is aimed at.
 constexpr double kAimedAt = 0.5;
 /// Squared deviations of nothing.
@@ -168,6 +169,8 @@ void OnlineFit::makeElement(Place place) {
   Record& record = recordOf(place);
   const int rows = pool.rows(place.second);
   record.element = blocks.empty() || rows == 0 ? kNone : factor_.insertElement(blocks, rows);
+  const int* const variables = pool.variables(place.second);
+  record.is_plain = std::equal(blocks.begin(), blocks.end(), variables, variables + pool.arity());
   linearize(place, 1, 0);
 }
 
@@ -224,15 +227,38 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
   addToRss(cost);
   record.cost = cost;
   if (record.element == kNone) return;
+  const std::vector<double>& before = factor_.A(record.element);
+  const int rows = factor_.rowsOf(record.element);
+  if (!record.is_plain) {
+    merge(place, J, dof);
+    J = A_.data();
+  }
+  g_.clear();
+  double difference = 0, size = 0;
+  const double* b = before.data();
+  for (const double* a = J; a < J + before.size();) {
+    double sum = 0;
+    for (int k = 0; k < rows; ++k, ++a, ++b) {
+      sum += *a * r[k];
+      difference += (*a - *b) * (*a - *b);
+      size += *b * *b;
+    }
+    g_.push_back(sum);
+  }
+  factor_.setGradient(record.element, g_);
+  if (difference > most_difference * most_difference * size) factor_.setA(record.element, {J, before.size()});
+}
+
+/// The Jacobian of an element from those of a measurement, where that has variables without a block, or one twice.
+void OnlineFit::merge(Place place, const double* J, const int* dof) {
+  const int element = recordOf(place).element, rows = factor_.rowsOf(element);
   const MeasurementPool& pool = *problem_.pools()[at(place.first)];
   const int* const variables = pool.variables(place.second);
-  const int rows = pool.rows(place.second);
-  const std::vector<double>& before = factor_.A(record.element);
-  A_.assign(before.size(), 0.0);
+  A_.assign(factor_.A(element).size(), 0.0);
   for (int k = 0; k < pool.arity(); ++k) {
     const int entries = rows * dof[k];
     std::size_t start = 0;
-    for (const int b : factor_.blocksOf(record.element)) {
+    for (const int b : factor_.blocksOf(element)) {
       if (b == variables[k]) {
         for (int e = 0; e < entries; ++e) A_[start + at(e)] += J[e];
         break;
@@ -241,19 +267,6 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
     }
     J += entries;
   }
-  const int columns = static_cast<int>(A_.size()) / rows;
-  g_.assign(at(columns), 0.0);
-  double difference = 0, size = 0;
-  for (int c = 0; c < columns; ++c) {
-    for (int k = 0; k < rows; ++k) {
-      const std::size_t e = at(c * rows + k);
-      g_[at(c)] += A_[e] * r[k];
-      difference += (A_[e] - before[e]) * (A_[e] - before[e]);
-      size += before[e] * before[e];
-    }
-  }
-  factor_.setGradient(record.element, g_);
-  if (difference > most_difference * most_difference * size) factor_.setA(record.element, A_);
 }
 
 void OnlineFit::linearizeTouched(double most_difference) {

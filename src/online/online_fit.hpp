@@ -30,7 +30,8 @@ class OnlineFit {
   /// A measurement, at its place in its pool.
   struct Record {
     int element = kPending;
-    double cost = 0;  // rho(|W r|^2)
+    bool is_plain = false;  // the element's Jacobian is that of the measurement
+    double cost = 0;        // rho(|W r|^2)
     std::uint64_t visited = 0;
   };
   static constexpr long kUnknown = -1;
@@ -49,6 +50,7 @@ class OnlineFit {
   void linearize(Place first, int count, double most_difference);
   void take(Place place, const double* r, const double* J, const int* dof, double cost,
             double most_difference);
+  void merge(Place place, const double* J, const int* dof);
   void linearizeTouched(double most_difference);
   void addToRss(double change);
   void sumAgain();
