@@ -1,4 +1,8 @@
 // The online fit of an estimator.
+#include <limits>
+#include <ostream>
+#include <utility>
+
 #include "base/words.hpp"
 #include "estimator_state.hpp"
 #include "online/online_fit.hpp"
@@ -14,11 +18,26 @@ std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options
 }
 }  // namespace
 
+std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary) {
+  os << (summary.converged ? "converged" : "not converged") << ": " << summary.message << "\nRSS "
+     << number(summary.rss, 6) << ", " << counted(summary.steps, "step") << ", "
+     << counted(summary.variables_moved, "move") << ", "
+     << counted(summary.measurements_linearized, "linearisation") << ", "
+     << counted(summary.fronts_factorized, "front") << (summary.reordered ? ", ordered anew" : "") << "\n";
+  if (!summary.undetermined.empty()) {
+    os << "not determined by measurements:";
+    for (const std::string& name : summary.undetermined) os << ' ' << name;
+    os << "\n";
+  }
+  return os;
+}
+
 UpdateSummary Estimator::update(const UpdateOptions& options) {
-  if (!(options.tolerance > 0)) {
-    throw Error("slom.bad-option",
-                "tolerance is " + number(options.tolerance, 6) + "; pass a positive number, such as 1e-6",
-                "tolerance");
+  if (!(options.tolerance > 0 && options.tolerance < 1)) {
+    throw Error(
+        "slom.bad-option",
+        "tolerance is " + number(options.tolerance, 6) + "; pass a number between 0 and 1, such as 1e-6",
+        "tolerance");
   }
   if (options.max_steps < 1) {
     throw Error("slom.bad-option",
@@ -27,6 +46,20 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
   }
   State& state = *state_;
   if (state.online == nullptr) state.online = std::make_unique<OnlineFit>(state.problem, state.linearizer);
+  // What nothing determines stays where it is, with update() as with a damped algorithm.
+  const auto takeOver = [&] {
+    Summary fit = optimize();
+    if (fit.stop_reason != StopReason::rank_deficient) return fit;
+    std::unique_ptr<Algorithm> own = std::exchange(state.algorithm, std::make_unique<LevenbergMarquardt>());
+    try {
+      fit = optimize();
+    } catch (...) {
+      state.algorithm = std::move(own);
+      throw;
+    }
+    state.algorithm = std::move(own);
+    return fit;
+  };
   return state.run([&] {
     UpdateSummary summary;
     const bool has_bounds = state.problem.activeSet().hasBounds();
@@ -34,11 +67,11 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
       summary.message = messageOf(summary, options);
       return summary;
     }
-    const Summary fit = optimize();
+    const Summary fit = takeOver();
     summary.used_optimize = true;
     summary.converged = fit.converged;
     summary.rss = fit.final_rss;
-    summary.promise = 0;
+    summary.promise = std::numeric_limits<double>::quiet_NaN();
     if (!has_bounds) static_cast<void>(state.online->run(options, summary));
     summary.message = "optimize() took over: " + fit.message;
     return summary;

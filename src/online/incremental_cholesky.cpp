@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "solve/dense/kernels.hpp"
@@ -23,13 +24,20 @@ constexpr double kMostGrowth = 2;
 constexpr double kLittleWork = 1e5;
 /// From here on nested dissection beats minimum degree: the tree stays shallow.
 constexpr int kManyBlocks = 50;
+constexpr double kNearlyAsGood = 1.2;  // by operations
 
 int paddedToStripes(int rows) { return dense::stripesOf(rows) * kStripe; }
 
 double flopsOf(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
 
-/// To keep the factor sparse, but the last block, which what comes next will most likely touch, at the end.
-std::vector<int> orderNewestLast(const BlockGraph& graph) {
+double flopsOf(const Fronts& fronts) {
+  return std::accumulate(fronts.front.begin(), fronts.front.end(), 0.0,
+                         [](double sum, const Front& front) { return sum + flopsOf(front.p, front.u); });
+}
+
+/// Fronts that keep the factor sparse, with the last block, which what comes next will most likely touch, at the end. Few blocks, as where
+/// a chain grows, are eliminated by age where that is nearly as good: then what is old does not stay at the top.
+Fronts frontsWithNewestLast(const BlockGraph& graph) {
   const int newest = graph.size() - 1;
   BlockGraph older;
   older.start.push_back(0);
@@ -44,7 +52,13 @@ std::vector<int> orderNewestLast(const BlockGraph& graph) {
   if (older.size() >= kManyBlocks) order = orderByNestedDissection(older);
   if (order.empty() && older.size() > 0) order = orderByMinimumDegree(older);
   order.push_back(newest);
-  return order;
+  Fronts fronts = makeFronts(graph, order);
+  if (older.size() < kManyBlocks) {
+    std::iota(order.begin(), order.end(), 0);
+    Fronts by_age = makeFronts(graph, order);
+    if (flopsOf(by_age) <= kNearlyAsGood * flopsOf(fronts)) return by_age;
+  }
+  return fronts;
 }
 
 }  // namespace
@@ -271,7 +285,7 @@ void IncrementalCholesky::rebuildTop() {
   std::sort(loose_blocks_.begin(), loose_blocks_.end(),
             [&](int a, int b) { return blocks_[at(a)].age < blocks_[at(b)].age; });
   const BlockGraph graph = looseGraph();
-  const Fronts shapes = makeFronts(graph, orderNewestLast(graph));
+  const Fronts shapes = frontsWithNewestLast(graph);
   const std::vector<int> index = makeLooseFronts(shapes);
   for (std::size_t i = 0; i < index.size(); ++i)
     attach(index[i], shapes.front[i].parent < 0 ? -1 : index[at(shapes.front[i].parent)]);
@@ -551,7 +565,7 @@ void IncrementalCholesky::solveFront(int f) {
   for (int i = 0; i < front.u; ++i) front.below[at(i)] = g[at(front.p + i)] + rows_[at(i)];
   front.own_promise = 0;
   for (int i = 0; i < front.p; ++i) front.own_promise += front.y[at(i)] * front.y[at(i)];
-  front.has_solution = true;
+  front.has_solution = front.has_news = true;
   ++work_.fronts_solved;
   forgetPlaces(front);
 }
@@ -564,7 +578,7 @@ double IncrementalCholesky::promise() const {
 
 // ---- steps --------------------------------------------------------------------------------------------------
 
-const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double threshold) {
+const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double threshold, bool everywhere) {
   moves_.clear();
   step_.clear();
   to_visit_.clear();
@@ -575,7 +589,7 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
   while (!to_visit_.empty()) {
     const int f = to_visit_.back();
     to_visit_.pop_back();
-    goDown(f, threshold);
+    goDown(f, threshold, everywhere);
   }
   for (Move& move : moves_) move.d = step_.data() + std::exchange(local_[at(move.block)], -1);
   return moves_;
@@ -583,7 +597,7 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
 
 /// d of the front's pivots, given that of its rows, unless it promises next to nothing. Children follow whose rows have moved, or in
 /// whose subtrees something is left.
-void IncrementalCholesky::goDown(int f, double threshold) {
+void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
   std::vector<double> d(at(paddedToStripes(front.p)), 0.0);
@@ -612,9 +626,11 @@ void IncrementalCholesky::goDown(int f, double threshold) {
       }
     }
   }
+  front.has_news = false;
   for (const int c : front.children) {
     const Front& child = fronts_[at(c)];
-    const bool has_more = child.own_promise + child.promise_below > threshold;
+    const bool has_more =
+        (everywhere || child.has_news) && child.own_promise + child.promise_below > threshold;
     if (has_more ||
         std::any_of(child.rows.begin(), child.rows.end(), [&](int b) { return local_[at(b)] >= 0; }))
       to_visit_.push_back(c);

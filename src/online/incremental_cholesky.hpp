@@ -60,8 +60,9 @@ class IncrementalCholesky {
     int block;
     const double* d;  ///< valid until the next call of anything here
   };
-  /// The blocks that d moves. Fronts whose own motion promises less than `threshold` are left where they are.
-  const std::vector<Move>& solve(double threshold);
+  /// The blocks that d moves. Fronts whose own motion promises less than `threshold` are left where they are; so is what earlier
+  /// solutions have left, unless it is to be looked for `everywhere`.
+  const std::vector<Move>& solve(double threshold, bool everywhere = true);
 
   /// Unknowns (block, component) that nothing determines, given those eliminated before: they stay where they are. Of all fronts.
   const std::set<std::pair<int, int>>& undetermined() const { return undetermined_; }
@@ -100,6 +101,7 @@ class IncrementalCholesky {
     std::vector<char> held;  // of the pivots; empty: none
     double own_promise = 0, promise_below = 0;
     bool has_factor = false, has_solution = false;
+    bool has_news = true;     // here or below, since the last step went down
     std::uint64_t order = 0;  // of the first pivot
   };
   void touch(int front, bool is_factor);
@@ -125,7 +127,7 @@ class IncrementalCholesky {
   void factorizeFront(int f);
   void solveFront(int f);
   void hold(Front& front, int pivot);
-  void goDown(int f, double threshold);
+  void goDown(int f, double threshold, bool everywhere);
 
   std::vector<Block> blocks_;
   std::vector<Element> elements_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/index.hpp"
 
@@ -18,10 +19,11 @@ constexpr double kKeptOnline = 0.5;
 constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
 /// The promise is that of a model; this part of what is allowed is aimed at.
 constexpr double kAimedAt = 0.5;
-/// Squared deviations of nothing.
-constexpr double kNothingPromised = 1e-16;
 constexpr double kSlowest = 0.99;  // of the promises of two steps
 constexpr double kNoiseOfRss = 1e-13;
+constexpr double kRoundingSteps = 4;  // of the last digit
+constexpr int kManySteps =
+    3;  // after so many, values may have another size than where their measurements were inserted
 constexpr double kMostPeak = 1e6;  // of the sum of costs since it was added up, relative to what it is now
 /// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
 constexpr double kFarOff = 0.5;
@@ -70,7 +72,7 @@ void OnlineFit::follow() {
 
 void OnlineFit::startAgain() {
   factor_ = {};
-  rss_ = rss_rest_ = peak_ = 0;
+  rss_ = rss_rest_ = peak_ = rounding_ = 0;
   known_.clear();
   pending_.clear();
   touched_variables_.clear();
@@ -154,6 +156,7 @@ void OnlineFit::touchUsesOf(int variable) {
 
 void OnlineFit::dropElement(Record& record) {
   addToRss(-record.cost);
+  rounding_ -= record.rounding;
   if (record.element >= 0) factor_.removeElement(record.element);
   record = {};
 }
@@ -172,6 +175,29 @@ void OnlineFit::makeElement(Place place) {
   const int* const variables = pool.variables(place.second);
   record.is_plain = std::equal(blocks.begin(), blocks.end(), variables, variables + pool.arity());
   linearize(place, 1, 0);
+  roundAgain(record);
+}
+
+/// What the last digits of the variables' values do to the measurement.
+void OnlineFit::roundAgain(Record& record) {
+  if (record.element < 0) return;
+  const int rows = factor_.rowsOf(record.element);
+  const double* a = factor_.A(record.element).data();
+  double residual = 0;
+  std::vector<double> sizes;
+  for (const int v : factor_.blocksOf(record.element)) {
+    const VariableRecord& variable = problem_.variables()[at(v)];
+    sizes.resize(at(variable.dof));
+    variable.store->typicalSizes(variable.slot, sizes.data());
+    for (const double size : sizes) {
+      double length = 0;
+      for (int k = 0; k < rows; ++k, ++a) length += *a * *a;
+      residual += std::sqrt(length) * size;
+    }
+  }
+  residual *= kRoundingSteps * std::numeric_limits<double>::epsilon();
+  rounding_ += residual * residual - record.rounding;
+  record.rounding = residual * residual;
 }
 
 void OnlineFit::addToRss(double change) {
@@ -374,13 +400,18 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   for (int steps = 0;; ++steps) {
     sumAgain();
     const double before = rss(), promised = factor_.promise();
-    const double allowed = options.tolerance * std::max(before, 0.0) + kNothingPromised;
+    // Beside the measurements' rounding errors there is no optimum to be found.
+    const double allowed =
+        std::max({options.tolerance * before, rounding_, std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;
     if (is_near || steps >= options.max_steps) {
       fill(summary, steps, is_near);
       return true;
     }
-    prepare(factor_.solve(share * allowed));
+    prepare(factor_.solve(share * allowed, steps > 0));
+    if (steps >= kManySteps) {
+      for (const Place& place : touched_) roundAgain(recordOf(place));
+    }
     if (!go(promised)) {
       factor_.refactor();
       if (is_fresh || isFarOff(promised, before)) {
@@ -410,6 +441,7 @@ void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
   summary.variables_moved += moved_;
   summary.measurements_linearized += linearized_;
   summary.fronts_factorized += work.fronts_factorized;
+  summary.fronts_solved += work.fronts_solved;
   summary.flops += work.flops;
   summary.reordered = summary.reordered || work.reordered_all;
   summary.undetermined.clear();

@@ -32,6 +32,7 @@ class OnlineFit {
     int element = kPending;
     bool is_plain = false;  // the element's Jacobian is that of the measurement
     double cost = 0;        // rho(|W r|^2)
+    double rounding = 0;    // the squared residual that rounding errors of the values make
     std::uint64_t visited = 0;
   };
   static constexpr long kUnknown = -1;
@@ -51,6 +52,7 @@ class OnlineFit {
   void take(Place place, const double* r, const double* J, const int* dof, double cost,
             double most_difference);
   void merge(Place place, const double* J, const int* dof);
+  void roundAgain(Record& record);
   void linearizeTouched(double most_difference);
   void addToRss(double change);
   void sumAgain();
@@ -78,6 +80,7 @@ class OnlineFit {
   std::vector<double> step_;
   std::uint64_t visit_ = 0;
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
+  double rounding_ = 0;                       // of the RSS
   int linearized_ = 0, moved_ = 0;
   std::vector<double> A_, g_;
 };

@@ -1,13 +1,15 @@
 /// What Estimator::update() does, and how it went.
 #pragma once
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
 namespace slom {
 
 struct UpdateOptions {
-  /// Steps are taken until another one promises to decrease the RSS by no more than this part of it.
+  /// Steps are taken until another one promises to decrease the RSS by no more than this part of it, or by no more than the rounding
+  /// errors of the residuals. Between 0 and 1.
   double tolerance = 1e-6;
   /// Steps at most. What is left is done by the next call.
   int max_steps = 100;
@@ -17,17 +19,23 @@ struct UpdateSummary {
   bool converged = false;  ///< the promise is within the tolerance
   std::string message;     ///< why it ended, in a sentence
   double rss = 0;          ///< at the end
-  double promise = 0;  ///< by how much another step would decrease the RSS, by the linear model: g^T H^-1 g
+  /// By how much another step would decrease the RSS, by the linear model: g^T H^-1 g. NaN where there are bounds.
+  double promise = 0;
   int steps = 0;
   int variables_moved = 0;          ///< counted in each step
   int measurements_linearized = 0;  ///< counted each time
   int fronts_factorized = 0;        ///< parts of the factor that were computed again
-  double flops = 0;                 ///< of their factorisation
-  bool reordered = false;           ///< all variables were ordered anew
-  bool used_optimize =
-      false;  ///< steps went uphill, or there are bounds: optimize() took over, in time proportional to everything
+  int fronts_solved = 0;   ///< parts of the factor that a gradient went up through, counted each time
+  double flops = 0;        ///< of their factorisation
+  bool reordered = false;  ///< all variables were ordered anew
+  /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
+  bool used_optimize = false;
   /// Names of components that no measurement determines, given those of other variables; they keep their values until one does.
+  /// Not filled where there are bounds.
   std::vector<std::string> undetermined;
 };
+
+/// A few lines for people.
+std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary);
 
 }  // namespace slom
