@@ -74,12 +74,41 @@ int MultifrontalQR::columnIn(int f, int position) const {
   return row_column_[static_cast<std::size_t>(std::lower_bound(first, last, position) - fronts_.row.begin())];
 }
 
-int MultifrontalQR::rowsOf(int f, const JacobianRows& rows, bool is_damped) const {
-  Eigen::Index count = is_damped ? fronts_.front[at(f)].p : 0;
-  for (const auto& [group, m] : measurements_[at(f)]) count += rows.residual(group, m).size();
-  for (const int child : children_[at(f)]) count += rest_[at(child)].rows();
-  return static_cast<int>(count);
-}
+/// Rows of a front, which are made triangular each time that there are many, so that a front that thousands of others end in takes no more
+/// memory than a few times its columns squared.
+class MultifrontalQR::Panel {
+ public:
+  /// For so many rows in all, in parts of up to `largest`.
+  Panel(Eigen::Index rows, Eigen::Index largest, Eigen::Index columns)
+      : A_(MatrixXd::Zero(std::min(rows, std::max(kManyRows * columns, columns + largest)), columns)) {}
+
+  /// The next rows, which are 0.
+  auto add(Eigen::Index count) {
+    if (next_ + count > A_.rows()) triangularizeWhatThereIs();
+    next_ += count;
+    return A_.middleRows(next_ - count, count);
+  }
+  /// What is above the diagonal is all that counts.
+  const MatrixXd& finish() {
+    if (next_ > 0) triangularize(A_.topRows(next_));
+    return A_;
+  }
+  Eigen::Index rows() const { return next_; }
+
+ private:
+  static constexpr Eigen::Index kManyRows = 5;
+
+  void triangularizeWhatThereIs() {
+    triangularize(A_.topRows(next_));
+    const Eigen::Index kept = std::min(next_, A_.cols());
+    A_.bottomRows(A_.rows() - kept).setZero();
+    A_.topRows(kept).triangularView<Eigen::StrictlyLower>().setZero();
+    next_ = kept;
+  }
+
+  MatrixXd A_;
+  Eigen::Index next_ = 0;
+};
 
 SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, const VectorXd& scale,
                                            const VectorXd& damping, double tolerance) {
@@ -87,42 +116,46 @@ SolveStatus MultifrontalQR::factorizeFront(int f, const JacobianRows& rows, cons
   const std::vector<int>& unknown = unknown_[at(f)];
   const bool is_damped = damping.size() > 0;
   const int n = front.p + front.u;
-  MatrixXd A = MatrixXd::Zero(rowsOf(f, rows, is_damped), n + 1);
-  Eigen::Index next = 0;
+  Eigen::Index count = is_damped ? front.p : 0, largest = 1;
+  const auto addPart = [&](Eigen::Index part) {
+    count += part;
+    largest = std::max(largest, part);
+  };
+  for (const auto& [group, m] : measurements_[at(f)]) addPart(rows.residual(group, m).size());
+  for (const int child : children_[at(f)]) addPart(rest_[at(child)].rows());
+  Panel panel(count, largest, n + 1);
   for (const auto& [group, m] : measurements_[at(f)]) {
     const auto r = rows.residual(group, m);
+    auto A = panel.add(r.size());
     rows.forEachPart(group, m, [&](int block, const JacobianRows::Part& J) {
       const int first = structure_->offset[at(block)];
-      A.block(next, columnIn(f, fronts_.position[at(block)]), J.rows(), J.cols()) +=
+      A.middleCols(columnIn(f, fronts_.position[at(block)]), J.cols()) +=
           J * scale.segment(first, J.cols()).asDiagonal();
     });
-    A.col(n).segment(next, r.size()) = -r;
-    next += r.size();
+    A.col(n) = -r;
   }
   for (const int child : children_[at(f)]) {
     MatrixXd& rest = rest_[at(child)];
     const Front& from = fronts_.front[at(child)];
+    auto A = panel.add(rest.rows());
     for (int k = from.first_row; k < from.last_row; ++k) {
       const int position = fronts_.row[at(k)], columns = width(fronts_, position);
-      A.block(next, columnIn(f, position), rest.rows(), columns) =
-          rest.middleCols(row_column_[at(k)] - from.p, columns);
+      A.middleCols(columnIn(f, position), columns) = rest.middleCols(row_column_[at(k)] - from.p, columns);
     }
-    A.col(n).segment(next, rest.rows()) = rest.col(from.u);
-    next += rest.rows();
+    A.col(n) = rest.col(from.u);
     rest.resize(0, 0);
   }
-  for (int j = 0; is_damped && j < front.p; ++j) {
-    A(next++, j) = std::sqrt(damping[unknown[at(j)]]) * scale[unknown[at(j)]];
-  }
-  if (A.rows() > 0) triangularize(A);
-  const Eigen::Index pivots = std::min<Eigen::Index>(A.rows(), front.p);
+  for (int j = 0; is_damped && j < front.p; ++j)
+    panel.add(1)(0, j) = std::sqrt(damping[unknown[at(j)]]) * scale[unknown[at(j)]];
+  const MatrixXd& A = panel.finish();
+  const Eigen::Index pivots = std::min<Eigen::Index>(panel.rows(), front.p);
   R_[at(f)] = MatrixXd::Zero(front.p, n + 1);
   R_[at(f)].topRows(pivots) = A.topRows(pivots).triangularView<Eigen::Upper>();
   for (int j = 0; j < front.p; ++j) {
     const double pivot = std::abs(R_[at(f)](j, j));
     if (!(pivot > tolerance)) return {false, unknown[at(j)], pivot * pivot};
   }
-  const Eigen::Index left = std::min<Eigen::Index>(A.rows(), n) - pivots;
+  const Eigen::Index left = std::min<Eigen::Index>(panel.rows(), n) - pivots;
   rest_[at(f)] = A.block(pivots, front.p, left, front.u + 1);
   rest_[at(f)].leftCols(front.u) = MatrixXd(rest_[at(f)].leftCols(front.u).triangularView<Eigen::Upper>());
   return {};

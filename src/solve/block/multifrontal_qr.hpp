@@ -29,12 +29,12 @@ class MultifrontalQR {
   const Fronts& fronts() const { return fronts_; }
 
  private:
+  class Panel;
   struct Measurement {
     std::size_t group;
     int index;
   };
   int columnIn(int f, int position) const;
-  int rowsOf(int f, const JacobianRows& rows, bool is_damped) const;
   SolveStatus factorizeFront(int f, const JacobianRows& rows, const Eigen::VectorXd& scale,
                              const Eigen::VectorXd& damping, double tolerance);
 
