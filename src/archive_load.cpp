@@ -87,7 +87,7 @@ class ArchiveReader {
     int version = 0;
     if (!nextLine() || !(line_ >> first >> second >> version) || first + " " + second != kFirstWords) {
       line_number_ = std::max(line_number_, 1);
-      raise(std::string("this is no saved problem: its first line is not \"") + kFirstWords + " " +
+      raise(std::string("this is not a saved problem: its first line is not \"") + kFirstWords + " " +
             std::to_string(kVersion) + "\"");
     }
     if (version != kVersion) {
@@ -285,7 +285,7 @@ class ArchiveReader {
     if (kind == "matrix") {
       int side = 0;
       while (side * side < n) ++side;
-      if (side * side != n) raise("the noise matrix has " + counted(n, "number") + ", which is no square");
+      if (side * side != n) raise("the noise matrix has " + counted(n, "number") + ", which is not a square");
       std::vector<double> by_columns(noise_.size());
       for (int k = 0; k < n; ++k) by_columns[at(k % side * side + k / side)] = noise_[at(k)];
       noise_ = by_columns;

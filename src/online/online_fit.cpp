@@ -22,6 +22,8 @@ constexpr double kAimedAt = 0.5;
 constexpr double kSlowest = 0.99;  // of the promises of two steps
 constexpr double kNoiseOfRss = 1e-13;
 constexpr double kRoundingSteps = 4;  // of the last digit
+/// What rounding errors may hide, squared standard deviations: where a measurement is so exact that they are worth more, others are not.
+constexpr double kMostRoundingOnline = 1e-4;
 constexpr int kManySteps =
     3;  // after so many, values may have another size than where their measurements were inserted
 constexpr double kMostPeak = 1e6;  // of the sum of costs since it was added up, relative to what it is now
@@ -401,8 +403,8 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
     sumAgain();
     const double before = rss(), promised = factor_.promise();
     // Beside the measurements' rounding errors there is no optimum to be found.
-    const double allowed =
-        std::max({options.tolerance * before, rounding_, std::numeric_limits<double>::min()});
+    const double allowed = std::max({options.tolerance * before, std::min(rounding_, kMostRoundingOnline),
+                                     std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;
     if (is_near || steps >= options.max_steps) {
       fill(summary, steps, is_near);

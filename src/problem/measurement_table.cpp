@@ -153,7 +153,7 @@ void Problem::raiseThrew(const std::string& measurement, const int* variables, i
   } catch (const std::exception& e) {
     std::throw_with_nested(error("an exception (" + std::string(e.what()) + ")"));
   } catch (...) {
-    std::throw_with_nested(error("something that is no std::exception"));
+    std::throw_with_nested(error("something that is not a std::exception"));
   }
 }
 

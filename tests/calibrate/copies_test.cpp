@@ -142,9 +142,10 @@ TEST_F(Copies, TakeReadingsOfTheirImagesAlong) {
 TEST_F(Copies, OfOneImageAloneAreRefused) {
   left().views.resize(1);
   for (int image = 11; image <= 17; ++image) repeat(left(), 0, image);
-  EXPECT_EQ(refusal(),
-            "camera.csv: all 8 images of camera left repeat image 1, to within 0.000 px; a copy is no second "
-            "measurement, so add images from other directions");
+  EXPECT_EQ(
+      refusal(),
+      "camera.csv: all 8 images of camera left repeat image 1, to within 0.000 px; a copy is not a second "
+      "measurement, so add images from other directions");
 }
 
 TEST_F(Copies, InTwoCamerasAreRefused) {

@@ -234,7 +234,7 @@ TEST(DataInMemory, StayAsTheyWereWhereCopiesCannotBeLeftOut) {
   for (View& view : right.views) view.corners = right.views[0].corners;  // copies without another view
   EXPECT_EQ(messageOf([&] { leaveOutCopies(data); }),
             "[slom.calibration.copies] camera right: all 6 images of camera right repeat image 0, to within "
-            "0.000 px; a copy is no second measurement, so add images from other directions");
+            "0.000 px; a copy is not a second measurement, so add images from other directions");
   ASSERT_EQ(data.cameras[0].views.size(), 6u);
   EXPECT_TRUE(data.cameras[0].copies.empty());
   EXPECT_EQ(data.cameras[0].views[0].image, 5);

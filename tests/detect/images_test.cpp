@@ -294,7 +294,7 @@ TEST_F(Images, GivenTwiceAreLeftOut) {
             "image 2 "
             "(left02.pgm), image 9 (left09.pgm) repeats image 3 (left03.pgm) to within 0.000 px, so they are "
             "left out: a "
-            "copy is no second measurement.");
+            "copy is not a second measurement.");
 }
 
 TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {

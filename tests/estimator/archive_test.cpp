@@ -300,8 +300,9 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       "slom problem 1\nvariables \"double\"\n\"x\" free 1\nvariables \"vect<3>\"\n\"p\" free 1 2 3\n";
   const std::string group = head + "measurements \"Prior(double, measured double)\" \"\"\n";
   const std::vector<Fault> faults{
-      {"", "FILE:1: this is no saved problem: its first line is not \"slom problem 1\""},
-      {"VERTEX_SE2 0 0 0 0\n", "FILE:1: this is no saved problem: its first line is not \"slom problem 1\""},
+      {"", "FILE:1: this is not a saved problem: its first line is not \"slom problem 1\""},
+      {"VERTEX_SE2 0 0 0 0\n",
+       "FILE:1: this is not a saved problem: its first line is not \"slom problem 1\""},
       {"slom problem 7\n",
        "FILE:1: the problem is saved in version 7 of the format, this program reads version 1; use a newer one"},
       {head, "FILE is not complete: its last line is not \"end\"; take a file that was written to its end"},
@@ -335,7 +336,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {group + "0 | | 1\n",
        "FILE:7: the noise is \"|\"; it is unit, scalar, diagonal or matrix and its numbers"},
       {group + "0 | unit 1 | 1\n", "FILE:7: the noise is unit with 1 number; unit has none, scalar one"},
-      {group + "0 | matrix 1 0 | 1\n", "FILE:7: the noise matrix has 2 numbers, which is no square"},
+      {group + "0 | matrix 1 0 | 1\n", "FILE:7: the noise matrix has 2 numbers, which is not a square"},
       {group + "0 | matrix 0 | 1\n",
        "FILE:7: whitening matrix of measurement Prior #1 is singular; pass an invertible matrix"},
       {group + "0 | diagonal 1 1 | 1\n",

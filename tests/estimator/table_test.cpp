@@ -405,7 +405,7 @@ TEST(Exceptions, OfUserCodeLeaveTheEstimatorAsItWas) {
     est.setThreads(threads);
     armed = true;
     const std::string text =
-        "[slom.measurement-threw] the function of measurement lambda #1 threw something that is no std::exception at x = "
+        "[slom.measurement-threw] the function of measurement lambda #1 threw something that is not a std::exception at x = "
         "(1); let it return NaN where it has no value, steps there are taken back";
     EXPECT_EQ(messageOf([&] { est.optimize(); }), text);
     EXPECT_EQ(messageOf([&] { est.optimizeStep(); }), text);

@@ -189,9 +189,9 @@ TEST(G2o, ErrorsHaveIds) {
 
 TEST(G2o, LinesWithoutEnd) {
   EXPECT_EQ(refusal(std::string((16 << 20) + 1, ' ')),
-            "[slom.io.bad-line] map.g2o:1: the line is longer than 16777216 bytes; this is no pose graph");
+            "[slom.io.bad-line] map.g2o:1: the line is longer than 16777216 bytes; this is not a pose graph");
   EXPECT_EQ(refusal("# 1\nEDGE_SE2 0 1" + std::string(17 << 20, '\0')),
-            "[slom.io.bad-line] map.g2o:2: the line is longer than 16777216 bytes; this is no pose graph");
+            "[slom.io.bad-line] map.g2o:2: the line is longer than 16777216 bytes; this is not a pose graph");
 }
 
 }  // namespace

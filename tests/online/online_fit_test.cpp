@@ -422,6 +422,20 @@ TEST(OnlineFit, LeavesRoundingErrorsAlone) {
   EXPECT_NEAR(*x, 1.5e-9, 1e-12);
 }
 
+/// A measurement that is nearly as exact as the last digit does not hide what the others say.
+TEST(OnlineFit, FitsBesideAMeasurementNearlyWithoutNoise) {
+  Estimator est;
+  const auto x = est.insertRV(1e8), y = est.insertRV(1e8);
+  est.insertMeasurement([](const auto& a, const auto& b) { return a - b; }, x, y, measured(0.125),
+                        StandardDeviation(1e-6));
+  est.update();
+  for (const double z : {1e8 + 0.5, 1e8 + 1.0, 1e8 + 1.75})
+    est.insertMeasurement([](const auto& v) { return v; }, y, measured(z), StandardDeviation(0.5));
+  EXPECT_TRUE(est.update().converged);
+  EXPECT_NEAR(*y - 1e8, 3.25 / 3, 0.005);
+  EXPECT_NEAR(*x - *y, 0.125, 1e-7);
+}
+
 TEST(OnlineFit, SaysWhatItDid) {
   Estimator est;
   const auto a = est.insertRV(Point(1, 2), "a");

@@ -95,8 +95,8 @@ TEST(Replay, SaysWhatIsNotDetermined) {
 }
 
 TEST(Replay, RefusesWhatItCannotRead) {
-  replay.expectRefused("",
-                       "problem.slom:1: this is no saved problem: its first line is not \"slom problem 1\"");
+  replay.expectRefused(
+      "", "problem.slom:1: this is not a saved problem: its first line is not \"slom problem 1\"");
   replay.expectRefused(
       replaced(network(), "end\n", ""),
       "problem.slom is not complete: its last line is not \"end\"; take a file that was written to its end");

@@ -159,7 +159,7 @@ void leaveOutCopies(CameraData& camera) {
   throw DataError(
       "slom.calibration.copies",
       fmt::format(
-          "{}: all {} images of camera {} repeat {}, to within {:.3f} px; a copy is no second measurement, so "
+          "{}: all {} images of camera {} repeat {}, to within {:.3f} px; a copy is not a second measurement, so "
           "add images "
           "from other directions",
           nameOf(camera), camera.copies.size() + 1, camera.name, nameOf(camera.views.front()),

@@ -55,7 +55,7 @@ bool Lines::readMore() {
   begin_ = 0;
   if (end_ == longest_line) {
     ++line_number_;
-    fail(fmt::format("the line is longer than {} bytes; this is no pose graph", longest_line));
+    fail(fmt::format("the line is longer than {} bytes; this is not a pose graph", longest_line));
   }
   if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
   const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, stream_.get());

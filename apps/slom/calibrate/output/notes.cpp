@@ -62,7 +62,7 @@ void noteCopies(const Result& result, std::vector<std::string>& notes) {
     }
     const std::size_t more = camera.copies.size() - named.size();
     notes.push_back(fmt::format(
-        "Of camera {}, {}{} to within {:.3f} px, so {} left out: a copy is no second measurement.{}",
+        "Of camera {}, {}{} to within {:.3f} px, so {} left out: a copy is not a second measurement.{}",
         camera.name, fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more repeat others", more) : "",
         difference, camera.copies.size() == 1 ? "it is" : "they are",
         has_readings ? " Readings of the IMU that belong to no other image are left out, too." : ""));
