@@ -210,7 +210,7 @@ TEST_F(Copies, AreNamedInReportJsonAndPage) {
             "repeats image 1, image 16 repeats image 1, image 17 repeats image 1, image 18 repeats image 1, "
             "image 19 "
             "repeats image 1 and 10 more repeat others to within 0.000 px, so they are left out: a copy is "
-            "no second "
+            "not a second "
             "measurement.");
   EXPECT_NE(readFile(folder / "r.html").find(left_note), std::string::npos);
   EXPECT_EQ(found["cameras"]["left"]["images"], 5);
