@@ -200,7 +200,7 @@ TEST_F(Copies, AreNamedInReportJsonAndPage) {
   const json found = json::parse(readFile(folder / "r.json"));
   const std::string left_note =
       "Of camera left, image 11 (b.png) repeats image 2 (a.png) to within 0.000 px, so it is left out: a "
-      "copy is no "
+      "copy is not a "
       "second measurement.";
   ASSERT_GE(found["notes"].size(), 2u);
   EXPECT_EQ(found["notes"][0], left_note);
