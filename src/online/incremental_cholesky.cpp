@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "online/front_sizes.hpp"
 #include "solve/dense/kernels.hpp"
 
 namespace slom {
@@ -114,10 +113,10 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
 void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
-  std::vector<double> d(at(paddedToStripes(front.p)), 0.0);
+  std::vector<double> d(at(dense::paddedToStripes(front.p)), 0.0);
   for (int i = 0; i < front.p; ++i) d[at(i)] = -front.y[at(i)];
   if (front.u > 0) {
-    rows_.assign(at(paddedToStripes(front.u)), 0.0);
+    rows_.assign(at(dense::paddedToStripes(front.u)), 0.0);
     int i = 0;
     for (const int b : front.rows) {
       const int place = local_[at(b)];  // in the step, where the block has moved

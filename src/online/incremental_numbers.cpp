@@ -5,14 +5,15 @@
 #include <limits>
 #include <utility>
 
-#include "online/front_sizes.hpp"
 #include "online/incremental_cholesky.hpp"
+#include "solve/dense/kernels.hpp"
 
 namespace slom {
 
 namespace {
 
 using dense::kStripe;
+using dense::paddedToStripes;
 
 /// Of the diagonal entry of H: a smaller pivot is rounding error.
 constexpr double kLeastOnlinePivot = 1e-13;
@@ -234,7 +235,7 @@ void IncrementalCholesky::factorizeFront(int f) {
   front.diagonal_below.assign(diagonal.begin() + front.p, diagonal.end());
   front.has_factor = true;
   ++work_.fronts_factorized;
-  work_.flops += flopsOf(front.p, front.u);
+  work_.flops += frontFlops(front.p, front.u);
   forgetPlaces(front);
 }
 

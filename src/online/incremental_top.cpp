@@ -3,8 +3,8 @@
 #include <iterator>
 #include <numeric>
 
-#include "online/front_sizes.hpp"
 #include "online/incremental_cholesky.hpp"
+#include "solve/dense/kernels.hpp"
 #include "solve/symbolic/ordering.hpp"
 
 namespace slom {
@@ -14,11 +14,6 @@ namespace {
 /// From here on nested dissection beats minimum degree: the tree stays shallow.
 constexpr int kManyBlocks = 50;
 constexpr double kNearlyAsGood = 1.2;  // by operations
-
-double flopsOfAll(const Fronts& fronts) {
-  return std::accumulate(fronts.front.begin(), fronts.front.end(), 0.0,
-                         [](double sum, const Front& front) { return sum + flopsOf(front.p, front.u); });
-}
 
 /// Fronts that keep the factor sparse, with the last block, which what comes next will most likely touch, at the end. Few blocks, as where
 /// a chain grows, are eliminated by age where that is nearly as good: then what is old does not stay at the top.
@@ -41,7 +36,7 @@ Fronts frontsWithNewestLast(const BlockGraph& graph) {
   if (older.size() < kManyBlocks) {
     std::iota(order.begin(), order.end(), 0);
     Fronts by_age = makeFronts(graph, order);
-    if (flopsOfAll(by_age) <= kNearlyAsGood * flopsOfAll(fronts)) return by_age;
+    if (by_age.flops <= kNearlyAsGood * fronts.flops) return by_age;
   }
   return fronts;
 }
@@ -75,7 +70,7 @@ void IncrementalCholesky::dissolve(int f) {
   if (front.parent >= 0) std::erase(fronts_[at(front.parent)].children, f);
   std::erase(loose_subtrees_, f);
   roots_.erase(f);
-  factor_flops_ -= flopsOf(front.p, front.u);
+  factor_flops_ -= frontFlops(front.p, front.u);
   front = {};
   free_fronts_.push_back(f);
 }
@@ -173,7 +168,7 @@ std::vector<int> IncrementalCholesky::makeLooseFronts(const Fronts& shapes) {
     front.D.resize(dense::panelSize(front.p, front.p));
     front.B.resize(dense::panelSize(front.u, front.p));
     front.U.resize(dense::updateSize(front.u));
-    factor_flops_ += flopsOf(front.p, front.u);
+    factor_flops_ += frontFlops(front.p, front.u);
     pushDirty(f);
   }
   return index;

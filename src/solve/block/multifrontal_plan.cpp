@@ -52,10 +52,7 @@ class Planner {
 
 }  // namespace
 
-double MultifrontalCholesky::work(const Front& front) {
-  const double p = front.p, u = front.u;
-  return p * p * p / 3 + p * p * u + p * u * u;
-}
+double MultifrontalCholesky::work(const Front& front) { return frontFlops(front.p, front.u); }
 
 void MultifrontalCholesky::analyze(const std::vector<int>& offset, Fronts fronts, const BlockLower& H) {
   fronts_ = std::move(fronts);

@@ -33,6 +33,9 @@ struct Fronts {
   const char* ordering = "given";
 };
 
+/// Multiplications of a dense factorisation of p pivots and of what they take from u further rows.
+inline double frontFlops(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
+
 /// `order`: the blocks in a fill-reducing order; it is refined so that fronts are contiguous.
 Fronts makeFronts(const BlockGraph& graph, const std::vector<int>& order);
 
