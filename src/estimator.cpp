@@ -56,18 +56,18 @@ double Estimator::optimizeStep() {
   return outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0.0;
 }
 
-Summary Estimator::optimize(const Options& options) {
-  state_->algorithm->reset();
-  state_->current.reset();
+Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
+
+Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
+  by.reset();
+  current.reset();
   Summary before;
-  state_->run([&] { fillGroups(problem(), state_->linearizer, before, true); });
+  run([&] { fillGroups(problem, linearizer, before, true); });
   SolveStatus singular_at;
-  Summary summary = state_->run([&] {
-    return runAlgorithm(state_->system, *state_->algorithm, options, state_->sigma == Sigma::estimated,
-                        singular_at);
-  });
+  Summary summary =
+      run([&] { return runAlgorithm(system, by, options, sigma == Sigma::estimated, singular_at); });
   summary.groups = std::move(before.groups);
-  state_->complete(summary, options, singular_at);
+  complete(summary, options, singular_at);
   return summary;
 }
 

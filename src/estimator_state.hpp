@@ -46,6 +46,8 @@ struct Estimator::State {
     return run([&] { return f(linearized()); });
   }
 
+  /// A fit by this algorithm from the current values.
+  Summary optimize(Algorithm& by, const Options& options);
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
   /// Whether the current values count as a minimum, for statements that hold at one alone.

@@ -50,15 +50,8 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
   const auto takeOver = [&] {
     Summary fit = optimize();
     if (fit.stop_reason != StopReason::rank_deficient) return fit;
-    std::unique_ptr<Algorithm> own = std::exchange(state.algorithm, std::make_unique<LevenbergMarquardt>());
-    try {
-      fit = optimize();
-    } catch (...) {
-      state.algorithm = std::move(own);
-      throw;
-    }
-    state.algorithm = std::move(own);
-    return fit;
+    LevenbergMarquardt damped;
+    return state.optimize(damped, {});
   };
   return state.run([&] {
     UpdateSummary summary;

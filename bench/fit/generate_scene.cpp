@@ -88,7 +88,7 @@ io::Scene generateScene(int size) {
     truth.points.push_back(point);
     scene.points.push_back(Vec3(point + normalVector(random, 0.05)));
     for (const int c : nearestCameras(point[0], point[1], side)) {
-      mtk::vect<2> pixel = io::Sight()(truth.cameras[at(c)], point);
+      mtk::vect<2> pixel = io::CameraProjection()(truth.cameras[at(c)], point);
       for (int k = 0; k < 2; ++k) pixel[k] += kPixelNoise * random.normal();
       scene.observations.push_back({c, p, 0, pixel});
     }

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include <slom/initialize/growing_map.hpp>
 #include <slom/io.hpp>
 #include <slom/slom.hpp>
 
@@ -20,57 +21,6 @@ namespace {
 
 constexpr int kCompared = 100;  // steps from one comparison to the next
 constexpr double kLeastRss = 1e-6;
-
-/// A graph that grows pose by pose.
-template <class Pose>
-class Feed {
- public:
-  explicit Feed(const slom::io::PoseGraph<Pose>& graph) : graph_(graph), edges_of_(graph.poses.size()) {
-    est.setThreads(1);
-    for (const auto& edge : graph.edges)
-      edges_of_[std::size_t(std::max(edge.from, edge.to))].push_back(&edge);
-  }
-
-  slom::Estimator est;
-
-  std::size_t size() const { return graph_.poses.size(); }
-  void insertNext() {
-    const std::size_t i = ids_.size();
-    ids_.push_back(est.insertRV(startOf(i), i > 0));
-    for (const auto* edge : edges_of_[i])
-      model_.insertEdge(est, ids_[std::size_t(edge->from)], ids_[std::size_t(edge->to)], *edge);
-  }
-  /// The RSS of the batch fit of what there is, from the values that it has now.
-  double batchRss() const {
-    slom::Estimator batch;
-    std::vector<slom::VarID<Pose>> copies;
-    for (std::size_t i = 0; i < ids_.size(); ++i) {
-      copies.push_back(batch.insertRV(*ids_[i], i > 0));
-      for (const auto* edge : edges_of_[i])
-        model_.insertEdge(batch, copies[std::size_t(edge->from)], copies[std::size_t(edge->to)], *edge);
-    }
-    return batch.optimize().final_rss;
-  }
-
- private:
-  /// By the edge from the pose before or, without one, from any earlier one.
-  Pose startOf(std::size_t i) const {
-    Pose start = graph_.poses[i].value;
-    for (const auto* edge : edges_of_[i]) {
-      const int from = edge->from, to = edge->to, self = int(i);
-      if (from == self && to == self) continue;
-      start = to == self ? *ids_[std::size_t(from)] * edge->measured
-                         : *ids_[std::size_t(to)] * edge->measured.inverse();
-      if (std::min(from, to) == self - 1) break;
-    }
-    return start;
-  }
-
-  const slom::io::PoseGraph<Pose>& graph_;
-  slom::io::PoseGraphModel model_;
-  std::vector<std::vector<const slom::io::Edge<Pose>*>> edges_of_;
-  std::vector<slom::VarID<Pose>> ids_;
-};
 
 struct Result {
   std::vector<double> milliseconds;  // of each step
@@ -80,24 +30,29 @@ struct Result {
 
 template <class Pose>
 Result run(const slom::io::PoseGraph<Pose>& graph, bool updates) {
-  Feed<Pose> feed(graph);
-  feed.insertNext();
+  slom::Estimator est;
+  est.setThreads(1);
+  slom::initialize::GrowingMap<slom::io::PoseGraph<Pose>, slom::io::PoseGraphModel> map(est, graph);
+  const auto add = [&](int p) { map.add(p, map.startOf(p), p == 0); };
+  add(0);
   Result result;
-  for (std::size_t i = 1; i < feed.size(); ++i) {
+  for (int p = 1; p < static_cast<int>(graph.poses.size()); ++p) {
     const auto start = std::chrono::steady_clock::now();
-    feed.insertNext();
+    add(p);
     if (updates) {
-      result.by_optimize += feed.est.update().used_optimize ? 1 : 0;
+      result.by_optimize += est.update().used_optimize ? 1 : 0;
     } else {
-      feed.est.optimizeStep();
+      est.optimizeStep();
     }
     const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
     result.milliseconds.push_back(time.count());
-    if (!updates || i % kCompared != 0) continue;
-    const double batch = feed.batchRss();  // before a loop closes, rounding errors alone
-    if (batch > kLeastRss) result.largest_gap = std::max(result.largest_gap, feed.est.getRSS() / batch - 1);
+    if (!updates || p % kCompared != 0) continue;
+    slom::Estimator copy;
+    map.copyTo(copy);
+    const double batch = copy.optimize().final_rss;  // before a loop closes, rounding errors alone
+    if (batch > kLeastRss) result.largest_gap = std::max(result.largest_gap, est.getRSS() / batch - 1);
   }
-  result.rss = feed.est.getRSS();
+  result.rss = est.getRSS();
   return result;
 }
 

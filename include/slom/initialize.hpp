@@ -9,6 +9,8 @@
 #include "slom/initialize/build_up.hpp"
 #include "slom/initialize/choose.hpp"
 #include "slom/initialize/chordal.hpp"
+#include "slom/initialize/growing_map.hpp"
 #include "slom/initialize/pose_graph.hpp"
+#include "slom/initialize/relation_model.hpp"
 #include "slom/initialize/spanning_tree.hpp"
 #include "slom/initialize/start.hpp"

@@ -6,7 +6,7 @@ namespace slom::io {
 
 mtk::vect<2> Scene::residual(const Observation& observation) const {
   const Camera& camera = cameras[std::size_t(observation.camera)];
-  return Sight()(camera, points[std::size_t(observation.point)]) - observation.pixel;
+  return CameraProjection()(camera, points[std::size_t(observation.point)]) - observation.pixel;
 }
 
 double Scene::sumOfSquares() const {

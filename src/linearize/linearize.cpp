@@ -33,15 +33,15 @@ double squaredNorm(const std::vector<double>& r) {
 }  // namespace
 
 std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem,
-                                                  std::span<const MeasurementPlace> parts) {
+                                                  std::span<const MeasurementPlace> partitions) {
   std::vector<Range> result;
-  auto cut = parts.begin();
+  auto cut = partitions.begin();
   for (int g = 0; g < static_cast<int>(problem.pools().size()); ++g) {
     const int size = problem.pools()[at(g)]->size(), per_chunk = perChunk(*problem.pools()[at(g)]);
     for (int first = 0, last = 0; first < size; first = last) {
-      while (cut != parts.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
+      while (cut != partitions.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
       last = std::min(first + per_chunk, size);
-      if (cut != parts.end() && cut->group == g) last = std::min(last, cut->index);
+      if (cut != partitions.end() && cut->group == g) last = std::min(last, cut->index);
       result.push_back({g, first, last});
     }
   }
@@ -170,8 +170,8 @@ void Linearizer::requireGood(const Problem& problem, const Chunk& chunk) {
 }
 
 double Linearizer::linearize(const Problem& problem, const ActiveSet& active, JacobianSink& sink) {
-  const std::span<const MeasurementPlace> parts = sink.parts();
-  const std::vector<Range> all = ranges(problem, parts);
+  const std::span<const MeasurementPlace> partitions = sink.partitions();
+  const std::vector<Range> all = ranges(problem, partitions);
   const int threads = detail::threadCount();
   const std::size_t per_wave = at(chunksInFlight(threads));
   std::vector<double> rss(all.size()), squared_norm(all.size());
@@ -192,21 +192,21 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
       whole.squared_norm += part.squared_norm;
     }
   };
-  // Few chunks may take long all the same: then all threads work on them, if there are not parts for all.
-  if (parts.size() > 1 && (parts.size() >= at(threads) || all.size() > per_wave)) {
+  // Few chunks may take long all the same: then all threads work on them, if there are fewer partitions than threads.
+  if (partitions.size() > 1 && (partitions.size() >= at(threads) || all.size() > per_wave)) {
     std::vector<std::size_t> first;
-    for (const MeasurementPlace& part : parts) {
+    for (const MeasurementPlace& begin : partitions) {
       const auto is_before = [&](const Range& range) {
-        return std::pair(range.group, range.first) < std::pair(part.group, part.index);
+        return std::pair(range.group, range.first) < std::pair(begin.group, begin.index);
       };
       first.push_back(
           at(static_cast<int>(std::partition_point(all.begin(), all.end(), is_before) - all.begin())));
     }
     first.push_back(all.size());
-    chunks_.resize(threads == 1 ? 1 : parts.size());
+    chunks_.resize(threads == 1 ? 1 : partitions.size());
     for (Chunk& chunk : chunks_) chunk.forget();
-    std::vector<std::vector<HeldColumn>> held(parts.size());
-    detail::forEachIndex(static_cast<int>(parts.size()), [&](int p) {
+    std::vector<std::vector<HeldColumn>> held(partitions.size());
+    detail::forEachIndex(static_cast<int>(partitions.size()), [&](int p) {
       Chunk& chunk = threads == 1 ? chunks_.front() : chunks_[at(p)];
       for (std::size_t c = first[at(p)]; c < first[at(p) + 1] && chunk.isGood(); ++c) {
         linearizeChunk(problem, active, all[c], wants_plain, chunk);
@@ -216,7 +216,7 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
       }
     });
     for (const Chunk& chunk : chunks_) requireGood(problem, chunk);
-    for (const auto& part : held) book(part);
+    for (const auto& of_partition : held) book(of_partition);
   } else {
     chunks_.resize(std::min(all.size(), per_wave));
     for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {

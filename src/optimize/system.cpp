@@ -186,14 +186,14 @@ double System::stepInDeviations(const Eigen::VectorXd& d) const {
 }
 
 Eigen::VectorXd System::typicalSizes() {
-  Eigen::VectorXd magnitude(structure_.system.unknowns());
+  Eigen::VectorXd sizes(structure_.system.unknowns());
   const auto& table = problem_.variables();
   for (int b = 0; b < structure_.system.blockCount(); ++b) {
     if (structure_.system.isEmpty(b)) continue;
     const VariableRecord& record = table[static_cast<std::size_t>(b)];
-    record.store->typicalSizes(record.slot, magnitude.data() + structure_.offsetOf(b));
+    record.store->typicalSizes(record.slot, sizes.data() + structure_.offsetOf(b));
   }
-  return magnitude;
+  return sizes;
 }
 
 SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
@@ -237,17 +237,16 @@ void System::clearHeld(Eigen::VectorXd& d) const {
 }
 
 bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
-  std::vector<double> magnitude;
+  std::vector<double> sizes;
   for (int v = 0; v < structure_.system.blockCount(); ++v) {  // seldom beyond the first
     if (structure_.system.isEmpty(v)) continue;
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
-    magnitude.resize(static_cast<std::size_t>(record.dof));
-    record.store->typicalSizes(record.slot, magnitude.data());
+    sizes.resize(static_cast<std::size_t>(record.dof));
+    record.store->typicalSizes(record.slot, sizes.data());
     for (int c = 0; c < record.dof; ++c) {
       const int i = structure_.offsetOf(v) + c;
       const double column = std::sqrt(solver_->diagonal()[i]);
-      const double limit =
-          tolerance * (magnitude[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));
+      const double limit = tolerance * (sizes[static_cast<std::size_t>(c)] + (column > 0 ? 1 / column : 0));
       if (!(std::abs(d[i]) <= limit)) return false;
     }
   }

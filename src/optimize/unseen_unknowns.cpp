@@ -62,13 +62,12 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
   if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
-  const Eigen::VectorXd magnitude = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(magnitude);
+  const Eigen::VectorXd size = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(size);
   const double rounding =
       std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
   for (Eigen::Index i = 0; i < d.size(); ++i) {
     const int unknown = static_cast<int>(i);
-    if (magnitude[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= magnitude[i]) &&
-        !isTrueColumn(unknown, d[i]))
+    if (size[i] > 0 && effect[i] < rounding && !(std::abs(d[i]) <= size[i]) && !isTrueColumn(unknown, d[i]))
       unseen.push_back(unknown);
   }
   return unseen;

@@ -1,6 +1,6 @@
 /// Derivatives of a measurement with respect to its variables: central differences in the tangent space.
 ///   J(:, c) = (f(x [+] h e_c) - f(x [+] -h e_c)) / 2h
-/// The best step h of a component with magnitude |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
+/// The best step h of a component of typical size |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
 /// bends over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). For components
 /// near zero, whose scale the value does not tell, the step shrinks until two steps agree.
 /// Extrapolated (Richardson): (4 D(h/2) - D(h)) / 3 of steps about eps^(1/5), with an error of order h^4.

@@ -50,7 +50,7 @@ struct BlockSolver::Implementation final : LinearSolver {
     equations_.setZero();
   }
   void add(const JacobianBatch& batch) override { equations_.add(batch); }
-  std::span<const MeasurementPlace> parts() const override { return equations_.parts(); }
+  std::span<const MeasurementPlace> partitions() const override { return equations_.partitions(); }
   void endLinearization() override { equations_.addUp(); }
 
   SolveStatus solve(const VectorXd& damping, VectorXd& step) override;

@@ -24,7 +24,7 @@ void ForwardingSolver::beginLinearization() { solver_->beginLinearization(); }
 void ForwardingSolver::add(const JacobianBatch& batch) { solver_->add(batch); }
 bool ForwardingSolver::wantsUnweighted() const { return solver_->wantsUnweighted(); }
 void ForwardingSolver::addUnweighted(const JacobianBatch& batch) { solver_->addUnweighted(batch); }
-std::span<const MeasurementPlace> ForwardingSolver::parts() const { return solver_->parts(); }
+std::span<const MeasurementPlace> ForwardingSolver::partitions() const { return solver_->partitions(); }
 void ForwardingSolver::endLinearization() { solver_->endLinearization(); }
 
 SolveStatus ForwardingSolver::solve(const VectorXd& damping, VectorXd& step) {

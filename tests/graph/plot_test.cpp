@@ -78,9 +78,9 @@ TEST(GraphPlot, NamesAreEscaped) {
 
 /// The data of a page.
 Json dataOf(const std::string& html) {
-  const std::string before = "\nconst data = ", behind = ";\nconst canvas = ";
+  const std::string before = "\nconst data = ", after = ";\nconst canvas = ";
   const std::size_t begin = html.find(before) + before.size();
-  return Json::parse(html.substr(begin, html.find(behind) - begin));
+  return Json::parse(html.substr(begin, html.find(after) - begin));
 }
 
 TEST(GraphPlot, PageOfAGraphInThePlane) {

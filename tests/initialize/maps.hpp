@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <random>
 
+#include <mtk/types/so2.hpp>
+#include <mtk/types/so3.hpp>
+#include <mtk/types/trafo.hpp>
 #include <slom/initialize/pose_graph.hpp>
 
 namespace slom::testing {

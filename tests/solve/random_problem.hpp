@@ -63,16 +63,17 @@ struct RandomProblem {
     solver.add({static_cast<int>(group), static_cast<int>(first), static_cast<int>(last - first),
                 b.rows.data() + first, b.dof.data() + first * arity, r, J});
   }
-  /// One of the solver's parts.
-  void sendTo(slom::LinearSolver& solver, std::size_t part) const {
+  /// One of the solver's partitions.
+  void sendTo(slom::LinearSolver& solver, std::size_t partition) const {
     const auto begin = [&](std::size_t p, std::size_t group) -> std::size_t {
-      if (p == solver.parts().size()) return batches[group].rows.size();
-      const slom::MeasurementPlace& place = solver.parts()[p];
+      if (p == solver.partitions().size()) return batches[group].rows.size();
+      const slom::MeasurementPlace& place = solver.partitions()[p];
       const auto of = static_cast<std::size_t>(place.group);
       return of < group ? 0 : of > group ? batches[group].rows.size() : static_cast<std::size_t>(place.index);
     };
     for (std::size_t g = 0; g < batches.size(); ++g) {
-      if (begin(part, g) < begin(part + 1, g)) sendTo(solver, g, begin(part, g), begin(part + 1, g));
+      if (begin(partition, g) < begin(partition + 1, g))
+        sendTo(solver, g, begin(partition, g), begin(partition + 1, g));
     }
   }
 };

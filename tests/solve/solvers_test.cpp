@@ -320,12 +320,12 @@ TEST(Solvers, NameWhatIsSingularAmongBlocksWithFewNeighbours) {
   EXPECT_TRUE(solver.solve(VectorXd::Constant(100, 1e-3), step).ok);
 }
 
-TEST(Solvers, AddUpWhatPartsOfManyMeasurementsSum) {
+TEST(Solvers, AddUpThePartitionsOfManyMeasurements) {
   for (unsigned seed = 0; seed < 2; ++seed) {
     const RandomProblem problem = crowd(1000, seed);
     slom::BlockSolver solver;
     solver.analyze(problem.structure);
-    EXPECT_GT(solver.parts().size(), 1u);
+    EXPECT_GT(solver.partitions().size(), 1u);
     expectSameAsOracle(problem, solver);
   }
 }

@@ -1,5 +1,5 @@
 // The solver gives the same bits, and names the same unknown of a singular system, on any number of threads: also when it was
-// prepared for another number than it runs on, and in whatever order threads add their parts of the measurements.
+// prepared for another number than it runs on, and in whatever order threads add their partitions of the measurements.
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -98,22 +98,22 @@ void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok,
 
 TEST(Threads, DoNotChangeABit) {
   expectTheSameOnAnyNumber(lattice(7, 3), true);
-  expectTheSameOnAnyNumber(scene(6, 2000, 3), true, Elimination::automatic);  // points first, in parts
+  expectTheSameOnAnyNumber(scene(6, 2000, 3), true, Elimination::automatic);  // points first, in partitions
 }
 
-TEST(Threads, MayAddTheirPartsInAnyOrder) {
+TEST(Threads, MayAddTheirPartitionsInAnyOrder) {
   for (const RandomProblem& problem : {crowd(3000, 1), lattice(9, 2), scene(12, 2000, 3)}) {
     slom::BlockSolver in_order, at_once, reversed;
     problem.linearizeInto(in_order);
-    const int parts = static_cast<int>(in_order.parts().size());
-    ASSERT_GT(parts, 1);
+    const int partitions = static_cast<int>(in_order.partitions().size());
+    ASSERT_GT(partitions, 1);
     at_once.analyze(problem.structure);
     at_once.beginLinearization();
     std::atomic<int> next = 0;
     const auto send = [&] {
-      for (int part = next.fetch_add(1, std::memory_order_relaxed); part < parts;
-           part = next.fetch_add(1, std::memory_order_relaxed)) {
-        problem.sendTo(at_once, static_cast<std::size_t>(part));
+      for (int partition = next.fetch_add(1, std::memory_order_relaxed); partition < partitions;
+           partition = next.fetch_add(1, std::memory_order_relaxed)) {
+        problem.sendTo(at_once, static_cast<std::size_t>(partition));
       }
     };
     std::thread other(send);
@@ -123,7 +123,8 @@ TEST(Threads, MayAddTheirPartsInAnyOrder) {
     reversed.analyze(problem.structure);
     for (int repetition = 0; repetition < 2; ++repetition) {
       reversed.beginLinearization();
-      for (int part = parts; part-- > 0;) problem.sendTo(reversed, static_cast<std::size_t>(part));
+      for (int partition = partitions; partition-- > 0;)
+        problem.sendTo(reversed, static_cast<std::size_t>(partition));
       reversed.endLinearization();
     }
     VectorXd step;
@@ -138,17 +139,17 @@ TEST(Threads, MayAddTheirPartsInAnyOrder) {
   }
 }
 
-TEST(Threads, HaveNoPartsWhereTheseWouldSumTooMuchOnTheirOwn) {
+TEST(Threads, HaveNoPartitionsWhereAccumulatorsWouldCostTooMuch) {
   slom::BlockSolver solver;
   solver.analyze(crowd(300, 1).structure);
-  EXPECT_TRUE(solver.parts().empty());  // too few measurements
+  EXPECT_TRUE(solver.partitions().empty());  // too few measurements
   RandomProblem shuffled(std::vector<int>(2000, 6), 2);
   std::vector<std::vector<int>> pairs;
   std::uniform_int_distribution<int> any(0, 1999);
   for (int i = 0; i < 3000; ++i) pairs.push_back({any(shuffled.rng), any(shuffled.rng)});
   shuffled.addGroup(pairs, 1);
   solver.analyze(shuffled.structure);
-  EXPECT_TRUE(solver.parts().empty());
+  EXPECT_TRUE(solver.partitions().empty());
 }
 
 TEST(Threads, DoNotChangeWhatIsNamedAsSingular) {

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <slom/optimize/summary.hpp>
 
@@ -25,6 +28,7 @@ struct RunReport {
       0;  ///< dimension of the gauge, which no measurement of this kind can determine; it adds to the redundancy
   double load_seconds = 0;   ///< reading, checking and starting
   double setup_seconds = 0;  ///< putting variables and measurements into the estimator
+  std::shared_ptr<const nlohmann::ordered_json> online;  ///< of an online run; null otherwise
   double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it
 };
 

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <slom/io/g2o.hpp>
 
@@ -14,6 +15,7 @@
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
 #include "graph/information.hpp"
+#include "graph/online/online.hpp"
 #include "graph/output/html.hpp"
 #include "graph/output/report.hpp"
 #include "graph/output/sketch.hpp"
@@ -46,35 +48,55 @@ Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   Preparation preparation;
   preparation.repaired = checkInformation(graph, settings.repair_information);
   preparation.fixed = fixGauge(graph, settings.hold_parts);
-  preparation.start = findStart(graph, settings.init, settings.model());
+  if (settings.online == Online::no) preparation.start = findStart(graph, settings.init, settings.model());
   return preparation;
 }
 
-template <class Pose>
-Summary fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console, double& setup_seconds) {
-  const Stopwatch setup;
-  GraphFit<Pose> fit(graph, settings.model());
-  setup_seconds = setup.seconds();
+/// Of fits within limits.
+Options optionsOf(const Settings& settings, const Console& console) {
   Options options;
   options.max_iterations = settings.fit.max_iterations;
-  const FitLimits limits(settings.fit.max_seconds);
   FitLimits::applyTo(options);
   options.deviation_tolerance = 1e-4;  // a map has no use for more
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
-  Summary summary = fit.optimize(options);
-  FitLimits::nameIn(summary);
-  fit.writeTo(graph);
-  return summary;
+  return options;
+}
+
+/// Returns the map over time, where that is wanted.
+template <class Pose>
+std::vector<Sketch::Frame> fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console,
+                               RunReport& report) {
+  const FitLimits limits(settings.fit.max_seconds);
+  std::vector<Sketch::Frame> frames;
+  if (settings.online == Online::no) {
+    const Stopwatch setup;
+    GraphFit<Pose> fit(graph, settings.model());
+    report.setup_seconds = setup.seconds();
+    report.summary = fit.optimize(optionsOf(settings, console));
+    fit.writeTo(graph);
+  } else {
+    OnlineFit<Pose> fit(graph, settings.model(), settings.online, settings.plot_file.ends_with(".html"),
+                        console);
+    report.summary = fit.optimize(optionsOf(settings, console));
+    fit.run().finish(report.summary.final_rss);
+    console.print(onlineText(fit.run()));
+    report.online = std::make_shared<nlohmann::ordered_json>(onlineJson(fit.run()));
+    frames = std::move(fit.run().frames);
+    fit.writeTo(graph);
+  }
+  FitLimits::nameIn(report.summary);
+  return frames;
 }
 
 template <class Pose>
-void writeFiles(const PoseGraph<Pose>& graph, const RunReport& report, const Settings& settings,
-                const Console& console) {
+void writeFiles(const PoseGraph<Pose>& graph, std::vector<Sketch::Frame> frames, const RunReport& report,
+                const Settings& settings, const Console& console) {
   ResultFiles files(report, settings.report);
   files.add(settings.output_file, [&] { return io::toG2o(graph); });
   files.add(settings.plot_file, [&] {
-    const Sketch sketch = sketchOf(graph);
+    Sketch sketch = sketchOf(graph);
+    sketch.frames = std::move(frames);
     return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
   });
   files.finish(console);
@@ -92,11 +114,11 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   report.threads = threadsOf(settings.fit);
   report.load_seconds = total.seconds();
   console.print(graphText(graph, preparation));
-  report.summary = fit(graph, settings, console, report.setup_seconds);
+  std::vector<Sketch::Frame> frames = fit(graph, settings, console, report);
   report.total_seconds = total.seconds();
   console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
-  writeFiles(graph, report, settings, console);
+  writeFiles(graph, std::move(frames), report, settings, console);
   const StopReason reason = report.summary.stop_reason;
   const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;
   const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal && !was_cut_short &&
@@ -136,6 +158,9 @@ void addGraphCommand(CLI::App& app) {
           "of edges in space: the rotation vector, or the vector part of the quaternion, as g2o has it")
       ->type_name("vector|quaternion")
       ->capture_default_str();
+  command.add_flag("--online{yes}", raw->online,
+                   "feed the poses one by one by rising id, with an update of the map after each;\n"
+                   "--online=check compares each hundredth update with the batch fit");
   command.add_flag("--repair-information", settings.repair_information,
                    "take the nearest matrix for information that is not positive definite");
   command.add_flag("--hold-parts", settings.hold_parts,

@@ -31,6 +31,12 @@ Settings parseSettings(const RawOptions& raw) {
   settings.fit = parseFitOptions(raw.fit);
   settings.init = parseStart(raw.init);
   settings.rotation_error = parseRotationError(raw.rotation_error);
+  settings.online = parseOnline(raw.online);
+  if (settings.online != Online::no && settings.init) {
+    throw UserError(fmt::format(
+        "--init {}: with --online each pose starts where an edge from those before it leads; leave one out",
+        raw.init));
+  }
   checkPlot(settings.plot_file);
   checkResultPaths({{"FILE", settings.file}}, {{"--output", settings.output_file},
                                                {"--json", settings.report.jsonPath()},

@@ -7,6 +7,7 @@
 #include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 #include "graph/fit/model.hpp"
+#include "graph/online/online.hpp"
 #include "graph/start/start.hpp"
 
 namespace slom::app::graph {
@@ -16,6 +17,7 @@ struct Settings {
   FitOptions fit;
   std::optional<Start> init;  ///< none: the one with the lowest RSS
   RotationError rotation_error = RotationError::vector;
+  Online online = Online::no;
   bool repair_information = false;
   bool hold_parts = false;
   std::string output_file;  ///< empty: none
@@ -30,6 +32,7 @@ struct RawOptions {
   RawFitOptions fit;
   std::string init = "auto";
   std::string rotation_error = "vector";
+  std::string online;
   Settings rest;
 };
 

@@ -11,7 +11,7 @@ using Pose3 = mtk::trafo<mtk::SO3<>>;
 /// Relative poses and rotations, landmarks, priors, gravity.
 void addPoseKinds(Archive& archive);
 /// Ranges, bearings, angles of theodolites.
-void addSightKinds(Archive& archive);
+void addObservationKinds(Archive& archive);
 /// Points in images.
 void addImageKinds(Archive& archive);
 

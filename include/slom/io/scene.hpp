@@ -21,7 +21,7 @@ using CameraLens = slom::SnavelyIntrinsics<>;
 MTK_BUILD_MANIFOLD(Camera, ((CameraPose, pose))((CameraLens, lens)))
 
 /// The pixel at which a camera sees a point of the world, from the image centre, v upwards [px].
-struct Sight {
+struct CameraProjection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& camera, const auto& point) const {
     return camera.lens.project(camera.pose * point);

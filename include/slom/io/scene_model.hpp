@@ -36,14 +36,14 @@ std::vector<VarID<T>> insertAll(Estimator& est, const std::vector<T>& values, co
 
 /// Inserts all cameras and points, named by their numbers (`camera 3`, `point 17`), and all observations as measurements named
 /// `observation`:
-///   residual  Sight of the point by the camera - observed pixel, with a standard deviation of 1 px
+///   residual  CameraProjection of the point by the camera - observed pixel, with a standard deviation of 1 px
 /// Nothing is fixed, though place, rotation and scale of a scene are unknown: Levenberg-Marquardt does with it as it is, others need
 /// a camera and a point that are fixed.
 inline SceneVariables insert(Estimator& est, const Scene& scene, const Loss& loss = {}) {
   SceneVariables ids{detail::insertAll(est, scene.cameras, "camera "),
                      detail::insertAll(est, scene.points, "point ")};
   for (const Observation& observation : scene.observations) {
-    est.insertMeasurement(Sight(), ids.cameras[static_cast<std::size_t>(observation.camera)],
+    est.insertMeasurement(CameraProjection(), ids.cameras[static_cast<std::size_t>(observation.camera)],
                           ids.points[static_cast<std::size_t>(observation.point)],
                           measured(observation.pixel), loss, named("observation"));
   }

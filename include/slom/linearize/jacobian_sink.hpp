@@ -33,9 +33,10 @@ class JacobianSink {
   virtual bool wantsUnweighted() const { return false; }
   /// The batch just added, of a group with losses, before these reweighted it.
   virtual void addUnweighted(const JacobianBatch& batch) { static_cast<void>(batch); }
-  /// Where parts begin that several threads may add at the same time, each part in order; the first begins at {0, 0}. What is
-  /// added in which order must not depend on the number of threads, so neither must this. Empty: all is added in order.
-  virtual std::span<const MeasurementPlace> parts() const { return {}; }
+  /// Where the partitions of the measurements begin; the first begins at {0, 0}. Several threads may add different partitions at the
+  /// same time; within one, batches arrive in order. The partitions must not depend on the number of threads: they fix the order of
+  /// every sum. Empty: one partition, all is added in order.
+  virtual std::span<const MeasurementPlace> partitions() const { return {}; }
   virtual void endLinearization() = 0;
 };
 

@@ -82,8 +82,8 @@ class Linearizer {
     int group, first, last;
   };
 
-  /// Of all measurements; no range is in two of the parts.
-  static std::vector<Range> ranges(const Problem& problem, std::span<const MeasurementPlace> parts = {});
+  /// Of all measurements; no range crosses the begin of a partition.
+  static std::vector<Range> ranges(const Problem& problem, std::span<const MeasurementPlace> partitions = {});
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
   void linearizeChunk(const Problem& problem, const ActiveSet& active, const Range& range, bool wants_plain,

@@ -97,7 +97,7 @@ class System {
   bool mustStop() const { return must_stop_ && must_stop_(); }
 
   /// The Gauss-Newton step. Fails also at an unknown whose column of J is rounding error, so that no residual depends on it: one that
-  /// the step would move by more than its magnitude, though such a move changes the residuals by less than rounding does, and
+  /// the step would move by more than its typical size, though such a move changes the residuals by less than rounding does, and
   /// whose moves do not change the residuals as the column says.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// The step with this damping, in which such unknowns stay where they are.

@@ -20,7 +20,7 @@ class ForwardingSolver : public LinearSolver {
   void add(const JacobianBatch& batch) override;
   bool wantsUnweighted() const override;
   void addUnweighted(const JacobianBatch& batch) override;
-  std::span<const MeasurementPlace> parts() const override;
+  std::span<const MeasurementPlace> partitions() const override;
   void endLinearization() override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   bool isExact() const override;

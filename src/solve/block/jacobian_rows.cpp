@@ -102,16 +102,16 @@ Eigen::MatrixXd JacobianRows::times(const Eigen::MatrixXd& V) const {
 void JacobianRows::sendTo(JacobianSink& sink) const {
   constexpr int most = 64;  // measurements in a batch
   sink.beginLinearization();
-  const std::span<const MeasurementPlace> parts = sink.parts();
-  auto cut = parts.begin();
+  const std::span<const MeasurementPlace> partitions = sink.partitions();
+  auto cut = partitions.begin();
   std::vector<int> rows;
   for (int g = 0; g < static_cast<int>(groups_.size()); ++g) {
     const Group& group = groups_[at(g)];
     const int arity = structure_->groups[at(g)].arity;
     for (int first = 0, last = 0; first < size(at(g)); first = last) {
-      while (cut != parts.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
+      while (cut != partitions.end() && (cut->group < g || (cut->group == g && cut->index <= first))) ++cut;
       last = std::min(first + most, size(at(g)));
-      if (cut != parts.end() && cut->group == g) last = std::min(last, cut->index);
+      if (cut != partitions.end() && cut->group == g) last = std::min(last, cut->index);
       rows.clear();
       for (int m = first; m < last; ++m) rows.push_back(group.row[at(m + 1)] - group.row[at(m)]);
       sink.add({g, first, last - first, rows.data(), group.dof.data() + at(first * arity),

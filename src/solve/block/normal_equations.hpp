@@ -25,9 +25,9 @@ class NormalEquations {
   void add(const JacobianBatch& batch);
   /// After all batches: adds the private accumulators of the partitions to H and g.
   void addUp();
-  /// See JacobianSink::parts: the partitions of the measurements. Where several of them add to a block, the first one adds to H and g, the
+  /// See JacobianSink::partitions: the partitions of the measurements. Where several of them add to a block, the first one adds to H and g, the
   /// others to private accumulators.
-  std::span<const MeasurementPlace> parts() const { return partitions_; }
+  std::span<const MeasurementPlace> partitions() const { return partitions_; }
 
   const BlockLower& H() const { return H_; }
   /// By unknown, in the order of the structure; so are the others.

@@ -17,9 +17,9 @@ namespace {
 constexpr int kMostInTable = 1024;
 /// Eliminated blocks that are worked on together, so that what they share stays in the cache.
 constexpr int kPerWave = 128;
-/// Numbers of S that one part more may cost for each pair of blocks that it is about, so that one thread alone loses little.
-constexpr double kNumbersPerPair = 0.2;
-constexpr int kMostParts = 8;
+/// Entries of a further private accumulator of S per pair of blocks, at most, so that one thread alone loses little.
+constexpr double kEntriesPerPair = 0.2;
+constexpr int kMostPartitions = 8;
 /// Fewer in a wave are not worth being shared by threads.
 constexpr int kFewestSharedPairs = 1 << 14;
 
@@ -51,18 +51,18 @@ SchurComplement::SchurComplement(const BlockLower& H, int eliminated, double flo
   offset_.assign(1, 0);
   for (int j = 0; j < n; ++j) offset_.push_back(offset_.back() + S_.dof(j));
   listPairs(H);
-  parts_ = chooseParts();
-  Y_.resize(at(parts_) * largest_);
-  taken_.resize(at(parts_ - 1) * (S_.size() + at(offset_.back())));
+  partitions_ = choosePartitions();
+  Y_.resize(at(partitions_) * largest_);
+  accumulators_.resize(at(partitions_ - 1) * (S_.size() + at(offset_.back())));
 }
 
 int SchurComplement::waves() const { return (eliminated_.count() + kPerWave - 1) / kPerWave; }
 
-int SchurComplement::chooseParts() const {
-  const double numbers = static_cast<double>(S_.size()) + offset_.back();
-  const double affordable = numbers > 0 ? kNumbersPerPair * static_cast<double>(pair_.size()) / numbers : 0;
-  return std::max(
-      1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostParts)), kMostParts, waves()}));
+int SchurComplement::choosePartitions() const {
+  const double entries = static_cast<double>(S_.size()) + offset_.back();
+  const double affordable = entries > 0 ? kEntriesPerPair * static_cast<double>(pair_.size()) / entries : 0;
+  return std::max(1, std::min({1 + static_cast<int>(std::min<double>(affordable, kMostPartitions)),
+                               kMostPartitions, waves()}));
 }
 
 /// Finds blocks of S, and counts.
@@ -215,7 +215,7 @@ EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const
     }
   };
   const bool is_shared =
-      parts_ == 1 &&
+      partitions_ == 1 &&
       meeting_[at(last_meeting)].first - meeting_[at(first_meeting)].first >= kFewestSharedPairs;
   if (is_shared) {
     detail::forEachIndex(last_meeting - first_meeting, [&](int m) { take(first_meeting + m); });
@@ -229,21 +229,21 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
                                     const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* b) {
   start(H);
   if (eliminated_.count() == 0) return {};
-  const std::size_t own = S_.size() + at(offset_.back());
+  const std::size_t entries = S_.size() + at(offset_.back());
   const Target whole{S_.values(0), b == nullptr ? nullptr : b->data(), offset.data() + eliminated_.count()};
-  const auto target = [&](int part) {
-    if (part == 0) return whole;
-    double* const numbers = taken_.data() + at(part - 1) * own;
-    return Target{numbers, numbers + S_.size(), offset_.data()};
+  const auto target = [&](int partition) {
+    if (partition == 0) return whole;
+    double* const accumulator = accumulators_.data() + at(partition - 1) * entries;
+    return Target{accumulator, accumulator + S_.size(), offset_.data()};
   };
-  std::vector<EliminatedBlocks::Failure> failures(at(parts_));
-  detail::forEachIndex(parts_, [&](int part) {
-    if (part > 0) std::fill_n(target(part).S, own, 0.0);
-    const int last = static_cast<int>(std::int64_t{waves()} * (part + 1) / parts_);
-    for (int wave = static_cast<int>(std::int64_t{waves()} * part / parts_); wave < last; ++wave) {
-      failures[at(part)] =
-          reduceWave(H, offset, damping, tolerance, wave, b, target(part), Y_.data() + at(part) * largest_);
-      if (failures[at(part)].happened()) return;
+  std::vector<EliminatedBlocks::Failure> failures(at(partitions_));
+  detail::forEachIndex(partitions_, [&](int partition) {
+    if (partition > 0) std::fill_n(target(partition).S, entries, 0.0);
+    const int last = static_cast<int>(std::int64_t{waves()} * (partition + 1) / partitions_);
+    for (int wave = static_cast<int>(std::int64_t{waves()} * partition / partitions_); wave < last; ++wave) {
+      failures[at(partition)] = reduceWave(H, offset, damping, tolerance, wave, b, target(partition),
+                                           Y_.data() + at(partition) * largest_);
+      if (failures[at(partition)].happened()) return;
     }
   });
   for (const EliminatedBlocks::Failure& failure : failures) {
@@ -252,8 +252,8 @@ SolveStatus SchurComplement::reduce(const BlockLower& H, const std::vector<int>&
   const auto add = [](const double* x, Eigen::Index n, double* sum) {
     Eigen::Map<Eigen::ArrayXd>(sum, n) += Eigen::Map<const Eigen::ArrayXd>(x, n);
   };
-  for (int part = 1; part < parts_; ++part) {
-    const Target from = target(part);
+  for (int partition = 1; partition < partitions_; ++partition) {
+    const Target from = target(partition);
     add(from.S, static_cast<Eigen::Index>(S_.size()), whole.S);
     for (int j = 0; b != nullptr && j < S_.columns(); ++j)
       add(from.b + from.offset[j], S_.dof(j), whole.b + whole.offset[j]);

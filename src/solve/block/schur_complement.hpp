@@ -40,13 +40,13 @@ class SchurComplement final : public Elimination {
     int first;  ///< of its pairs
   };
   class Places;
-  /// Where eliminated blocks take what they take from S and b: there, or from numbers of their own that begin as 0.
+  /// What the Schur terms of eliminated blocks are subtracted from: S and b, or a private accumulator that begins as 0.
   struct Target {
     double *S, *b;
     const int* offset;  ///< first entry in b of each position of S
   };
   void listPairs(const BlockLower& H);
-  int chooseParts() const;
+  int choosePartitions() const;
   int waves() const;
   void start(const BlockLower& H);
   EliminatedBlocks::Failure reduceWave(const BlockLower& H, const std::vector<int>& offset,
@@ -69,13 +69,12 @@ class SchurComplement final : public Elimination {
   std::vector<int> copied_;         // block of H that each block of S starts from, -1: 0
   std::vector<std::size_t>
       reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
-  /// Parts of the waves that threads take, with numbers of their own, which are added up in the end: as many whatever the
-  /// number of threads.
-  int parts_ = 1;
-  std::vector<int> offset_;  // first unknown of each position of S; one more for the end
-  std::size_t largest_ = 0;  // numbers of Y in a wave
-  dense::BigArray Y_;        // of each part
-  dense::BigArray taken_;    // of each part but the first: from S, from b
+  /// Of the waves, for threads: each but the first has a private accumulator. Their number does not depend on that of the threads.
+  int partitions_ = 1;
+  std::vector<int> offset_;       // first unknown of each position of S; one more for the end
+  std::size_t largest_ = 0;       // numbers of Y in a wave
+  dense::BigArray Y_;             // of each partition
+  dense::BigArray accumulators_;  // of each partition but the first: for S, for b
 };
 
 }  // namespace slom

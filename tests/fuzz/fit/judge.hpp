@@ -51,16 +51,16 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
   using Vector = Eigen::Matrix<Number, Eigen::Dynamic, 1>;
   constexpr Number epsilon = std::numeric_limits<double>::epsilon();
   std::vector<int> offset;
-  std::vector<Number> magnitude;  // 1 for angles
+  std::vector<Number> typical_size;  // 1 for angles
   for (std::size_t i = 0; i < values.size(); ++i) {
     const Type type = problem.variables[i].type;
-    offset.push_back(int(magnitude.size()));
+    offset.push_back(int(typical_size.size()));
     for (int c = 0; c < dofOf(type); ++c) {
       const Number x = c < positionOf(type) ? std::abs(Number(values[i][std::size_t(c)])) : 1;
-      magnitude.push_back(std::isfinite(x) ? x : 0);  // no measurement depends on what is not finite
+      typical_size.push_back(std::isfinite(x) ? x : 0);  // no measurement depends on what is not finite
     }
   }
-  const Eigen::Index n = Eigen::Index(magnitude.size());
+  const Eigen::Index n = Eigen::Index(typical_size.size());
   Judgement result;
   bool has_differences = false;
   Number data = 0;
@@ -103,7 +103,7 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
   Vector length(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     length[i] = J.col(i).norm();
-    effect += length[i] * magnitude[std::size_t(i)];
+    effect += length[i] * typical_size[std::size_t(i)];
   }
   const Number size = all.norm();
   result.rounding = 64 * epsilon * (effect + size);
@@ -121,7 +121,7 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
         is_held = is_held || (x >= bound.upper - margin && g <= 0) || (x <= bound.lower + margin && g >= 0);
       }
       unknowns += is_held ? 0 : 1;
-      const Number seen = length[i] * magnitude[std::size_t(i)];
+      const Number seen = length[i] * typical_size[std::size_t(i)];
       if (is_held || !(length[i] > 1e-140L) || (seen > 0 && seen < 1e-8L * (effect + size))) {
         J.col(i).setZero();
       } else {
@@ -147,7 +147,7 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
   // Where no step helps, a tiny gradient will do that promises less than a hundredth of a standard deviation.
   const bool is_tiny = promise <= 1e-3L * variance && promise <= 1e-10L * square;
   // Far from zero the noise of differences may be larger than derivatives.
-  const bool is_noise = has_differences && *std::max_element(magnitude.begin(), magnitude.end()) > 100;
+  const bool is_noise = has_differences && *std::max_element(typical_size.begin(), typical_size.end()) > 100;
   const bool is_perfect = square < 1e-23L;
   result.is_false = promise > negligible && !is_perfect && !is_tiny && !is_noise;
   char text[160];

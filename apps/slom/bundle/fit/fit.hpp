@@ -13,7 +13,7 @@ namespace slom::app::bundle {
 
 /// Cameras and points as variables, named by their numbers (`camera 3`, `point 17`), observations as
 /// measurements:
-///   residual  Sight of the point by the camera - observed pixel, with a standard deviation of 1 px
+///   residual  CameraProjection of the point by the camera - observed pixel, with a standard deviation of 1 px
 class BundleFit {
  public:
   /// Takes start values and observations from `scene`.

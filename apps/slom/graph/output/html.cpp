@@ -27,9 +27,15 @@ Json coordinates(const std::vector<Sketch::Place>& places, const Sketch::Place& 
 /// The largest distance from `centre`, 1 where all is there.
 double farthest(const Sketch& sketch, const Sketch::Place& centre) {
   double most = 0;
-  for (const auto* places : {&sketch.poses, &sketch.landmarks}) {
-    for (const auto& p : *places)
+  const auto look = [&](const std::vector<Sketch::Place>& places) {
+    for (const auto& p : places)
       most = std::max(most, std::hypot(p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]));
+  };
+  look(sketch.poses);
+  look(sketch.landmarks);
+  for (const Sketch::Frame& frame : sketch.frames) {
+    look(frame.poses);
+    look(frame.landmarks);
   }
   return most > 0 ? most : 1;
 }
@@ -48,13 +54,20 @@ Json dataOf(const Sketch& sketch) {
   Sketch::Place centre{};
   for (std::size_t i = 0; i < 3; ++i) centre[i] = (low[i] + high[i]) / 2;
   const double size = farthest(sketch, centre);
+  Json frames = Json::array();
+  for (const Sketch::Frame& frame : sketch.frames) {
+    frames.push_back({{"pose", frame.pose},
+                      {"poses", coordinates(frame.poses, centre, size)},
+                      {"landmarks", coordinates(frame.landmarks, centre, size)}});
+  }
   return {{"name", sketch.name},
           {"flat", sketch.is_flat},
           {"poses", coordinates(sketch.poses, centre, size)},
           {"path", pairs(sketch.path)},
           {"closures", pairs(sketch.closures)},
           {"landmarks", coordinates(sketch.landmarks, centre, size)},
-          {"held", sketch.fixed}};
+          {"held", sketch.fixed},
+          {"frames", frames}};
 }
 
 }  // namespace

@@ -19,12 +19,18 @@ inline constexpr const char* page_before_data = R"page(<!DOCTYPE html>
   #legend { position: fixed; top: 12px; left: 14px; pointer-events: none }
   #legend label { display: block; margin-top: 4px; pointer-events: auto }
   #legend i { display: inline-block; width: 18px; border-top: 3px solid; margin: 0 4px 4px 0 }
-  #help { position: fixed; bottom: 10px; left: 14px; pointer-events: none }
+  #help { position: fixed; bottom: 10px; left: 14px; right: 14px; pointer-events: none }
+  #time { position: fixed; bottom: 52px; left: 14px; right: 14px; display: flex; gap: 10px; align-items: center }
+  #time[hidden] { display: none }
+  #time input { flex: 1; min-width: 0; accent-color: var(--path) }
+  #time button { width: 34px; height: 26px; font-size: 14px; color: inherit; background: var(--page); border: 1px solid; border-radius: 4px }
+  #time output { min-width: 7em; text-align: right; font-variant-numeric: tabular-nums }
 </style>
 </head>
 <body>
 <canvas id="view" tabindex="0" aria-label="Pose graph; arrow keys turn it, plus and minus zoom, 0 starts again"></canvas>
 <div id="legend"><b id="name"></b></div>
+<div id="time" hidden><button id="play" aria-label="play">&#9654;</button><input id="at" type="range" min="0" value="0" aria-label="how far the map has grown"><output id="pose"></output></div>
 <div id="help">drag or arrow keys: turn &middot; wheel, pinch or + and -: zoom &middot; shift or two fingers: move &middot; 0: start again</div>
 <script>
 const data = )page";
@@ -38,7 +44,7 @@ let view = { ...home }, waiting = false;
 const layers = [
   { kind: "edge", label: "loop closures", count: data.closures.length / 2, draw: () => lines(data.closures, 0.7) },
   { kind: "path", label: "path", count: data.path.length / 2, draw: () => lines(data.path, 1.6) },
-  { kind: "mark", label: "landmarks", count: data.landmarks.length / 3, draw: () => dots(places.landmarks, 2) },
+  { kind: "mark", label: "landmarks", count: data.landmarks.length / 3, draw: () => dots(places.landmarks.subarray(0, now.landmarks.length / 3 * 2), 2) },
   { kind: "held", label: "held", count: data.held.length, draw: rings },
 ].filter(layer => layer.count > 0);
 
@@ -54,6 +60,8 @@ for (const layer of layers) {
   document.getElementById("legend").append(label);
 }
 
+// What is shown: the whole map, or how far it has grown.
+let now = data;
 // Places on the screen: x, y of one point after the other.
 const places = { poses: new Float32Array(data.poses.length / 3 * 2), landmarks: new Float32Array(data.landmarks.length / 3 * 2) };
 function project(from, to) {
@@ -67,11 +75,12 @@ function project(from, to) {
   }
 }
 function lines(pairs, width) {
-  const p = places.poses;
+  const p = places.poses, poses = now.poses.length / 3;
   pen.lineWidth = width * devicePixelRatio;
   for (let first = 0; first < pairs.length; first += 20000) {  // long paths are slow to stroke
     pen.beginPath();
     for (let i = first; i < Math.min(first + 20000, pairs.length); i += 2) {
+      if (pairs[i + 1] >= poses) continue;  // the second one is the later one
       pen.moveTo(p[2 * pairs[i]], p[2 * pairs[i] + 1]);
       pen.lineTo(p[2 * pairs[i + 1]], p[2 * pairs[i + 1] + 1]);
     }
@@ -85,6 +94,7 @@ function dots(p, radius) {
 function rings() {
   pen.lineWidth = 2 * devicePixelRatio;
   for (const pose of data.held) {
+    if (pose >= now.poses.length / 3) continue;
     pen.beginPath();
     pen.arc(places.poses[2 * pose], places.poses[2 * pose + 1], 5 * devicePixelRatio, 0, 7);
     pen.stroke();
@@ -95,8 +105,8 @@ function draw() {
   const width = Math.round(canvas.clientWidth * devicePixelRatio), height = Math.round(canvas.clientHeight * devicePixelRatio);
   if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
   pen.clearRect(0, 0, width, height);
-  project(data.poses, places.poses);
-  project(data.landmarks, places.landmarks);
+  project(now.poses, places.poses);
+  project(now.landmarks, places.landmarks);
   const style = getComputedStyle(document.documentElement);
   for (const layer of layers) {
     if (!layer.shown) continue;
@@ -160,7 +170,40 @@ canvas.addEventListener("wheel", e => {
 }, { passive: false });
 canvas.addEventListener("contextmenu", e => e.preventDefault());
 
+// Time, where the map was fed pose by pose.
+const slider = document.getElementById("at"), play = document.getElementById("play");
+let timer = 0;
+function show(frame) {
+  now = data.frames[frame];
+  slider.value = frame;
+  document.getElementById("pose").textContent = "pose " + now.pose;
+  redraw();
+}
+function stop() {
+  clearInterval(timer);
+  timer = 0;
+  play.textContent = "\u25b6";
+  play.setAttribute("aria-label", "play");
+}
+function start() {
+  let frame = +slider.value < data.frames.length - 1 ? +slider.value : -1;
+  timer = setInterval(() => {
+    show(++frame);
+    if (frame === data.frames.length - 1) stop();
+  }, Math.max(40, 6000 / data.frames.length));
+  play.textContent = "\u23f8";
+  play.setAttribute("aria-label", "pause");
+}
+if (data.frames.length > 0) {
+  document.getElementById("time").hidden = false;
+  slider.max = data.frames.length - 1;
+  slider.oninput = () => { stop(); show(+slider.value); };
+  play.onclick = () => timer ? stop() : start();
+  show(data.frames.length - 1);
+}
+
 addEventListener("keydown", e => {
+  if (e.target === slider || e.target === play) return;
   const step = 0.06, middle = [canvas.clientWidth / 2, canvas.clientHeight / 2];
   const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
   if (arrows[e.key]) {

@@ -32,7 +32,9 @@ std::string fixedText(const PoseGraph<Pose>& graph, const std::string& fixed) {
 }
 
 /// `chordal, of the lowest RSS among file, odometry and chordal`
-std::string startText(const StartFound& found) {
+std::string startText(const std::optional<StartFound>& start) {
+  if (!start) return "each pose where an edge from those before it leads";
+  const StartFound& found = *start;
   std::string text = optionOf(found.start);
   for (std::size_t i = 0; found.tried.size() > 1 && i < found.tried.size(); ++i) {
     text += i == 0 ? ", of the lowest RSS among " : i + 1 == found.tried.size() ? " and " : ", ";

@@ -1,6 +1,7 @@
 // What `slom graph` says about the graph before it fits it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "graph/pose_graph.hpp"
@@ -10,9 +11,9 @@ namespace slom::app::graph {
 
 /// How the fit was prepared.
 struct Preparation {
-  int repaired = 0;   ///< information matrices
-  std::string fixed;  ///< what fixGauge returns
-  StartFound start;
+  int repaired = 0;                 ///< information matrices
+  std::string fixed;                ///< what fixGauge returns
+  std::optional<StartFound> start;  ///< none: the map is fed pose by pose
 };
 
 /// What was read, what is fixed, where the fit starts, warnings.

@@ -9,13 +9,6 @@ namespace slom::app::graph {
 
 namespace {
 
-template <int N>
-Sketch::Place placeOf(const mtk::vect<N>& position) {
-  Sketch::Place place{};
-  for (int i = 0; i < N; ++i) place[std::size_t(i)] = position[i];
-  return place;
-}
-
 /// The poses by rising id.
 template <class Pose>
 std::vector<int> orderOf(const PoseGraph<Pose>& graph) {

@@ -14,17 +14,32 @@ struct Sketch {
   using Place = std::array<double, 3>;
   using Line = std::pair<int, int>;  ///< from one place of `poses` to another
 
+  /// The map at an earlier time.
+  struct Frame {
+    long pose = 0;             ///< id of the last one
+    std::vector<Place> poses;  ///< the first of those of the sketch
+    std::vector<Place> landmarks;
+  };
+
   std::string name;            ///< of the graph's file, without its folder
   bool is_flat = true;         ///< in the plane: the third coordinate is 0
   std::vector<Place> poses;    ///< by rising id
   std::vector<Line> path;      ///< edges between poses that follow each other
   std::vector<Line> closures;  ///< all other edges
   std::vector<Place> landmarks;
-  std::vector<int> fixed;  ///< indices of fixed poses in `poses`
+  std::vector<int> fixed;     ///< indices of fixed poses in `poses`
+  std::vector<Frame> frames;  ///< over time; empty: the map was not fed pose by pose
 
   /// Smallest and largest coordinates; the first of them always differ.
   std::pair<Place, Place> bounds() const;
 };
+
+template <int N>
+Sketch::Place placeOf(const mtk::vect<N>& position) {
+  Sketch::Place place{};
+  for (int i = 0; i < N; ++i) place[std::size_t(i)] = position[i];
+  return place;
+}
 
 template <class Pose>
 Sketch sketchOf(const PoseGraph<Pose>& graph);

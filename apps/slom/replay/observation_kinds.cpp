@@ -23,7 +23,7 @@ void addBetween(Archive& archive) {
 
 }  // namespace
 
-void addSightKinds(Archive& archive) {
+void addObservationKinds(Archive& archive) {
   using Point2 = mtk::vect<2>;
   using Point3 = mtk::vect<3>;
   addBetween<Pose2, Point2>(archive);

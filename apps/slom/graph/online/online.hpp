@@ -1,0 +1,74 @@
+// The map as it grows: pose after pose, with an update after each.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <slom/estimator.hpp>
+
+#include "fitting/console.hpp"
+#include "graph/fit/model.hpp"
+#include "graph/output/sketch.hpp"
+#include "graph/pose_graph.hpp"
+
+namespace slom::app::graph {
+
+/// What --online asks for.
+enum class Online {
+  no,
+  yes,   ///< update after each pose
+  check  ///< and compare each hundredth update with the batch fit
+};
+/// "", "yes" or "check". Throws UserError.
+Online parseOnline(const std::string& text);
+
+struct Update {
+  long pose = 0;       ///< id of the pose that came
+  double seconds = 0;  ///< to insert it and to update
+  UpdateSummary summary;
+  double gap = 0;  ///< RSS / batch RSS - 1; NaN: not compared
+};
+
+/// Updates in the order of the poses' ids.
+struct OnlineRun {
+  std::vector<Update> updates;
+  std::vector<Sketch::Frame> frames;  ///< of the map over time; some of the updates
+  double final_rss = 0;               ///< after the last update
+  double batch_rss = 0;               ///< of the batch fit from there
+
+  /// Compares the last update with the batch fit.
+  void finish(double batch);
+  /// NaN where no update was compared: where all RSS were rounding errors.
+  double largestGap() const;
+};
+
+/// A graph that was fed, in an estimator.
+template <class Pose>
+class OnlineFit {
+ public:
+  /// Feeds all poses of `graph`, which keeps its values, unless --max-seconds or Ctrl-C end that. `with_frames`: for a page.
+  OnlineFit(const PoseGraph<Pose>& graph, const GraphModel& model, Online online, bool with_frames,
+            const Console& console);
+  ~OnlineFit();
+
+  OnlineRun& run() { return run_; }
+  /// A batch fit from where the updates have led.
+  Summary optimize(const Options& options) { return est_.optimize(options); }
+  void writeTo(PoseGraph<Pose>& graph) const;
+
+ private:
+  struct Feed;
+  Estimator est_;
+  std::unique_ptr<Feed> feed_;
+  OnlineRun run_;
+};
+
+/// Number, times and the largest gap, for people.
+std::string onlineText(const OnlineRun& run);
+/// "online" of the JSON.
+nlohmann::ordered_json onlineJson(const OnlineRun& run);
+
+}  // namespace slom::app::graph

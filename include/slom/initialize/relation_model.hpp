@@ -1,0 +1,41 @@
+/// How a graph becomes measurements of an estimator.
+#pragma once
+
+#include "slom/estimator.hpp"
+#include "slom/measurements/landmark.hpp"
+#include "slom/measurements/relative_pose.hpp"
+
+namespace slom::initialize {
+
+/// How a graph becomes measurements of an estimator: edges as slom::RelativePose, sightings as
+/// slom::Landmark; of pose types without `orient` and `pos` as a^-1 b [-] z and a^-1 l - z. Functions of this
+/// folder take any class with these members.
+struct RelationModel {
+  Loss loss;
+
+  void prepare(Estimator&) const {}
+  template <class Pose>
+  void insertEdge(Estimator& est, const VarID<Pose>& a, const VarID<Pose>& b, const auto& edge) const {
+    if constexpr (requires { edge.measured.orient, edge.measured.pos; }) {
+      est.insertMeasurement(RelativePose(), a, b, measured(edge.measured), InvCovariance(edge.information),
+                            loss, named("edge"));
+    } else {
+      est.insertMeasurement(RelativePoseInFrameOfA(), a, b, measured(edge.measured),
+                            InvCovariance(edge.information), loss, named("edge"));
+    }
+  }
+  template <class Pose, class Point>
+  void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point>& l,
+                      const auto& sighting) const {
+    if constexpr (requires { a->orient, a->pos; }) {
+      est.insertMeasurement(Landmark(), a, l, measured(sighting.measured),
+                            InvCovariance(sighting.information), loss, named("sighting"));
+    } else {
+      est.insertMeasurement(
+          [](const Pose& pose, const Point& point) { return Point(pose.inverse() * point); }, a, l,
+          measured(sighting.measured), InvCovariance(sighting.information), loss, named("sighting"));
+    }
+  }
+};
+
+}  // namespace slom::initialize

@@ -1,0 +1,147 @@
+/// Measurements of an online fit at the current values: their costs, gradients, Jacobians, and what rounding hides.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/index.hpp"
+#include "online/online_fit.hpp"
+
+namespace slom {
+
+namespace {
+
+constexpr double kRoundingSteps = 4;  // of the last digit
+constexpr double kMostPeak = 1e6;     // of the sum of costs since it was added up, relative to what it is now
+
+}  // namespace
+
+/// `count` measurements at the current values. The factor gets a Jacobian where that differs from the one it has by more than
+/// `most_difference`.
+void OnlineFit::linearize(Place first, int count, double most_difference) {
+  const MeasurementPool& pool = *problem_.pools()[at(first.first)];
+  const bool has_losses = pool.lossCount() > 0;  // costs are not those of the residuals then
+  const int each = has_losses ? 1 : count;
+  for (int i = first.second; i < first.second + count; i += each) {
+    double cost = 0;
+    const JacobianBatch batch =
+        linearizer_.linearizeSome(problem_, problem_.activeSet(), first.first, i, i + each, &cost);
+    const double *r = batch.r, *J = batch.J;
+    const int* dof = batch.dof;
+    for (int m = 0; m < each; ++m) {
+      const int rows = batch.rows[m];
+      if (!has_losses) {
+        cost = 0;
+        for (int k = 0; k < rows; ++k) cost += r[k] * r[k];
+      }
+      take({first.first, i + m}, r, J, dof, cost, most_difference);
+      r += rows;
+      for (int k = 0; k < pool.arity(); ++k) J += rows * *dof++;
+    }
+  }
+}
+
+void OnlineFit::take(Place place, const double* r, const double* J, const int* dof, double cost,
+                     double most_difference) {
+  Record& record = recordOf(place);
+  if (record.element == kPending) return;
+  ++linearized_;
+  addToRss(-record.cost);  // one after the other: their difference would be rounded
+  addToRss(cost);
+  record.cost = cost;
+  if (record.element == kNone) return;
+  const std::vector<double>& before = factor_.A(record.element);
+  const int rows = factor_.rowsOf(record.element);
+  if (!record.is_plain) {
+    merge(place, J, dof);
+    J = A_.data();
+  }
+  g_.clear();
+  double difference = 0, size = 0;
+  const double* b = before.data();
+  for (const double* a = J; a < J + before.size();) {
+    double sum = 0;
+    for (int k = 0; k < rows; ++k, ++a, ++b) {
+      sum += *a * r[k];
+      difference += (*a - *b) * (*a - *b);
+      size += *b * *b;
+    }
+    g_.push_back(sum);
+  }
+  factor_.setGradient(record.element, g_);
+  if (difference > most_difference * most_difference * size) factor_.setA(record.element, {J, before.size()});
+}
+
+/// The Jacobian of an element from those of a measurement, where that has variables without a block, or one twice.
+void OnlineFit::merge(Place place, const double* J, const int* dof) {
+  const int element = recordOf(place).element, rows = factor_.rowsOf(element);
+  const MeasurementPool& pool = *problem_.pools()[at(place.first)];
+  const int* const variables = pool.variables(place.second);
+  A_.assign(factor_.A(element).size(), 0.0);
+  for (int k = 0; k < pool.arity(); ++k) {
+    const int entries = rows * dof[k];
+    std::size_t start = 0;
+    for (const int b : factor_.blocksOf(element)) {
+      if (b == variables[k]) {
+        for (int e = 0; e < entries; ++e) A_[start + at(e)] += J[e];
+        break;
+      }
+      start += at(rows * factor_.dof(b));
+    }
+    J += entries;
+  }
+}
+
+void OnlineFit::linearizeTouched(double most_difference) {
+  constexpr std::size_t most = 64;
+  for (std::size_t first = 0; first < touched_.size();) {
+    std::size_t last = first + 1;
+    while (last < touched_.size() && last - first < most && touched_[last].first == touched_[first].first &&
+           touched_[last].second == touched_[last - 1].second + 1)
+      ++last;
+    linearize(touched_[first], static_cast<int>(last - first), most_difference);
+    first = last;
+  }
+}
+
+/// What the last digits of the variables' values do to the measurement.
+void OnlineFit::roundAgain(Record& record) {
+  if (record.element < 0) return;
+  const int rows = factor_.rowsOf(record.element);
+  const double* a = factor_.A(record.element).data();
+  double residual = 0;
+  std::vector<double> sizes;
+  for (const int v : factor_.blocksOf(record.element)) {
+    const VariableRecord& variable = problem_.variables()[at(v)];
+    sizes.resize(at(variable.dof));
+    variable.store->typicalSizes(variable.slot, sizes.data());
+    for (const double size : sizes) {
+      double length = 0;
+      for (int k = 0; k < rows; ++k, ++a) length += *a * *a;
+      residual += std::sqrt(length) * size;
+    }
+  }
+  residual *= kRoundingSteps * std::numeric_limits<double>::epsilon();
+  rounding_ += residual * residual - record.rounding;
+  record.rounding = residual * residual;
+}
+
+void OnlineFit::addToRss(double change) {
+  // Neumaier's sum: what is added and later subtracted leaves nothing.
+  const double sum = rss_ + change;
+  rss_rest_ += std::abs(rss_) >= std::abs(change) ? (rss_ - sum) + change : (change - sum) + rss_;
+  rss_ = sum;
+  peak_ = std::max(peak_, std::abs(sum));
+}
+
+/// Adds up all measurements where the sum was so much larger meanwhile that little of what is left can be trusted. That takes time in
+/// proportion to everything, once for each such event.
+void OnlineFit::sumAgain() {
+  if (peak_ <= kMostPeak * std::abs(rss())) return;
+  rss_ = rss_rest_ = 0;
+  for (const std::vector<Record>& records : records_) {
+    for (const Record& record : records) addToRss(record.cost);
+  }
+  peak_ = std::abs(rss());
+}
+
+}  // namespace slom
