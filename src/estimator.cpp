@@ -40,10 +40,11 @@ Problem& Estimator::problem() const { return state_->problem; }
 
 double Estimator::optimizeStep() {
   state_->current.reset();
-  const StepOutcome outcome = state_->run([&] { return state_->algorithm->step(state_->system, Options{}); });
+  const StepOutcome outcome =
+      state_->run([&] { return state_->algorithm->step(state_->evaluator, Options{}); });
   switch (outcome.kind) {
     case StepOutcome::Kind::singular:
-      throw singularError(problem(), state_->system.structure(), outcome.status);
+      throw singularError(problem(), state_->evaluator.structure(), outcome.status);
     case StepOutcome::Kind::not_finite:
       throw Error("slom.not-finite",
                   "the step of " + state_->algorithm->name() +
@@ -62,10 +63,10 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   by.reset();
   current.reset();
   Summary before;
-  run([&] { fillGroups(problem, linearizer, before, true); });
+  fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
   SolveStatus singular_at;
   Summary summary =
-      run([&] { return runAlgorithm(system, by, options, sigma == Sigma::estimated, singular_at); });
+      run([&] { return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, singular_at); });
   summary.groups = std::move(before.groups);
   complete(summary, options, singular_at);
   return summary;
@@ -87,7 +88,7 @@ void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
     throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR",
                 "changeSolver");
   state_->current.reset();
-  state_->system.setSolver(*solver);
+  state_->evaluator.setSolver(*solver);
   state_->solver = std::move(solver);
 }
 
@@ -136,7 +137,7 @@ double Estimator::getRMS() const {
   return residuals > 0 ? std::sqrt(getRSS() / residuals) : 0;
 }
 
-int Estimator::getM() const { return state_->system.structure().residuals; }
+int Estimator::getM() const { return state_->evaluator.structure().residuals; }
 int Estimator::getN() const { return problem().freeCount(); }
 
 void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const {
@@ -205,7 +206,7 @@ double Estimator::State::varianceFactor() {
   const int free =
       may_be_free ? analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); })
                   : 0;
-  const int residuals = system.structure().residuals, redundancy = residuals - unknowns + free;
+  const int residuals = evaluator.structure().residuals, redundancy = residuals - unknowns + free;
   if (redundancy > 0) return linearized().rss() / redundancy;
   throw Error("slom.no-redundancy",
               "uncertainties can be estimated from residuals only when there are more of them than "
@@ -216,11 +217,12 @@ double Estimator::State::varianceFactor() {
 }
 
 bool Estimator::State::isAtMinimum(double variance_factor) {
+  if (analyze([](const LinearizedProblem& linearized) { return linearized.orthogonality(); }) < kAtMinimum)
+    return true;
   return run([&] {
-    system.linearize();
-    if (system.orthogonality() < kAtMinimum) return true;
-    const System::Promise promise =
-        system.promise();  // residuals that are rounding errors have any direction
+    evaluator.linearize();
+    const Evaluator::Promise promise =
+        evaluator.promise();  // residuals that are rounding errors have any direction
     return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * variance_factor;
   });
 }

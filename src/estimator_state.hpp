@@ -16,7 +16,7 @@ namespace slom {
 struct Estimator::State {
   Problem problem;
   Linearizer linearizer;
-  System system{problem, linearizer};
+  Evaluator evaluator{problem, linearizer};
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
@@ -26,7 +26,7 @@ struct Estimator::State {
   FreeGauge gauge = FreeGauge::error;
   GivenDerivatives given_derivatives;
 
-  State() { system.setSolver(*solver); }
+  State() { evaluator.setSolver(*solver); }
 
   /// f(), on as many threads as setThreads said.
   template <class F>
@@ -37,7 +37,7 @@ struct Estimator::State {
   /// The problem linearised at the current values, for all analyses there together.
   const LinearizedProblem& linearized() {
     if (current == nullptr || !current->isCurrent())
-      current = std::make_unique<LinearizedProblem>(problem, system);
+      current = std::make_unique<LinearizedProblem>(problem, evaluator);
     return *current;
   }
   /// f(linearized()), on as many threads as setThreads said.

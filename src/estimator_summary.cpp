@@ -34,12 +34,12 @@ bool hasTime(const Summary& summary, const Options& options) {
 std::string iterationLimitMessage(const Summary& summary) {
   const double graduation = summary.trace.back().graduation;
   return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
-         (graduation > 1 ? " while the losses were still widened, mu = " + number(graduation, 6) +
+         (graduation > 1 ? " while the losses were still graduated, mu = " + number(graduation, 6) +
                                "; raise max_iterations"
                          : "");
 }
 
-std::string noProgressMessage(const System::Promise& promise) {
+std::string noProgressMessage(const Evaluator::Promise& promise) {
   return std::string(toString(StopReason::no_progress)) +
          (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
                            : "") +
@@ -57,18 +57,18 @@ void Estimator::State::complete(Summary& summary, const Options& options, const 
 }
 
 void Estimator::State::fillSizes(Summary& summary) {
-  run([&] { fillGroups(problem, linearizer, summary, false); });
-  const ProblemStructure& structure = system.structure();
-  summary.solver = system.solver().description();
+  fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), summary, false);
+  const ProblemStructure& structure = evaluator.structure();
+  summary.solver = evaluator.solver().description();
   summary.variables = structure.system.filledCount();
   summary.measurements = structure.residuals;
-  summary.unknowns = structure.system.unknowns() - problem.activeSet().heldCount();
+  summary.unknowns = structure.system.unknowns() - problem.activeSet().fixedOrActiveCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = sigma == Sigma::estimated;
 }
 
 void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {
-  if (summary.unknowns == 0 || summary.unknowns > Summary::kMostCounted || system.hadFullRank() ||
+  if (summary.unknowns == 0 || summary.unknowns > Summary::kMostCounted || evaluator.hadFullRank() ||
       !hasTime(summary, options))
     return;
   try {
@@ -112,11 +112,11 @@ std::string Estimator::State::messageFor(const Summary& summary, const Options& 
                                          const SolveStatus& singular_at) {
   switch (summary.stop_reason) {
     case StopReason::rank_deficient:
-      return singularError(problem, system.structure(), singular_at).what();
+      return singularError(problem, evaluator.structure(), singular_at).what();
     case StopReason::max_iterations:
       return iterationLimitMessage(summary);
     case StopReason::no_progress:
-      return noProgressMessage(run([&] { return system.promise(false); }));
+      return noProgressMessage(run([&] { return evaluator.promise(false); }));
     case StopReason::time_limit:
       return "time limit of " + number(options.max_seconds, 6) + " s reached";
     default:

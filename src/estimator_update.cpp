@@ -32,6 +32,20 @@ std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary) {
   return os;
 }
 
+void Estimator::writeUpdatedCovariance(int variable_a, int variable_b, double* block) const {
+  if (state_->online == nullptr) {
+    throw Error("slom.not-updated",
+                "covariances of an update were asked for variable " + problem().variableName(variable_a) +
+                    ", but update() was never called; call update() first, or ask covariance()",
+                problem().variableName(variable_a));
+  }
+  state_->online->writeCovariance(variable_a, variable_b, block);
+  const double factor = state_->varianceFactor();
+  const int entries = problem().variables()[static_cast<std::size_t>(variable_a)].dof *
+                      problem().variables()[static_cast<std::size_t>(variable_b)].dof;
+  for (int i = 0; i < entries; ++i) block[i] *= factor;
+}
+
 UpdateSummary Estimator::update(const UpdateOptions& options) {
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
     throw Error(

@@ -130,7 +130,7 @@ class GraphProblem final : public CeresProblem {
       problem.AddParameterBlock(blocks_[i].position, Blocks<Pose>::position_size);
       problem.AddParameterBlock(blocks_[i].rotation, Blocks<Pose>::rotation_size, manifold_.get());
       this->blocks.push_back({blocks_[i].position, blocks_[i].rotation});
-      if (!graph.poses[i].held) continue;
+      if (!graph.poses[i].fixed) continue;
       problem.SetParameterBlockConstant(blocks_[i].position);
       problem.SetParameterBlockConstant(blocks_[i].rotation);
     }

@@ -19,8 +19,8 @@ BlockStructure structureOf(const io::PoseGraph<Pose>& graph) {
   const auto blocksOf = [&](const auto& nodes, int dof) {
     std::vector<int> blocks;
     for (const auto& node : nodes) {
-      blocks.push_back(node.held ? -1 : structure.blockCount());
-      if (!node.held) structure.offset.push_back(structure.offset.back() + dof);
+      blocks.push_back(node.fixed ? -1 : structure.blockCount());
+      if (!node.fixed) structure.offset.push_back(structure.offset.back() + dof);
     }
     return blocks;
   };

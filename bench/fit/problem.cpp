@@ -85,7 +85,7 @@ Start chooseStart(io::PoseGraph<Pose>& graph) {
 template <class Pose>
 std::string prepare(io::PoseGraph<Pose>& graph, const ProblemOptions& options) {
   if (!options.deviations.empty()) setDeviations(graph, options.deviations);
-  if (!graph.has_fix_lines) graph.poses.front().held = true;
+  if (!graph.has_fix_lines) graph.poses.front().fixed = true;
   std::optional<Start> start = !options.init.empty() ? parseStart(options.init)
                                : graph.has_vertices  ? Start::given
                                                      : Start::spanning_tree;

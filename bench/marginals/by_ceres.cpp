@@ -86,7 +86,7 @@ Marginals marginalsOf(CeresProblem& problem, const std::vector<MatrixXd>& steps)
 template <class Pose>
 Marginals marginalsByCeres(const io::PoseGraph<Pose>& graph) {
   std::vector<MatrixXd> steps;
-  for (const auto& pose : graph.poses) steps.push_back(pose.held ? MatrixXd() : stepsOf(pose.value));
+  for (const auto& pose : graph.poses) steps.push_back(pose.fixed ? MatrixXd() : stepsOf(pose.value));
   return marginalsOf(*ceresProblemOf(graph, 0), steps);
 }
 template Marginals marginalsByCeres(const io::PoseGraph<Pose2>&);

@@ -15,7 +15,8 @@ namespace {
 
 /// Each time with a new solver, which has to find its order again.
 template <class T>
-Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids, const std::vector<char>& is_held) {
+Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids,
+                         const std::vector<char>& is_fixed) {
   constexpr int repetitions = 3;
   Marginals result;
   result.seconds = std::numeric_limits<double>::infinity();
@@ -27,7 +28,7 @@ Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids, const
     result.seconds = std::min(result.seconds, seconds);
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    result.blocks.push_back(is_held[i] ? Eigen::MatrixXd() : marginals->covariance(ids[i]));
+    result.blocks.push_back(is_fixed[i] ? Eigen::MatrixXd() : marginals->covariance(ids[i]));
   }
   return result;
 }
@@ -41,9 +42,9 @@ Marginals marginalsBySlom(io::PoseGraph<Pose>& graph) {
   const io::PoseGraphVariables<Pose> ids = io::insert(est, graph);
   est.optimize({});
   ids.writeTo(graph);
-  std::vector<char> is_held;
-  for (const auto& pose : graph.poses) is_held.push_back(pose.held);
-  return timedMarginals(est, ids.poses, is_held);
+  std::vector<char> is_fixed;
+  for (const auto& pose : graph.poses) is_fixed.push_back(pose.fixed);
+  return timedMarginals(est, ids.poses, is_fixed);
 }
 template Marginals marginalsBySlom(io::PoseGraph<io::Pose2>&);
 template Marginals marginalsBySlom(io::PoseGraph<io::Pose3>&);
@@ -61,9 +62,9 @@ Marginals marginalsBySlom(io::Scene& scene) {
     est.insertMeasurement([](const auto& p) { return p; }, point, measured(*point),
                           StandardDeviation(kPointSigma));
   }
-  std::vector<char> is_held(scene.cameras.size(), 0);
-  is_held[0] = 1;
-  return timedMarginals(est, ids.cameras, is_held);
+  std::vector<char> is_fixed(scene.cameras.size(), 0);
+  is_fixed[0] = 1;
+  return timedMarginals(est, ids.cameras, is_fixed);
 }
 
 }  // namespace slom::bench

@@ -26,13 +26,21 @@ class Error : public std::runtime_error {
   std::string_view sentence() const noexcept { return std::string_view(what()).substr(id_.size() + 3); }
   /// `pass a positive number`; empty where nothing can be done.
   std::string_view remedy() const noexcept {
-    const std::size_t end = sentence().rfind("; ");
+    const std::size_t end = endOfFault();
     return end == std::string_view::npos ? std::string_view() : sentence().substr(end + 2);
   }
   /// `max_seconds is -1`: the sentence without the remedy.
-  std::string_view fault() const noexcept { return sentence().substr(0, sentence().rfind("; ")); }
+  std::string_view fault() const noexcept { return sentence().substr(0, endOfFault()); }
 
  private:
+  /// The last semicolon that is not part of the subject's name.
+  std::size_t endOfFault() const noexcept {
+    const std::size_t end = sentence().rfind("; "), name = sentence().rfind(subject_);
+    const bool is_in_name = end != std::string_view::npos && name != std::string_view::npos && name < end &&
+                            end < name + subject_.size();
+    return is_in_name ? std::string_view::npos : end;
+  }
+
   std::string id_, subject_;
 };
 

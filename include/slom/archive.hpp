@@ -162,7 +162,7 @@ struct Archive::Kind {
   static void write(std::ostream& os, const detail::StoredArguments&, const MeasurementPool& pool, int i) {
     const auto one = [&]<class Stored>(const Stored& stored) {
       if constexpr (!std::is_base_of_v<VariableArgument, Stored>)
-        detail::writeDatum(os, detail::held(stored));
+        detail::writeDatum(os, detail::contentOf(stored));
     };
     detail::applyTo(static_cast<const TypedPool<M>&>(pool)[i].arguments(),
                     [&](const auto&... stored) { (one(stored), ...); });

@@ -249,7 +249,8 @@ class Estimator {
   /// unchanged.
   double optimizeStep();
   /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
-  /// exception: look at `converged`, `stop_reason` and `message`. The values are the best that were reached.
+  /// exception: look at `converged`, `stop_reason` and `message`. Where the fit has not converged the values are the best that it has
+  /// seen; after `rank_deficient` they are those at which an unknown has no influence.
   Summary optimize(const Options& options = {});
   /// For problems that grow while they are fitted: brings the values to the optimum after insertions, removals and other changes, in
   /// time in proportion to what these change. The optimum is that of optimize(), as long as the values do not lie in the valley of another
@@ -362,6 +363,21 @@ class Estimator {
     const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse),
                           scale_b = standardDeviation(b).unaryExpr(inverse);
     return scale_a.asDiagonal() * covariance(a, b) * scale_b.asDiagonal();
+  }
+  /// The same between updates, in time proportional to the path from the variables to the root of the elimination tree: little for new
+  /// ones, however large the problem. Jacobians may be those of slightly earlier values, as they are in the factor of update(), so that
+  /// it agrees with covariance() to about a thousandth. Throws [slom.not-updated] where something has changed since the last update(),
+  /// or optimize() took over in it, and [slom.rank-deficient].
+  template <class T>
+  Eigen::MatrixXd updatedCovariance(const VarID<T>& id) const {
+    return updatedCovariance(id, id);
+  }
+  template <class A, class B>
+  Eigen::MatrixXd updatedCovariance(const VarID<A>& a, const VarID<B>& b) const {
+    const int i = problem().indexOf(a), j = problem().indexOf(b);
+    Eigen::MatrixXd block(mtk::dof(*a), mtk::dof(*b));
+    writeUpdatedCovariance(i, j, block.data());
+    return block;
   }
   /// Covariances of all variables at once, by selected inversion of the factor: for many of them it is much faster than
   /// to ask for one after the other.
@@ -497,6 +513,7 @@ class Estimator {
   void writeResiduals(double* r) const;
   void writeJacobian(double* J) const;
   /// Of all these variables together.
+  void writeUpdatedCovariance(int variable_a, int variable_b, double* block) const;
   void writeJointCovariance(const int* variables, int count, double* out) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
   void writeDeviations(int variable, double* deviations) const;

@@ -6,13 +6,13 @@ namespace slom {
 
 using Eigen::MatrixXd;
 
-void clearHeld(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block) {
+void clearConstrained(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block) {
   const auto& table = linearized.problem().variables();
   const ActiveSet& active = linearized.activeSet();
   if (!active.isConstrained(variable_a) && !active.isConstrained(variable_b)) return;
   for (int j = 0; j < table[at(variable_b)].dof; ++j) {
     for (int i = 0; i < table[at(variable_a)].dof; ++i, ++block) {
-      if (active.isHeld(variable_a, i) || active.isHeld(variable_b, j)) *block = 0;
+      if (active.isFixedOrActive(variable_a, i) || active.isFixedOrActive(variable_b, j)) *block = 0;
     }
   }
 }
@@ -27,7 +27,7 @@ MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, i
   const int a = structure.offsetOf(variable_a), b = structure.offsetOf(variable_b);
   MatrixXd block = linearized.covarianceColumns(gauge, b, dof_b).middleRows(a, dof_a);
   if (variable_a == variable_b) block = ((block + block.transpose()) / 2).eval();
-  clearHeld(linearized, variable_a, variable_b, block.data());
+  clearConstrained(linearized, variable_a, variable_b, block.data());
   return block;
 }
 
@@ -47,7 +47,7 @@ MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
     for (const int a : variables) {
       if (!structure.system.isEmpty(a) && !structure.system.isEmpty(b)) {
         block = columns.middleRows(structure.offsetOf(a), table[at(a)].dof);
-        clearHeld(linearized, a, b, block.data());
+        clearConstrained(linearized, a, b, block.data());
         C.block(row, column, block.rows(), block.cols()) = block;
       }
       row += table[at(a)].dof;

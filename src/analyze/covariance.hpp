@@ -19,7 +19,7 @@ Eigen::MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge g
                                 const std::vector<int>& variables);
 
 /// Makes the rows and columns of fixed components, and of those at a bound, 0 in the covariance of two variables.
-void clearHeld(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block);
+void clearConstrained(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block);
 
 /// Blocks of all variables by themselves, times the variance factor. Throws likewise.
 Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor);

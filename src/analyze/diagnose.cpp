@@ -49,13 +49,13 @@ class Examination {
   Diagnosis run() {
     result_.residuals = structure_.residuals;
     result_.unknowns = result_.rank = structure_.system.unknowns() > 0 ? linearized_.freeUnknowns() : 0;
-    findIdleMeasurements();
+    findMeasurementsOfFixedVariables();
     if (result_.unknowns == 0) return std::move(result_);
     const NearNullSpace& least = linearized_.nearNullSpace();
     const Index none = least.countBelow(linearized_.digitsOfDerivatives());
     result_.rank -= least.dimension(linearized_.digitsOfDerivatives());
     const std::vector<Part> parts = connectedParts(structure_.system);
-    findIdle(least);
+    findUnobserved(least);
     for (const Part& part : parts) explain(part, least.direction.leftCols(none), least.scale);
     describeWeak(least, none);
     findParts(parts);
@@ -70,17 +70,17 @@ class Examination {
   void add(Kind kind, bool is_fault, std::string text, std::vector<std::string> names, int dimension = 0) {
     result_.findings.push_back({kind, is_fault, std::move(text), std::move(names), dimension});
   }
-  bool isHeld(int unknown) const {
+  bool isFixedOrActive(int unknown) const {
     const int variable = variableOf(structure_, unknown);
-    return isHeld(variable, unknown - structure_.offsetOf(variable));
+    return isFixedOrActive(variable, unknown - structure_.offsetOf(variable));
   }
-  bool isHeld(int variable, int component) const {
-    return linearized_.activeSet().isHeld(variable, component);
+  bool isFixedOrActive(int variable, int component) const {
+    return linearized_.activeSet().isFixedOrActive(variable, component);
   }
   std::string nameOf(int unknown) const { return unknownName(problem_, structure_, unknown); }
   const VariableRecord& recordOf(int variable) const { return problem_.variables()[at(variable)]; }
 
-  void findIdleMeasurements() {
+  void findMeasurementsOfFixedVariables() {
     struct Count {
       std::string name;
       int idle = 0, all = 0;
@@ -106,9 +106,9 @@ class Examination {
     }
   }
 
-  void findIdle(const NearNullSpace& least) {
+  void findUnobserved(const NearNullSpace& least) {
     std::map<int, std::vector<std::string>> components_of;  // by variable
-    for (const int unknown : least.idle) {
+    for (const int unknown : least.unobserved) {
       components_of[variableOf(structure_, unknown)].push_back(nameOf(unknown));
     }
     for (const auto& [variable, names] : components_of) {
@@ -172,7 +172,7 @@ class Examination {
   void describeWeak(const NearNullSpace& least, Index none) {
     std::vector<int> all(at(structure_.system.unknowns()));
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-    const Index weak = least.countBelow(kWeakInfluence);
+    const Index weak = least.countBelow(kNearNull);
     for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
@@ -214,8 +214,8 @@ class Examination {
   void findBadScales(const NearNullSpace& least) {
     Index small = -1, large = -1;
     for (Index i = 0; i < least.scale.size(); ++i) {
-      if (std::binary_search(least.idle.begin(), least.idle.end(), static_cast<int>(i)) ||
-          isHeld(static_cast<int>(i)))
+      if (std::binary_search(least.unobserved.begin(), least.unobserved.end(), static_cast<int>(i)) ||
+          isFixedOrActive(static_cast<int>(i)))
         continue;
       if (small < 0 || least.scale[i] < least.scale[small]) small = i;
       if (large < 0 || least.scale[i] > least.scale[large]) large = i;
@@ -243,7 +243,7 @@ class Examination {
     for (int v = 0; v < table; ++v) {
       if (count_of[recordOf(v).store] > kFew) continue;
       for (int c = 0; c < structure_.system.dof(v); ++c) {
-        if (!isHeld(v, c)) unknowns.push_back(structure_.offsetOf(v) + c);
+        if (!isFixedOrActive(v, c)) unknowns.push_back(structure_.offsetOf(v) + c);
       }
     }
     const Index n = static_cast<Index>(unknowns.size());

@@ -6,7 +6,7 @@
 
 namespace slom {
 
-/// Values count as a minimum from this System::orthogonality() down, for statements that hold at one alone.
+/// Values count as a minimum from this Evaluator::orthogonality() down, for statements that hold at one alone.
 inline constexpr double kAtMinimum = 1e-4;
 
 /// Sparse: a factorisation and a few solutions with it.

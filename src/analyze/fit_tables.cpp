@@ -10,8 +10,7 @@
 
 namespace slom {
 
-void fillGroups(const Problem& problem, Linearizer& linearizer, Summary& summary, bool before) {
-  const std::vector<double> rss = linearizer.rssPerPool(problem);
+void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary& summary, bool before) {
   summary.groups.resize(static_cast<std::size_t>(problem.groupCount()));
   for (std::size_t p = 0; p < problem.pools().size(); ++p) {
     MeasurementPool& pool = *problem.pools()[p];
@@ -46,7 +45,7 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
     std::vector<double> x(static_cast<std::size_t>(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
     for (int c = 0; c < record.dof; ++c) {
-      if (linearized.activeSet().isHeld(v, c)) continue;
+      if (linearized.activeSet().isFixedOrActive(v, c)) continue;
       const int unknown = structure.offsetOf(v) + c;
       unknowns.push_back(unknown);
       summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],

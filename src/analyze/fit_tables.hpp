@@ -10,8 +10,8 @@
 
 namespace slom {
 
-/// A row for each pool: its sizes and the RSS before the fit, or the RSS after it and what its losses did.
-void fillGroups(const Problem& problem, Linearizer& linearizer, Summary& summary, bool before);
+/// A row for each group: its sizes and the RSS before the fit, or the RSS after it and what its losses did. `rss`: that of each pool.
+void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary& summary, bool before);
 
 /// Values, standard deviations and strong correlations of all unknowns, and the redundancy of each group. Throws, and leaves the
 /// summary as it is, where there are no covariances.

@@ -30,7 +30,7 @@ FreeNetwork::FreeNetwork(const LinearizedProblem& linearized)
   solver_.analyze(structure_);
   linearized.rows().sendTo(solver_);
   SolveStatus status = solver_.solveDamped(damping_, N_, CN_);
-  if (status.ok) status = solver_.invertDamped(damping_, held_);
+  if (status.ok) status = solver_.invertDamped(damping_, damped_inverse_);
   if (!status.ok) throw linearized.undetermined(status);
   NCN_ = N_.transpose() * CN_;
 }
@@ -41,7 +41,7 @@ MatrixXd FreeNetwork::rowsOf(const MatrixXd& A, int block) const {
 
 void FreeNetwork::block(int a, int b, double* out) const {
   Eigen::Map<MatrixXd> C(out, structure_.dof(a), structure_.dof(b));
-  held_->block(a, b, out);
+  damped_inverse_->block(a, b, out);
   const MatrixXd Na = rowsOf(N_, a), Nb = rowsOf(N_, b);
   C += Na * NCN_ * Nb.transpose() - Na * rowsOf(CN_, b).transpose() - rowsOf(CN_, a) * Nb.transpose();
 }

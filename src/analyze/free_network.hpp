@@ -25,7 +25,7 @@ class FreeNetwork final : public InverseBlocks {
   mutable BlockSolver solver_;  // which solves without changing its numbers
   Eigen::VectorXd damping_;
   Eigen::MatrixXd N_, CN_, NCN_;  // N, C N and N^T C N
-  std::unique_ptr<InverseBlocks> held_;
+  std::unique_ptr<InverseBlocks> damped_inverse_;
 };
 
 }  // namespace slom

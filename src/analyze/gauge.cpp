@@ -54,8 +54,8 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
 }
 
 /// What motions of the world do to the scaled unknowns of the class.
-MatrixXd motionsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
-                   const VectorXd& scale) {
+MatrixXd gaugeGeneratorsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
+                           const VectorXd& scale) {
   MatrixXd all(own.rows, kGaugeGenerators);
   Index row = 0;
   for (std::size_t i = 0; i < own.variables.size(); ++i) {
@@ -223,7 +223,7 @@ Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const
     const MatrixXd null_rows = rowsOf(null_space, problem, own);
     for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {
       Gauge found =
-          commonMotions(motionsOf(problem, part, own, role, scale), null_rows, null_space, elsewhere);
+          commonMotions(gaugeGeneratorsOf(problem, part, own, role, scale), null_rows, null_space, elsewhere);
       if (found.count() > best.count()) best = std::move(found);
     }
   }

@@ -49,7 +49,7 @@ struct LinearizedProblem::Results {
   std::unique_ptr<LinearSolver> careful;  // instead of the lent solver, which found no rank
   bool careful_failed = false;
   SolveStatus careful_status;
-  std::uint64_t content = ~std::uint64_t{0};  // System::contentOfSolver() once these rows are in it
+  std::uint64_t content = ~std::uint64_t{0};  // Evaluator::contentOfSolver() once these rows are in it
 
   std::unique_ptr<InverseBlocks> inverse;
   std::unique_ptr<FreeNetwork> free_network;
@@ -58,10 +58,10 @@ struct LinearizedProblem::Results {
   std::optional<Diagnosis> diagnosis;
 };
 
-LinearizedProblem::LinearizedProblem(const Problem& problem, System& system)
+LinearizedProblem::LinearizedProblem(const Problem& problem, Evaluator& evaluator)
     : problem_(problem),
-      system_(system),
-      structure_(system.structure()),
+      evaluator_(evaluator),
+      structure_(evaluator.structure()),
       structure_revision_(problem.structureRevision()),
       value_revision_(problem.valueRevision()),
       results_(new Results) {}
@@ -94,7 +94,9 @@ const ActiveSet& LinearizedProblem::activeSet() const {
   return results_->active;
 }
 
-int LinearizedProblem::freeUnknowns() const { return structure_.system.unknowns() - activeSet().heldCount(); }
+int LinearizedProblem::freeUnknowns() const {
+  return structure_.system.unknowns() - activeSet().fixedOrActiveCount();
+}
 
 double LinearizedProblem::rss() const {
   linearize();
@@ -124,7 +126,7 @@ const Eigen::VectorXd& LinearizedProblem::diagonal() const {
 MatrixXd LinearizedProblem::times(const MatrixXd& V) const { return rows().times(V); }
 
 double LinearizedProblem::orthogonality() const {
-  return System::orthogonality(gradient(), diagonal(), results_->squared_norm);
+  return Evaluator::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
 /// With these rows in it.
@@ -132,11 +134,11 @@ LinearSolver& LinearizedProblem::solver() const {
   linearize();
   Results& own = *results_;
   if (own.careful != nullptr) return *own.careful;
-  if (own.content != system_.contentOfSolver()) {
-    own.kept.rows.sendTo(system_.lendSolver());
-    own.content = system_.contentOfSolver();
+  if (own.content != evaluator_.contentOfSolver()) {
+    own.kept.rows.sendTo(evaluator_.lendSolver());
+    own.content = evaluator_.contentOfSolver();
   }
-  return system_.solver();
+  return evaluator_.solver();
 }
 
 bool LinearizedProblem::isExact() const { return solver().isExact(); }
@@ -146,7 +148,7 @@ SolveStatus LinearizedProblem::lookAgain(SolveStatus status, bool& has_changed) 
   has_changed = false;
   if (status.ok || own.careful != nullptr) return status;
   if (own.careful_failed) return own.careful_status;
-  SecondLook look = slom::lookAgain(problem_, structure_, system_.solver(), status, digitsOfDerivatives(),
+  SecondLook look = slom::lookAgain(problem_, structure_, evaluator_.solver(), status, digitsOfDerivatives(),
                                     [&](LinearSolver& careful) { own.kept.rows.sendTo(careful); });
   own.careful = std::move(look.solver);
   has_changed = own.careful != nullptr;
@@ -222,7 +224,7 @@ const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
 
 const NearNullSpace& LinearizedProblem::nearNullSpace() const {
   if (results_->null_space == nullptr)
-    results_->null_space = std::make_unique<NearNullSpace>(findNearNullSpace(*this, kWeakInfluence));
+    results_->null_space = std::make_unique<NearNullSpace>(findNearNullSpace(*this, kNearNull));
   return *results_->null_space;
 }
 

@@ -8,7 +8,7 @@
 
 #include "slom/analyze/diagnosis.hpp"
 #include "slom/analyze/uncertainty.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 #include "solve/block/jacobian_rows.hpp"
 
 namespace slom {
@@ -25,7 +25,7 @@ struct NearNullSpace;
 class LinearizedProblem {
  public:
   /// Linearises when something is first asked for. `system` lends its solver.
-  LinearizedProblem(const Problem& problem, System& system);
+  LinearizedProblem(const Problem& problem, Evaluator& evaluator);
   ~LinearizedProblem();
   /// Whether structure and values are those that it was made of.
   bool isCurrent() const;
@@ -48,10 +48,10 @@ class LinearizedProblem {
   const Eigen::VectorXd& diagonal() const;
   /// J V, the rows of the group that holds components included.
   Eigen::MatrixXd times(const Eigen::MatrixXd& V) const;
-  /// See System::orthogonality.
+  /// See Evaluator::orthogonality.
   double orthogonality() const;
-  /// See System::digitsOfDerivatives.
-  double digitsOfDerivatives() const { return System::digitsOfDerivatives(problem_); }
+  /// See Evaluator::digitsOfDerivatives.
+  double digitsOfDerivatives() const { return Evaluator::digitsOfDerivatives(problem_); }
 
   /// Solves H X = B with the estimator's solver, and by a more careful one where that finds no rank.
   SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const;
@@ -62,7 +62,7 @@ class LinearizedProblem {
   /// Blocks of it. This and the above throw [slom.free-gauge], [slom.rank-deficient] or [slom.unmeasured-variable].
   const InverseBlocks& inverse(FreeGauge gauge) const;
 
-  /// Directions whose influence is below kWeakInfluence at the least.
+  /// Directions whose influence is below kNearNull at the least.
   const NearNullSpace& nearNullSpace() const;
   /// Dimension of the null space of J: 0 where the solver finds a unique solution.
   int freeDirections() const;
@@ -81,7 +81,7 @@ class LinearizedProblem {
   const FreeNetwork& freeNetwork() const;
 
   const Problem& problem_;
-  System& system_;
+  Evaluator& evaluator_;
   const ProblemStructure& structure_;
   std::uint64_t structure_revision_, value_revision_;
   std::unique_ptr<Results> results_;

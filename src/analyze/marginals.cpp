@@ -26,7 +26,7 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
       result.numbers_.resize(place.start + static_cast<std::size_t>(place.dof * place.dof));
       double* const numbers = result.numbers_.data() + place.start;
       inverse.block(block, block, numbers);
-      clearHeld(linearized, block, block, numbers);
+      clearConstrained(linearized, block, block, numbers);
       for (int i = 0; i < place.dof; ++i) {  // conjugate gradients do not notice a loss of rank
         if (numbers[i * (place.dof + 1)] >= 0) continue;
         const int unknown = structure.offsetOf(block) + i;

@@ -42,7 +42,7 @@ VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   return diagonal;
 }
 
-/// Numbers that look random and are the same in every run, 0 for idle unknowns.
+/// Numbers that look random and are the same in every run, 0 for unobserved unknowns.
 MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   MatrixXd start(diagonal.size(), count);
   double x = 0.5;
@@ -107,12 +107,12 @@ class InverseIteration {
       : linearized_(linearized) {
     MatrixXd ignored;
     const BlockStructure& structure = linearized.structure().system;
-    if (shape.idle.empty() && linearized.isExact() &&
+    if (shape.unobserved.empty() && linearized.isExact() &&
         linearized.solveFor(MatrixXd(structure.unknowns(), 0), ignored).ok)
       return;
     shift_ = kDamping;
     damping_ = kDamping * shape.scale.cwiseAbs2();
-    for (const int i : shape.idle) damping_[i] = 1;
+    for (const int i : shape.unobserved) damping_[i] = 1;
     damped_.emplace(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
     damped_->analyze(structure);
     linearized.rows().sendTo(*damped_);
@@ -139,9 +139,9 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
   const VectorXd diagonal = withoutRounding(linearized.diagonal(), structure);
   result.scale = diagonal.unaryExpr([](double h) { return h > 0 ? std::sqrt(h) : 1.0; });
   for (Index i = 0; i < diagonal.size(); ++i) {
-    if (!(diagonal[i] > 0)) result.idle.push_back(static_cast<int>(i));
+    if (!(diagonal[i] > 0)) result.unobserved.push_back(static_cast<int>(i));
   }
-  const Index dimension = diagonal.size() - static_cast<Index>(result.idle.size());
+  const Index dimension = diagonal.size() - static_cast<Index>(result.unobserved.size());
   if (dimension == 0) {
     result.direction.resize(diagonal.size(), 0);
     return result;
@@ -156,7 +156,7 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
       MatrixXd moved;
       const SolveStatus status = inverse.solve(result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
-      for (const int i : result.idle) moved.row(i).setZero();
+      for (const int i : result.unobserved) moved.row(i).setZero();
       result.direction = result.scale.asDiagonal() * moved;
       const double last = std::exchange(gain, orthonormalize(result.direction));
       all_determined =

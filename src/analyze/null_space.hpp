@@ -11,8 +11,8 @@ namespace slom {
 
 /// Unknowns are scaled by the lengths of their columns of J, so that units do not matter.
 struct NearNullSpace {
-  Eigen::VectorXd scale;  ///< |J_i|, by unknown; 1 where it is 0
-  std::vector<int> idle;  ///< unknowns whose column is 0; they have no part in what follows
+  Eigen::VectorXd scale;        ///< |J_i|, by unknown; 1 where it is 0
+  std::vector<int> unobserved;  ///< unknowns whose column is 0; they have no part in what follows
   Eigen::MatrixXd
       direction;  ///< unknowns x count, orthonormal, in scaled unknowns: d_i = direction(i, k) / scale[i]
   Eigen::VectorXd influence;   ///< |J d| of each, ascending from 0: none
@@ -20,14 +20,14 @@ struct NearNullSpace {
 
   /// Number of directions whose influence is below `limit`.
   Eigen::Index countBelow(double limit) const { return (influence.array() < limit).count(); }
-  /// Dimension of the null space of J: directions with an influence below `limit`, and idle unknowns.
+  /// Dimension of the null space of J: directions with an influence below `limit`, and unobserved unknowns.
   int dimension(double limit) const {
-    return static_cast<int>(countBelow(limit)) + static_cast<int>(idle.size());
+    return static_cast<int>(countBelow(limit)) + static_cast<int>(unobserved.size());
   }
 };
 
 /// Below this influence of a direction, in scaled unknowns, a hint is due.
-inline constexpr double kWeakInfluence = 1e-6;
+inline constexpr double kNearNull = 1e-6;
 
 /// At the least the directions whose influence is below `limit`, by inverse iteration with the factor of J^T J or, where that has no
 /// full rank, of J^T J + tiny damping; their influence itself is computed from J, so that it does not suffer from the squared condition number.

@@ -91,7 +91,7 @@ class Inspection {
   /// Fewer residuals than unknowns, in all or around a variable.
   void countResiduals() {
     const ProblemStructure& structure = linearized_.structure();
-    const int unknowns = structure.system.unknowns() - problem_.activeSet().heldCount();
+    const int unknowns = structure.system.unknowns() - problem_.activeSet().fixedOrActiveCount();
     if (structure.residuals < unknowns) {
       result_.faults.push_back("there are " + counted(structure.residuals, "residual") + " for " +
                                counted(unknowns, "unknown") +
@@ -111,7 +111,7 @@ class Inspection {
       if (structure.system.isEmpty(v)) continue;
       const VariableRecord& record = problem_.variables()[at(v)];
       int free = 0;
-      for (int c = 0; c < record.dof; ++c) free += problem_.activeSet().isHeld(v, c) ? 0 : 1;
+      for (int c = 0; c < record.dof; ++c) free += problem_.activeSet().isFixedOrActive(v, c) ? 0 : 1;
       if (record.uses > 0 && residuals_of[at(v)] < free) {
         lacking.push_back(problem_.variableName(v) + " (" + std::to_string(residuals_of[at(v)]) + " for " +
                           std::to_string(free) + ")");

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "linearize/variable_of.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 

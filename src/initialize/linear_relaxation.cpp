@@ -21,7 +21,7 @@ const double* LinearRelaxation::value(int block) const {
 
 void LinearRelaxation::addBlock(const double* value) {
   values_.resize(values_.size() + at(rows_ * columns_), 0.0);
-  is_held_.push_back(value != nullptr ? 1 : 0);
+  is_fixed_.push_back(value != nullptr ? 1 : 0);
   if (value != nullptr) std::copy(value, value + rows_ * columns_, values_.end() - rows_ * columns_);
 }
 
@@ -40,9 +40,9 @@ bool LinearRelaxation::solve() {
   using Eigen::MatrixXd;
   BlockStructure structure;
   structure.offset.push_back(0);
-  std::vector<int> block_of(is_held_.size(), -1);
-  for (std::size_t k = 0; k < is_held_.size(); ++k) {
-    if (is_held_[k] != 0) continue;
+  std::vector<int> block_of(is_fixed_.size(), -1);
+  for (std::size_t k = 0; k < is_fixed_.size(); ++k) {
+    if (is_fixed_[k] != 0) continue;
     block_of[k] = structure.blockCount();
     structure.offset.push_back(structure.offset.back() + rows_);
   }
@@ -83,7 +83,7 @@ bool LinearRelaxation::solve() {
   solver.endLinearization();
   MatrixXd X;
   if (!solver.solveFor(B, X).ok || !X.allFinite()) return false;
-  for (std::size_t k = 0; k < is_held_.size(); ++k) {
+  for (std::size_t k = 0; k < is_fixed_.size(); ++k) {
     if (block_of[k] < 0) continue;
     Map<MatrixXd>(valueAt(static_cast<int>(k)), rows_, columns_) = X.middleRows(rows_ * block_of[k], rows_);
   }

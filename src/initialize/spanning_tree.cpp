@@ -11,7 +11,7 @@ namespace slom::initialize {
 
 Unreached::Unreached(int pose)
     : mtk::Error("slom.unreached-pose",
-                 "no edges lead from a held pose to pose " + std::to_string(pose) +
+                 "no edges lead from a fixed pose to pose " + std::to_string(pose) +
                      "; add an edge between poses, or hold a pose of each part of the graph",
                  "pose " + std::to_string(pose)),
       pose_(pose) {}
@@ -50,21 +50,21 @@ void requireReached(const std::vector<char>& is_reached) {
 }
 
 /// The held poses, or the first one where there is none.
-std::vector<int> roots(const std::vector<char>& is_held) {
+std::vector<int> roots(const std::vector<char>& is_fixed) {
   std::vector<int> result;
-  for (std::size_t p = 0; p < is_held.size(); ++p) {
-    if (is_held[p] != 0) result.push_back(static_cast<int>(p));
+  for (std::size_t p = 0; p < is_fixed.size(); ++p) {
+    if (is_fixed[p] != 0) result.push_back(static_cast<int>(p));
   }
-  if (result.empty() && !is_held.empty()) result.push_back(0);
+  if (result.empty() && !is_fixed.empty()) result.push_back(0);
   return result;
 }
 
 template <class Accept>
-std::vector<TreeStep> breadthFirst(const std::vector<char>& is_held, const std::vector<Ends>& ends,
+std::vector<TreeStep> breadthFirst(const std::vector<char>& is_fixed, const std::vector<Ends>& ends,
                                    Accept accept) {
-  const std::size_t poses = is_held.size();
+  const std::size_t poses = is_fixed.size();
   const EdgesAtPoses edges_at = edgesAtPoses(poses, ends, accept);
-  std::vector<int> queue = roots(is_held);
+  std::vector<int> queue = roots(is_fixed);
   std::vector<char> is_reached(poses, 0);
   for (const int pose : queue) is_reached[at(pose)] = 1;
   std::vector<TreeStep> tree;
@@ -86,17 +86,17 @@ std::vector<TreeStep> breadthFirst(const std::vector<char>& is_held, const std::
 
 }  // namespace
 
-std::vector<TreeStep> spanningTree(const std::vector<char>& is_held, const std::vector<Ends>& edges) {
-  return breadthFirst(is_held, edges, [](const Ends&) { return true; });
+std::vector<TreeStep> spanningTree(const std::vector<char>& is_fixed, const std::vector<Ends>& edges) {
+  return breadthFirst(is_fixed, edges, [](const Ends&) { return true; });
 }
 
-std::vector<TreeStep> odometryChain(const std::vector<char>& is_held, const std::vector<Ends>& edges) {
-  return breadthFirst(is_held, edges, [](const Ends& edge) { return std::abs(edge.from - edge.to) == 1; });
+std::vector<TreeStep> odometryChain(const std::vector<char>& is_fixed, const std::vector<Ends>& edges) {
+  return breadthFirst(is_fixed, edges, [](const Ends& edge) { return std::abs(edge.from - edge.to) == 1; });
 }
 
-std::vector<TreeStep> growth(const std::vector<char>& is_held, const std::vector<Ends>& edges) {
-  const EdgesAtPoses edges_at = edgesAtPoses(is_held.size(), edges, [](const Ends&) { return true; });
-  std::vector<char> is_reached(is_held.size(), 0);
+std::vector<TreeStep> growth(const std::vector<char>& is_fixed, const std::vector<Ends>& edges) {
+  const EdgesAtPoses edges_at = edgesAtPoses(is_fixed.size(), edges, [](const Ends&) { return true; });
+  std::vector<char> is_reached(is_fixed.size(), 0);
   std::priority_queue<int, std::vector<int>, std::greater<>> next;
   const auto forEachEdge = [&](int pose, auto f) {
     for (int k = edges_at.first[at(pose)]; k < edges_at.first[at(pose) + 1]; ++k) {
@@ -111,7 +111,7 @@ std::vector<TreeStep> growth(const std::vector<char>& is_held, const std::vector
       if (is_reached[at(other)] == 0) next.push(other);
     });
   };
-  for (const int pose : roots(is_held)) reach(pose);
+  for (const int pose : roots(is_fixed)) reach(pose);
   std::vector<TreeStep> tree;
   while (!next.empty()) {
     const int pose = next.top();

@@ -59,7 +59,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   chunk.first = range.first;
   chunk.last = range.last;
   chunk.forget();
-  chunk.held.clear();
+  chunk.constrained.clear();
   if (is_laid_out) {
     chunk.r.resize(at(count) * at(chunk.rows.front()));
     return;
@@ -146,7 +146,7 @@ void Linearizer::residuals(const Problem& problem, double* r) {
 void Linearizer::linearizeChunk(const Problem& problem, const ActiveSet& active, const Range& range,
                                 bool wants_plain, Chunk& chunk) const {
   prepare(problem, range, true, chunk);
-  const bool has_held = !active.constrained().empty();
+  const bool has_constrained = !active.constrained().empty();
   try {
     MeasurementPool& pool = *problem.pools()[at(chunk.group)];
     chunk.bad = pool.linearize(chunk.first, chunk.last, chunk.r.data(), chunk.J.data());
@@ -154,10 +154,12 @@ void Linearizer::linearizeChunk(const Problem& problem, const ActiveSet& active,
       if (wants_plain && pool.lossCount() > 0) {
         chunk.plain_r = chunk.r;
         chunk.plain_J = chunk.J;
-        if (has_held) clearHeld(problem, active, chunk, chunk.plain_r.data(), chunk.plain_J.data(), nullptr);
+        if (has_constrained)
+          clearConstrained(problem, active, chunk, chunk.plain_r.data(), chunk.plain_J.data(), nullptr);
       }
       addLosses(problem, true, chunk);
-      if (has_held) clearHeld(problem, active, chunk, chunk.r.data(), chunk.J.data(), &chunk.held);
+      if (has_constrained)
+        clearConstrained(problem, active, chunk, chunk.r.data(), chunk.J.data(), &chunk.constrained);
     }
   } catch (const MeasurementThrew& event) {
     chunk.threw = event;
@@ -175,7 +177,7 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
   const int threads = detail::threadCount();
   const std::size_t per_wave = at(chunksInFlight(threads));
   std::vector<double> rss(all.size()), squared_norm(all.size());
-  held_.clear();
+  constrained_.clear();
   const bool wants_plain = sink.wantsUnweighted();
   sink.beginLinearization();
   const auto send = [&](std::size_t c, const Chunk& chunk) {
@@ -185,9 +187,10 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
     if (wants_plain && problem.pools()[at(chunk.group)]->lossCount() > 0)
       sink.addUnweighted(chunk.plainBatch());
   };
-  const auto book = [&](const std::vector<HeldColumn>& held) {
-    for (const HeldColumn& part : held) {
-      HeldColumn& whole = held_.try_emplace({part.variable, part.component}, HeldColumn{}).first->second;
+  const auto addConstrained = [&](const std::vector<ConstrainedColumn>& constrained) {
+    for (const ConstrainedColumn& part : constrained) {
+      ConstrainedColumn& whole =
+          constrained_.try_emplace({part.variable, part.component}, ConstrainedColumn{}).first->second;
       whole.gradient += part.gradient;
       whole.squared_norm += part.squared_norm;
     }
@@ -205,18 +208,19 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
     first.push_back(all.size());
     chunks_.resize(threads == 1 ? 1 : partitions.size());
     for (Chunk& chunk : chunks_) chunk.forget();
-    std::vector<std::vector<HeldColumn>> held(partitions.size());
+    std::vector<std::vector<ConstrainedColumn>> constrained(partitions.size());
     detail::forEachIndex(static_cast<int>(partitions.size()), [&](int p) {
       Chunk& chunk = threads == 1 ? chunks_.front() : chunks_[at(p)];
       for (std::size_t c = first[at(p)]; c < first[at(p) + 1] && chunk.isGood(); ++c) {
         linearizeChunk(problem, active, all[c], wants_plain, chunk);
         if (!chunk.isGood()) return;
         send(c, chunk);
-        held[at(p)].insert(held[at(p)].end(), chunk.held.begin(), chunk.held.end());
+        constrained[at(p)].insert(constrained[at(p)].end(), chunk.constrained.begin(),
+                                  chunk.constrained.end());
       }
     });
     for (const Chunk& chunk : chunks_) requireGood(problem, chunk);
-    for (const auto& of_partition : held) book(of_partition);
+    for (const auto& of_partition : constrained) addConstrained(of_partition);
   } else {
     chunks_.resize(std::min(all.size(), per_wave));
     for (std::size_t wave = 0; wave < all.size(); wave += per_wave) {
@@ -228,11 +232,11 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
         const Chunk& chunk = chunks_[at(c)];
         requireGood(problem, chunk);
         send(wave + at(c), chunk);
-        book(chunk.held);
+        addConstrained(chunk.constrained);
       }
     }
   }
-  if (!active.constrained().empty()) sendHeld(problem, active, sink);
+  if (!active.constrained().empty()) sendConstrained(problem, active, sink);
   sink.endLinearization();
   squared_norm_sent_ = std::accumulate(squared_norm.begin(), squared_norm.end(), 0.0);
   return std::accumulate(rss.begin(), rss.end(), 0.0);
@@ -248,8 +252,8 @@ JacobianBatch Linearizer::linearizeSome(const Problem& problem, const ActiveSet&
   return chunk.batch();
 }
 
-void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
-                           const double* r, double* J, std::vector<HeldColumn>* held) {
+void Linearizer::clearConstrained(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
+                                  const double* r, double* J, std::vector<ConstrainedColumn>* constrained) {
   const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
   for (int i = chunk.first; i < chunk.last; ++i) {
     const int rows = pool.rows(i);
@@ -257,13 +261,13 @@ void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, cons
       const int variable = pool.variables(i)[k];
       const VariableRecord& record = problem.variables()[at(variable)];
       for (int c = 0; c < record.dof; ++c, J += rows) {
-        if (!active.isOptimized(variable) || !active.isHeld(variable, c)) continue;
-        HeldColumn column{variable, c, 0, 0};
+        if (!active.isOptimized(variable) || !active.isFixedOrActive(variable, c)) continue;
+        ConstrainedColumn column{variable, c, 0, 0};
         for (int row = 0; row < rows; ++row) {
           column.gradient += J[row] * r[row];
           column.squared_norm += J[row] * J[row];
         }
-        if (held != nullptr) held->push_back(column);
+        if (constrained != nullptr) constrained->push_back(column);
         std::fill_n(J, rows, 0.0);
       }
     }
@@ -272,7 +276,7 @@ void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, cons
 }
 
 /// With the lengths of the columns that were cleared, so that scales stay what they are.
-void Linearizer::sendHeld(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
+void Linearizer::sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;
   for (const int variable : active.constrained()) {
@@ -281,64 +285,18 @@ void Linearizer::sendHeld(const Problem& problem, const ActiveSet& active, Jacob
     const Eigen::VectorXd r = Eigen::VectorXd::Zero(record.dof);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(record.dof, record.dof);
     for (int c = 0; c < record.dof; ++c) {
-      const auto column = held_.find({variable, c});
-      const bool has_length = column != held_.end() && column->second.squared_norm > 0;
-      if (active.isHeld(variable, c)) J(c, c) = has_length ? std::sqrt(column->second.squared_norm) : 1;
+      const auto column = constrained_.find({variable, c});
+      const bool has_length = column != constrained_.end() && column->second.squared_norm > 0;
+      if (active.isFixedOrActive(variable, c))
+        J(c, c) = has_length ? std::sqrt(column->second.squared_norm) : 1;
     }
     sink.add({group, index++, 1, &record.dof, &record.dof, r.data(), J.data()});
   }
 }
 
-double Linearizer::gradientOfHeld(int variable, int component) const {
-  const auto found = held_.find({variable, component});
-  return found == held_.end() ? 0 : found->second.gradient;
-}
-
-void Linearizer::raiseOverflow(const Problem& problem) {
-  MeasurementPool* worst_pool = nullptr;
-  int worst = 0;
-  double largest = -1;
-  std::vector<double> r, J;
-  for (const auto& pool : problem.pools()) {
-    for (int i = 0; i < pool->size(); ++i) {
-      r.resize(at(pool->rows(i)));
-      J.resize(at(pool->rows(i)) * at(pool->columns(i)));
-      problem.naming(*pool, [&] { pool->linearize(i, i + 1, r.data(), J.data()); });
-      double size = 0;
-      for (const double value : r) size = std::max(size, std::abs(value));
-      for (const double value : J) size = std::max(size, std::abs(value));
-      if (size > largest) {
-        largest = size;
-        worst_pool = pool.get();
-        worst = i;
-      }
-    }
-  }
-  if (worst_pool == nullptr) throw Error("slom.overflow", "the RSS is too large for a number");
-  const int rows = worst_pool->rows(worst);
-  r.resize(at(rows));
-  worst_pool->evaluate(worst, worst + 1, r.data());
-  double residual = 0;
-  for (int i = 0; i < rows; ++i) residual = std::max(residual, std::abs(r[at(i)]));
-  throw Error("slom.overflow",
-              "measurement " + worst_pool->measurementName(worst) + " has a residual of " +
-                  number(residual, 6) + " standard deviations or a derivative of " + number(largest, 6) +
-                  " at " + problem.valuesText(worst_pool->variables(worst), worst_pool->arity()) +
-                  ", too large for sums of squares; check its data, its uncertainty and the start values",
-              worst_pool->measurementName(worst));
-}
-
-void Linearizer::raiseNotFinite(const Problem& problem, int group, int measurement) {
-  MeasurementPool& pool = *problem.pools()[at(group)];
-  std::vector<double> r(at(pool.rows(measurement)));
-  const bool residual_is_bad = pool.evaluate(measurement, measurement + 1, r.data()) >= 0;
-  throw Error("slom.not-finite",
-              std::string(residual_is_bad ? "the residual" : "a derivative") + " of measurement " +
-                  pool.measurementName(measurement) + " is not finite at " +
-                  problem.valuesText(pool.variables(measurement), pool.arity()) +
-                  "; check its data, the function where it divides, takes roots or logarithms or "
-                  "leaves an entry of its result unset, and the start values",
-              pool.measurementName(measurement));
+double Linearizer::gradientOfConstrained(int variable, int component) const {
+  const auto found = constrained_.find({variable, component});
+  return found == constrained_.end() ? 0 : found->second.gradient;
 }
 
 }  // namespace slom

@@ -29,15 +29,15 @@ void writeBlocks(const Problem& problem, const MeasurementPool& pool, int i, int
 }
 
 /// The group after those of the pools, where there is one.
-void writeHeld(const Problem& problem, std::vector<MeasurementGroup>& groups) {
+void writeConstrained(const Problem& problem, std::vector<MeasurementGroup>& groups) {
   groups.resize(problem.pools().size());
   const IndexSet& constrained = problem.activeSet().constrained();
   if (constrained.empty()) return;
-  MeasurementGroup held{1, {}};
+  MeasurementGroup group{1, {}};
   for (const int v : constrained) {
-    if (blockOf(problem, v) >= 0) held.blocks.push_back(v);
+    if (blockOf(problem, v) >= 0) group.blocks.push_back(v);
   }
-  groups.push_back(std::move(held));
+  groups.push_back(std::move(group));
 }
 
 int countResiduals(const Problem& problem) {
@@ -64,12 +64,13 @@ class Update {
 
   StructureChanges run(std::span<const Change> changes) {
     for (const Change& change : changes) note(change);
-    has_other_held_ = has_other_held_ || hasHeldGroup() == problem_.activeSet().constrained().empty();
+    has_other_constraints_ =
+        has_other_constraints_ || hasConstraintGroup() == problem_.activeSet().constrained().empty();
     resizeBlocks();
     addPools();
     for (std::size_t p = 0; p < touched_.size(); ++p) updateGroup(p);
-    if (has_other_held_) {
-      writeHeld(problem_, structure_.system.groups);
+    if (has_other_constraints_) {
+      writeConstrained(problem_, structure_.system.groups);
       result_.measurements = true;
     }
     structure_.residuals = countResiduals(problem_);
@@ -84,7 +85,8 @@ class Update {
       return;
     }
     const int variable = change.index;
-    has_other_held_ = has_other_held_ || change.kind == Kind::constraint || isOrWasHeld(variable);
+    has_other_constraints_ =
+        has_other_constraints_ || change.kind == Kind::constraint || isOrWasConstrained(variable);
     if (change.kind != Kind::constraint) variables_.push_back(variable);
     if (change.kind == Kind::variable_fixed || change.kind == Kind::variable_freed) {
       problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
@@ -93,13 +95,15 @@ class Update {
     }
   }
 
-  bool hasHeldGroup() const { return static_cast<int>(structure_.system.groups.size()) > structure_.pools; }
+  bool hasConstraintGroup() const {
+    return static_cast<int>(structure_.system.groups.size()) > structure_.pools;
+  }
 
-  bool isOrWasHeld(int variable) const {
+  bool isOrWasConstrained(int variable) const {
     if (problem_.activeSet().isConstrained(variable)) return true;
-    if (!hasHeldGroup()) return false;
-    const std::vector<int>& held = structure_.system.groups.back().blocks;
-    return std::binary_search(held.begin(), held.end(), variable);
+    if (!hasConstraintGroup()) return false;
+    const std::vector<int>& constrained = structure_.system.groups.back().blocks;
+    return std::binary_search(constrained.begin(), constrained.end(), variable);
   }
 
   void resizeBlocks() {
@@ -160,7 +164,7 @@ class Update {
   ProblemStructure& structure_;
   std::vector<std::vector<int>> touched_;  // measurements of each pool
   std::vector<int> variables_;             // that may have got another size
-  bool has_other_held_ = false;
+  bool has_other_constraints_ = false;
   StructureChanges result_;
 };
 
@@ -176,7 +180,7 @@ ProblemStructure makeStructure(const Problem& problem) {
       writeBlocks(problem, *pool, i, group.blocks.data() + at(i) * at(pool->arity()));
     result.system.groups.push_back(std::move(group));
   }
-  writeHeld(problem, result.system.groups);
+  writeConstrained(problem, result.system.groups);
   result.pools = static_cast<int>(problem.pools().size());
   result.residuals = countResiduals(problem);
   return result;

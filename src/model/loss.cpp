@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
 
 #include "base/words.hpp"
 #include "mtk/error.hpp"
@@ -67,6 +71,15 @@ std::string Loss::text() const {
   if (kind_ == nullptr) return "none";
   return std::string(kind_->name) + "(" + (kind_->has_shape ? number(shape_, 6) + ", " : "") +
          number(scale_, 6) + ")";
+}
+
+const LossKind& detail::ownKind(const char* name, LossValue (*evaluate)(double t, double shape)) {
+  static std::mutex mutex;
+  static std::map<std::pair<std::string, LossValue (*)(double, double)>, LossKind> kinds;
+  const std::lock_guard lock(mutex);
+  const auto [it, is_new] = kinds.try_emplace({name == nullptr ? "" : name, evaluate});
+  if (is_new) it->second = {it->first.first.c_str(), nullptr, false, evaluate};
+  return it->second;
 }
 
 std::string detail::faultOf(const Loss& loss) {

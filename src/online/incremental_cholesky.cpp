@@ -134,8 +134,8 @@ void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
       local_[at(b)] = static_cast<int>(step_.size());
       moves_.push_back({b, nullptr});
       for (int c = 0; c < dof(b); ++c, ++i) {
-        const bool is_held = !front.held.empty() && front.held[at(i)] != 0;
-        step_.push_back(is_held ? 0 : d[at(i)]);
+        const bool is_undetermined = !front.undetermined.empty() && front.undetermined[at(i)] != 0;
+        step_.push_back(is_undetermined ? 0 : d[at(i)]);
       }
     }
   }

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/index.hpp"
@@ -67,6 +68,12 @@ class IncrementalCholesky {
   /// Unknowns (block, component) that nothing determines, given those eliminated before: they stay where they are. Of all fronts.
   const std::set<std::pair<int, int>>& undetermined() const { return undetermined_; }
 
+  /// The block of H^-1 with the rows of a and the columns of b, column-major: by the fronts from b up to the root, and from there down to
+  /// a. The factor must be up to date.
+  std::vector<double> inverseBlock(int a, int b) const;
+  /// Of the fronts from that of the block up to the root.
+  std::vector<std::pair<int, int>> undeterminedAbove(int block) const;
+
   const Work& work() const { return work_; }
   void resetWork() { work_ = {}; }
   int blockCount() const { return static_cast<int>(blocks_.size()); }
@@ -98,7 +105,7 @@ class IncrementalCholesky {
     std::vector<int> elements;  // ascending
     dense::BigArray D, B, U;
     std::vector<double> inverse, y, below, diagonal_below;
-    std::vector<char> held;  // of the pivots; empty: none
+    std::vector<char> undetermined;  // of the pivots; empty: none
     double own_promise = 0, promise_below = 0;
     bool has_factor = false, has_solution = false;
     bool has_news = true;     // here or below, since the last step went down
@@ -128,6 +135,8 @@ class IncrementalCholesky {
   void solveFront(int f);
   void hold(Front& front, int pivot);
   void goDown(int f, double threshold, bool everywhere);
+  std::vector<int> pathFrom(int block) const;
+  std::vector<double> inverseColumn(int a, int b, int component) const;
 
   std::vector<Block> blocks_;
   std::vector<Element> elements_;

@@ -183,8 +183,8 @@ void IncrementalCholesky::assemblePanel(Front& front) {
   std::fill_n(front.B.data(), dense::panelSize(front.u, front.p), 0.0);
   addElements(front, true);
   addChildren(front, true);
-  for (int i = 0; i < static_cast<int>(front.held.size()); ++i) {
-    if (front.held[at(i)] == 0) continue;
+  for (int i = 0; i < static_cast<int>(front.undetermined.size()); ++i) {
+    if (front.undetermined[at(i)] == 0) continue;
     for (int j = 0; j <= i; ++j) *entry(front, i, j) = 0;
     for (int k = i; k < front.p + front.u; ++k) *entry(front, k, i) = 0;
     *entry(front, i, i) = 1;
@@ -210,9 +210,9 @@ void IncrementalCholesky::factorizeFront(int f) {
     const Front& child = fronts_[at(c)];
     addByPlace(child.rows, child.diagonal_below.data(), diagonal);
   }
-  if (!front.held.empty())
+  if (!front.undetermined.empty())
     std::for_each(front.pivots.begin(), front.pivots.end(), [&](int b) { forgetUndetermined(b); });
-  front.held.clear();
+  front.undetermined.clear();
   std::vector<double> least(at(front.p));
   for (int i = 0; i < front.p; ++i)
     least[at(i)] = std::max(kLeastOnlinePivot * diagonal[at(i)], std::numeric_limits<double>::min());
@@ -241,8 +241,8 @@ void IncrementalCholesky::factorizeFront(int f) {
 
 /// Nothing determines the pivot: it stays where it is.
 void IncrementalCholesky::hold(Front& front, int pivot) {
-  front.held.resize(at(front.p), 0);
-  front.held[at(pivot)] = 1;
+  front.undetermined.resize(at(front.p), 0);
+  front.undetermined[at(pivot)] = 1;
   int offset = 0;
   for (const int b : front.pivots) {
     if (pivot < offset + dof(b)) {
@@ -271,8 +271,8 @@ void IncrementalCholesky::solveFront(int f) {
   }
   front.y.assign(at(paddedToStripes(front.p)), 0.0);
   std::copy_n(g.begin(), front.p, front.y.begin());
-  for (std::size_t i = 0; i < front.held.size(); ++i) {
-    if (front.held[i] != 0) front.y[i] = 0;
+  for (std::size_t i = 0; i < front.undetermined.size(); ++i) {
+    if (front.undetermined[i] != 0) front.y[i] = 0;
   }
   kernel.forwardPivots(front.D.data(), front.inverse.data(), front.p, front.y.data());
   rows_.assign(at(paddedToStripes(front.u)), 0.0);

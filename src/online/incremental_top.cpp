@@ -57,7 +57,7 @@ void IncrementalCholesky::dissolve(int f) {
   for (const int b : front.pivots) {
     blocks_[at(b)].front = -1;
     loose_blocks_.push_back(b);
-    if (!front.held.empty()) forgetUndetermined(b);
+    if (!front.undetermined.empty()) forgetUndetermined(b);
   }
   for (const int e : front.elements) {
     elements_[at(e)].front = -1;

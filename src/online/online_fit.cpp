@@ -106,8 +106,10 @@ void OnlineFit::stretch(double before, double promised) {
 }
 
 bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
+  is_at_end_ = false;
   try {
-    return stepToTolerance(options, summary);
+    is_at_end_ = stepToTolerance(options, summary);
+    return is_at_end_;
   } catch (...) {  // what was followed is incomplete
     has_started_ = false;
     throw;
@@ -158,6 +160,39 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   }
 }
 
+void OnlineFit::writeCovariance(int a, int b, double* out) const {
+  if (!is_at_end_ || structure_revision_ != problem_.structureRevision() ||
+      value_revision_ != problem_.valueRevision()) {
+    throw Error("slom.not-updated",
+                "covariances of an update were asked for variable " + problem_.variableName(a) +
+                    ", but the problem has changed since, or optimize() took over; call update() first, or "
+                    "ask covariance()",
+                problem_.variableName(a));
+  }
+  const int rows = problem_.variables()[at(a)].dof, columns = problem_.variables()[at(b)].dof;
+  std::fill_n(out, at(rows) * at(columns), 0.0);
+  if (known_[at(a)] == kUnknown || known_[at(b)] == kUnknown) return;
+  for (const int v : {a, b}) {
+    for (const auto& [variable, component] : factor_.undeterminedAbove(v)) {
+      if (problem_.activeSet().isFixedOrActive(variable, component)) continue;
+      const std::string name = problem_.componentNames(variable)[at(component)];
+      throw Error("slom.rank-deficient",
+                  "variable " + problem_.variableName(v) +
+                      " has no covariance, as no measurement determines " + name + "; add one, or fix " +
+                      name,
+                  problem_.variableName(v));
+    }
+  }
+  const std::vector<double> block = factor_.inverseBlock(a, b);
+  std::copy(block.begin(), block.end(), out);
+  for (int j = 0; j < columns; ++j) {
+    for (int i = 0; i < rows; ++i) {
+      if (problem_.activeSet().isFixedOrActive(a, i) || problem_.activeSet().isFixedOrActive(b, j))
+        out[i + j * rows] = 0;
+    }
+  }
+}
+
 void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
   const IncrementalCholesky::Work& work = factor_.work();
   summary.converged = converged;
@@ -172,7 +207,7 @@ void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
   summary.reordered = summary.reordered || work.reordered_all;
   summary.undetermined.clear();
   for (const auto& [variable, component] : factor_.undetermined()) {
-    if (!problem_.activeSet().isHeld(variable, component))
+    if (!problem_.activeSet().isFixedOrActive(variable, component))
       summary.undetermined.push_back(problem_.componentNames(variable)[at(component)]);
   }
 }

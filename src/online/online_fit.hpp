@@ -25,6 +25,9 @@ class OnlineFit {
   /// Steps until the tolerance is met. False, with the values as good as they came to be, where a step went uphill although the factor
   /// is up to date, or met values without residuals: a damped fit of everything is to go on.
   bool run(const UpdateOptions& options, UpdateSummary& summary);
+  /// Writes the block of H^-1 of two variables, dof_a x dof_b, column-major, 0 where one of them is fixed: by the Jacobians that are in the
+  /// factor. Throws [slom.not-updated] where something has changed since run(), and [slom.rank-deficient].
+  void writeCovariance(int a, int b, double* out) const;
 
  private:
   /// A measurement, at its place in its pool.
@@ -71,7 +74,7 @@ class OnlineFit {
   Linearizer& linearizer_;
   IncrementalCholesky factor_;
   std::uint64_t structure_revision_ = 0, value_revision_ = 0;
-  bool has_started_ = false;
+  bool has_started_ = false, is_at_end_ = false;
   std::vector<std::vector<Record>> records_;
   std::vector<long> known_;  // serials of the variables that have blocks; kUnknown: has none
   std::vector<int> touched_variables_;

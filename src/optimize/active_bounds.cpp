@@ -35,7 +35,7 @@ bool updateActiveBounds(const Problem& problem, const ProblemStructure& structur
   bool has_changed = false;
   forEachBound(problem, [&](int v, std::size_t i, const ComponentBound& bound, double x) {
     const bool was_active = active.bounds(v)[i].is_active;
-    const double slope = was_active ? linearizer.gradientOfHeld(v, bound.component)
+    const double slope = was_active ? linearizer.gradientOfConstrained(v, bound.component)
                                     : g[structure.offsetOf(v) + bound.component];
     const double margin = kAtBound * std::max(std::abs(x), 1e-300);
     const bool is_active =

@@ -24,9 +24,9 @@ constexpr double kNumericGradient = 1e-8;
 /// than 1.
 double Convergence::variance(double rss) const {
   if (!sigma_is_estimated_ && is_stated_) return 1;
-  const ProblemStructure& structure = system_.structure();
+  const ProblemStructure& structure = evaluator_.structure();
   const double estimated = rss / std::max(1, structure.residuals - structure.system.unknowns() +
-                                                 system_.problem().activeSet().heldCount());
+                                                 evaluator_.problem().activeSet().fixedOrActiveCount());
   return sigma_is_estimated_ ? estimated : std::min(1.0, estimated);
 }
 
@@ -35,15 +35,15 @@ bool Convergence::isNear(double promised, double rss) const {
 }
 
 bool Convergence::isRounding(double promised, double rss) {
-  return promised <= kMostRounding * variance(rss) && promised <= system_.roundingOfPromises();
+  return promised <= kMostRounding * variance(rss) && promised <= evaluator_.roundingOfPromises();
 }
 
 /// Without full rank, residuals that are small differences of large numbers (x - y with both near 1e9) say nothing of
 /// directions in which these move together, unless all of them is rounding.
-System::Promise Convergence::promiseAt(double rss, bool carefully) {
-  System::Promise promise = system_.promise(carefully);
+Evaluator::Promise Convergence::promiseAt(double rss, bool carefully) {
+  Evaluator::Promise promise = evaluator_.promise(carefully);
   if (!promise.is_known || promise.has_full_rank) return promise;
-  const double rounding = system_.roundingOfPromises();
+  const double rounding = evaluator_.roundingOfPromises();
   promise.is_known = rounding <= kMostHidden * rss || rounding >= kIsRounding * rss;
   return promise;
 }
@@ -58,24 +58,24 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   const bool has_gradient = gradient <= options_.gradient_tolerance;
   bool has_decrease =
       std::abs(outcome.rss_before - outcome.rss_after) <= little && outcome.predicted_decrease <= little;
-  bool has_step = system_.isNegligible(outcome.step, options_.step_tolerance);
+  bool has_step = evaluator_.isNegligible(outcome.step, options_.step_tolerance);
   if (!has_gradient && !has_decrease && !has_step) {
     candidates_ = 0;
     return std::nullopt;
   }
   double promised = outcome.predicted_decrease;
-  if (!system_.solver().isExact()) promised = std::max(promised, gradient * gradient * outcome.rss_before);
+  if (!evaluator_.solver().isExact()) promised = std::max(promised, gradient * gradient * outcome.rss_before);
   // Without a scale for residuals it is as peers do: a step that was not refused, and its decrease.
   const bool is_relative = std::isinf(options_.deviation_tolerance);
   if (is_relative && has_decrease && outcome.trials == 1 && gradient <= kFlat) return StopReason::decrease;
   if (!outcome.is_undamped) {
     // Each answer costs a factorisation.
     if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
-    const System::Promise promise = promiseAt(outcome.rss_after, !is_relative);
+    const Evaluator::Promise promise = promiseAt(outcome.rss_after, !is_relative);
     if (!promise.is_known) return std::nullopt;
     promised = promise.decrease;
     has_decrease = has_decrease && promised <= little;
-    has_step = has_step && system_.isNegligible(promise.step, options_.step_tolerance);
+    has_step = has_step && evaluator_.isNegligible(promise.step, options_.step_tolerance);
   }
   if (!isNear(promised, outcome.rss_after)) return std::nullopt;
   if (has_gradient) return StopReason::gradient;
@@ -85,11 +85,11 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
 
 bool Convergence::creeps(const StepOutcome& outcome) {
   constexpr int many = 50;
-  if (std::abs(outcome.rss_before - outcome.rss_after) > System::kNoise * outcome.rss_before) {
+  if (std::abs(outcome.rss_before - outcome.rss_after) > Evaluator::kNoise * outcome.rss_before) {
     hidden_steps_ = 0;
     hidden_promise_ = std::numeric_limits<double>::infinity();
   } else if (++hidden_steps_ % many == 0) {
-    const double promised = system_.promise().decrease;
+    const double promised = evaluator_.promise().decrease;
     if (!(promised < hidden_promise_ / 2)) return true;
     hidden_promise_ = promised;
   }
@@ -98,32 +98,32 @@ bool Convergence::creeps(const StepOutcome& outcome) {
 
 std::optional<StopReason> Convergence::whenStuck(double gradient, double decrease_tolerance, bool has_rank) {
   has_advanced_ = false;
-  const double rss = system_.linearize();
-  System::Promise promise;
+  const double rss = evaluator_.linearize();
+  Evaluator::Promise promise;
   if (has_rank) promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   if (promise.is_known) {
     if (isRounding(promise.decrease, rss)) return StopReason::decrease;
     if (isNear(promise.decrease, rss)) {
-      if (promise.decrease <= std::max(decrease_tolerance, System::kRounding) * rss)
+      if (promise.decrease <= std::max(decrease_tolerance, Evaluator::kRounding) * rss)
         return StopReason::decrease;
-      if (system_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
+      if (evaluator_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
     }
   }
-  const double tolerance =
-      std::max(options_.gradient_tolerance, system_.problem().hasNumericDerivatives() ? kNumericGradient : 0);
+  const double tolerance = std::max(options_.gradient_tolerance,
+                                    evaluator_.problem().hasNumericDerivatives() ? kNumericGradient : 0);
   if (gradient > tolerance || gradient * gradient * rss > kMostRounding * variance(rss)) return std::nullopt;
   // Where J loses its rank at the solution, the linear model promises what no step keeps, and the gradient
   // tells, unknown by unknown. Where columns of J are nearly dependent, it does so too; but then the promise
   // is kept.
-  has_advanced_ = system_.advance(promise);
+  has_advanced_ = evaluator_.advance(promise);
   return has_advanced_ ? std::nullopt : std::optional(StopReason::gradient);
 }
 
 bool Convergence::isHidden() {
   constexpr double small = 1e-8;  // of a variance: 1e-4 standard deviations
-  const double rss = system_.linearize();
-  const System::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
-  return promise.is_known && promise.decrease <= System::kRounding * rss &&
+  const double rss = evaluator_.linearize();
+  const Evaluator::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
+  return promise.is_known && promise.decrease <= Evaluator::kRounding * rss &&
          promise.decrease <= small * variance(rss);
 }
 

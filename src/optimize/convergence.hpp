@@ -7,21 +7,21 @@
 
 #include "problem/stated_noise.hpp"
 #include "slom/optimize/algorithm.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
 class Convergence {
  public:
-  Convergence(System& system, const Options& options, bool sigma_is_estimated)
-      : system_(system),
+  Convergence(Evaluator& evaluator, const Options& options, bool sigma_is_estimated)
+      : evaluator_(evaluator),
         options_(options),
         sigma_is_estimated_(sigma_is_estimated),
-        is_stated_(statesAllNoise(system.problem())) {}
+        is_stated_(statesAllNoise(evaluator.problem())) {}
 
   /// `rss` is that of the start.
   void begin(double rss) { first_rss_ = rss; }
-  /// After a step that was taken from where System::orthogonality() was `gradient`.
+  /// After a step that was taken from where Evaluator::orthogonality() was `gradient`.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
   /// Whether many steps one after the other have changed the RSS by rounding alone, and the promise hardly. To be asked after each
   /// step that was taken and is not the last.
@@ -38,9 +38,9 @@ class Convergence {
   double variance(double rss) const;
   bool isNear(double promised, double rss) const;
   bool isRounding(double promised, double rss);
-  System::Promise promiseAt(double rss, bool carefully);
+  Evaluator::Promise promiseAt(double rss, bool carefully);
 
-  System& system_;
+  Evaluator& evaluator_;
   const Options& options_;
   bool sigma_is_estimated_, is_stated_;
   double first_rss_ = 0;

@@ -6,7 +6,7 @@
 #include "mtk/error.hpp"
 #include "optimize/named_list.hpp"
 #include "slom/optimize/algorithm.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -30,10 +30,10 @@ VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radi
 }
 
 /// The step with the least of some dampings, relative to the scales, that gives it a solution.
-SolveStatus leastDamped(System& system, const VectorXd& scale, VectorXd& step) {
+SolveStatus leastDamped(Evaluator& evaluator, const VectorXd& scale, VectorXd& step) {
   SolveStatus status;
   for (const double damping : {1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2}) {
-    status = system.solveDamped(damping * scale.cwiseAbs2(), step);
+    status = evaluator.solveDamped(damping * scale.cwiseAbs2(), step);
     if (status.ok) break;
   }
   return status;
@@ -57,56 +57,56 @@ void DogLeg::reset() {
 std::string DogLeg::name() const { return "dog leg"; }
 std::unique_ptr<Algorithm> DogLeg::clone() const { return std::make_unique<DogLeg>(*this); }
 
-StepOutcome DogLeg::step(System& system, const Options& options) {
+StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
   StepOutcome outcome;
-  outcome.rss_before = outcome.rss_after = system.linearize();
-  const VectorXd scale = scales_.update(system).cwiseSqrt();
+  outcome.rss_before = outcome.rss_after = evaluator.linearize();
+  const VectorXd scale = scales_.update(evaluator).cwiseSqrt();
   VectorXd newton;
-  outcome.status = system.solveUndamped(newton);
+  outcome.status = evaluator.solveUndamped(newton);
   // A problem that had full rank at the start, from when the radius is known, may lose it on the way and find
   // it again. The status still says so: there is no claim of convergence where the rank is lost.
   const bool is_regularized = !outcome.status.ok && radius_ > 0 && !(initial_radius_ > 0);
-  if (!outcome.status.ok && !(is_regularized && leastDamped(system, scale, newton).ok)) {
+  if (!outcome.status.ok && !(is_regularized && leastDamped(evaluator, scale, newton).ok)) {
     outcome.kind = StepOutcome::Kind::singular;
     outcome.trials = 1;
     return outcome;
   }
-  const double promised = system.predictedDecrease(newton, {});
+  const double promised = evaluator.predictedDecrease(newton, {});
   newton = newton.cwiseProduct(scale);
-  const VectorXd gradient = system.solver().gradient().cwiseQuotient(scale);
-  const double curvature = system.solver().squaredNormOfJd(gradient.cwiseQuotient(scale));
+  const VectorXd gradient = evaluator.solver().gradient().cwiseQuotient(scale);
+  const double curvature = evaluator.solver().squaredNormOfJd(gradient.cwiseQuotient(scale));
   const VectorXd cauchy =
       curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
   if (!(radius_ > 0)) radius_ = newton.norm();
 
   for (outcome.trials = 1;; ++outcome.trials) {
-    if (outcome.trials > 1 && system.mustStop()) {
+    if (outcome.trials > 1 && evaluator.mustStop()) {
       outcome.kind = StepOutcome::Kind::stopped;
       return outcome;
     }
     outcome.damping = radius_;
     const VectorXd scaled = dogLegPoint(cauchy, newton, radius_);
     outcome.step = scaled.cwiseQuotient(scale);
-    outcome.predicted_decrease = system.predictedDecrease(outcome.step);
-    outcome.is_undamped = system.solver().isExact() && !is_regularized && scaled == newton;
+    outcome.predicted_decrease = evaluator.predictedDecrease(outcome.step);
+    outcome.is_undamped = evaluator.solver().isExact() && !is_regularized && scaled == newton;
     // Where rounding hides the RSS, closeness is measured by the damping that makes steps of about this
     // length.
     VectorXd damping;
     double promised_damped = promised;
-    if (!outcome.is_undamped && system.mayBeRounding(outcome.predicted_decrease)) {
+    if (!outcome.is_undamped && evaluator.mayBeRounding(outcome.predicted_decrease)) {
       damping = gradient.norm() / radius_ * scale.cwiseAbs2();
       VectorXd ignored;
-      if (system.solveDamped(damping, ignored).ok)
-        promised_damped = system.predictedDecrease(ignored, damping);
+      if (evaluator.solveDamped(damping, ignored).ok)
+        promised_damped = evaluator.predictedDecrease(ignored, damping);
     }
-    const double rss = system.tryStep(outcome.step);
+    const double rss = evaluator.tryStep(outcome.step);
     const bool finite = std::isfinite(rss);
     const double decrease = outcome.rss_before - rss;
     const bool is_judged =
-        !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
-    const bool is_noise = !is_judged && std::abs(decrease) <= System::kNoise * outcome.rss_before;
+        !evaluator.mayBeRounding(decrease) || !evaluator.mayBeRounding(outcome.predicted_decrease);
+    const bool is_noise = !is_judged && std::abs(decrease) <= Evaluator::kNoise * outcome.rss_before;
     const bool is_better = finite && ((decrease > 0 && !is_noise) ||
-                                      (!is_judged && system.cameCloser(damping, promised_damped)));
+                                      (!is_judged && evaluator.cameCloser(damping, promised_damped)));
     const double rho = !finite ? -1 : is_judged ? decrease / outcome.predicted_decrease : is_better ? 1 : 0;
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());
@@ -117,12 +117,12 @@ StepOutcome DogLeg::step(System& system, const Options& options) {
       outcome.rss_after = rss;
       return outcome;
     }
-    system.undo();
-    system.linearize();
-    const bool at_rest = finite && (outcome.predicted_decrease <= System::kNothing * outcome.rss_before ||
-                                    (outcome.is_undamped && system.isNearlyNothing(promised, options)));
+    evaluator.undo();
+    evaluator.linearize();
+    const bool at_rest = finite && (outcome.predicted_decrease <= Evaluator::kNothing * outcome.rss_before ||
+                                    (outcome.is_undamped && evaluator.isNearlyNothing(promised, options)));
     if (at_rest || outcome.trials >= kMostTrials ||
-        system.isNegligible(outcome.step, options.step_tolerance)) {
+        evaluator.isNegligible(outcome.step, options.step_tolerance)) {
       outcome.kind = finite ? StepOutcome::Kind::stuck : StepOutcome::Kind::not_finite;
       return outcome;
     }

@@ -8,9 +8,9 @@ constexpr double kFirstPart = 0.9, kShorter = 0.5;
 constexpr int kMostShorterSteps = 20;
 
 /// Linearises; returns whether derivatives are finite.
-bool areDerivativesFinite(System& system) {
+bool areDerivativesFinite(Evaluator& evaluator) {
   try {
-    system.linearize();
+    evaluator.linearize();
     return true;
   } catch (const Error& error) {
     if (error.id() != "slom.not-finite") throw;
@@ -19,17 +19,17 @@ bool areDerivativesFinite(System& system) {
 }
 }  // namespace
 
-void shortenToFiniteDerivatives(System& system, StepOutcome& outcome) {
-  if (outcome.kind != StepOutcome::Kind::taken || !system.problem().activeSet().hasBounds() ||
-      areDerivativesFinite(system))
+void shortenToFiniteDerivatives(Evaluator& evaluator, StepOutcome& outcome) {
+  if (outcome.kind != StepOutcome::Kind::taken || !evaluator.problem().activeSet().hasBounds() ||
+      areDerivativesFinite(evaluator))
     return;
-  system.undo();
-  outcome.step = kFirstPart * system.withinBounds(outcome.step);
+  evaluator.undo();
+  outcome.step = kFirstPart * evaluator.withinBounds(outcome.step);
   outcome.is_undamped = false;
   for (int i = 0; i < kMostShorterSteps; ++i, outcome.step *= kShorter) {
-    outcome.rss_after = system.tryStep(outcome.step);
-    if (outcome.rss_after < outcome.rss_before && areDerivativesFinite(system)) return;
-    system.undo();
+    outcome.rss_after = evaluator.tryStep(outcome.step);
+    if (outcome.rss_after < outcome.rss_before && areDerivativesFinite(evaluator)) return;
+    evaluator.undo();
   }
   outcome.rss_after = outcome.rss_before;
   outcome.kind = StepOutcome::Kind::not_finite;

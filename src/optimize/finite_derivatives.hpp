@@ -2,13 +2,13 @@
 #pragma once
 
 #include "slom/optimize/algorithm.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
 /// Linearises at the end of a step that was taken; where derivatives are not finite there, takes a part of the step in its place. Without
 /// bounds nothing is done. The outcome is not_finite, at the values before the step, where no part has finite derivatives and a
 /// smaller RSS.
-void shortenToFiniteDerivatives(System& system, StepOutcome& outcome);
+void shortenToFiniteDerivatives(Evaluator& evaluator, StepOutcome& outcome);
 
 }  // namespace slom

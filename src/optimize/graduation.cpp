@@ -9,17 +9,17 @@ namespace {
 constexpr double kStageTolerance = 1e-3;
 }  // namespace
 
-Graduation::Graduation(System& system, const Options& options)
-    : system_(system), options_(options), most_(2 * system.largestLossArgument()) {}
+Graduation::Graduation(Evaluator& evaluator, const Options& options)
+    : evaluator_(evaluator), options_(options), most_(2 * evaluator.largestLossArgument()) {}
 
 Graduation::~Graduation() {
-  if (system_.lossGraduation() != 1) system_.setLossGraduation(1);
+  if (evaluator_.lossGraduation() != 1) evaluator_.setLossGraduation(1);
 }
 
 void Graduation::advance() {
-  if (mu_ > 0) most_ = 2 * system_.largestLossArgument();
+  if (mu_ > 0) most_ = 2 * evaluator_.largestLossArgument();
   mu_ = std::max(mu_ > 0 ? std::min(mu_ / options_.graduation_factor, most_) : most_, 1.0);
-  system_.setLossGraduation(mu_);
+  evaluator_.setLossGraduation(mu_);
 }
 
 Options Graduation::limits(int iterations, int most) const {

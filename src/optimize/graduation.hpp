@@ -1,7 +1,7 @@
 /// Graduated non-convexity: stages of a fit with losses of larger scale, as Options::graduated_non_convexity says.
 #pragma once
 
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -10,7 +10,7 @@ namespace slom {
 /// their own scale again when it goes.
 class Graduation {
  public:
-  Graduation(System& system, const Options& options);
+  Graduation(Evaluator& evaluator, const Options& options);
   ~Graduation();
   Graduation(const Graduation&) = delete;
   Graduation& operator=(const Graduation&) = delete;
@@ -24,7 +24,7 @@ class Graduation {
   Options limits(int iterations, int most) const;
 
  private:
-  System& system_;
+  Evaluator& evaluator_;
   const Options& options_;
   double mu_ = 0;  // 0: no stage yet
   double most_;

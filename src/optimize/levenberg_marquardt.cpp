@@ -6,7 +6,7 @@
 #include "mtk/error.hpp"
 #include "optimize/named_list.hpp"
 #include "slom/optimize/algorithm.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -18,11 +18,11 @@ constexpr double kLikelyDamping = 0.125;
 constexpr double kHardlyDamped = 1;
 }  // namespace
 
-Eigen::Map<const Eigen::VectorXd> ColumnScaling::update(System& system, double memory) {
-  const Eigen::VectorXd& diagonal = system.solver().diagonal();
+Eigen::Map<const Eigen::VectorXd> ColumnScaling::update(Evaluator& evaluator, double memory) {
+  const Eigen::VectorXd& diagonal = evaluator.solver().diagonal();
   const auto size = static_cast<std::size_t>(diagonal.size());
-  if (largest_.size() != size || structure_revision_ != system.problem().structureRevision()) {
-    structure_revision_ = system.problem().structureRevision();
+  if (largest_.size() != size || structure_revision_ != evaluator.problem().structureRevision()) {
+    structure_revision_ = evaluator.problem().structureRevision();
     largest_.assign(diagonal.begin(), diagonal.end());
     scale_.resize(size);
   }
@@ -62,31 +62,31 @@ std::unique_ptr<Algorithm> LevenbergMarquardt::clone() const {
   return std::make_unique<LevenbergMarquardt>(*this);
 }
 
-StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
+StepOutcome LevenbergMarquardt::step(Evaluator& evaluator, const Options& options) {
   StepOutcome outcome;
-  outcome.rss_before = outcome.rss_after = system.linearize();
-  const auto D = scales_.update(system, memory_);
+  outcome.rss_before = outcome.rss_after = evaluator.linearize();
+  const auto D = scales_.update(evaluator, memory_);
   bool was_finite = true;
   for (outcome.trials = 1;; ++outcome.trials) {
-    if (outcome.trials > 1 && system.mustStop()) {
+    if (outcome.trials > 1 && evaluator.mustStop()) {
       outcome.kind = StepOutcome::Kind::stopped;
       return outcome;
     }
     outcome.damping = mu_;
     const Eigen::VectorXd damping = mu_ * D;
-    outcome.status = system.solveDamped(damping, outcome.step);
+    outcome.status = evaluator.solveDamped(damping, outcome.step);
     if (outcome.status.ok) {
-      outcome.predicted_decrease = system.predictedDecrease(outcome.step, damping);
+      outcome.predicted_decrease = evaluator.predictedDecrease(outcome.step, damping);
       const bool is_likely = outcome.trials == 1 && mu_ < kLikelyDamping * initial_damping_;
-      const double rss = is_likely ? system.tryLikelyStep(outcome.step) : system.tryStep(outcome.step);
+      const double rss = is_likely ? evaluator.tryLikelyStep(outcome.step) : evaluator.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
       const bool is_judged =
-          !system.mayBeRounding(decrease) || !system.mayBeRounding(outcome.predicted_decrease);
-      const bool is_noise = !is_judged && std::abs(decrease) <= System::kNoise * outcome.rss_before;
+          !evaluator.mayBeRounding(decrease) || !evaluator.mayBeRounding(outcome.predicted_decrease);
+      const bool is_noise = !is_judged && std::abs(decrease) <= Evaluator::kNoise * outcome.rss_before;
       const bool is_better =
           (decrease > 0 && !is_noise) ||
-          (was_finite && !is_judged && system.cameCloser(damping, outcome.predicted_decrease));
+          (was_finite && !is_judged && evaluator.cameCloser(damping, outcome.predicted_decrease));
       if (is_better && outcome.predicted_decrease > 0) {
         const double rho = is_judged ? decrease / outcome.predicted_decrease : 1;
         mu_ *= std::max(1.0 / 3, 1 - std::pow(2 * rho - 1, 3));
@@ -94,13 +94,13 @@ StepOutcome LevenbergMarquardt::step(System& system, const Options& options) {
         outcome.rss_after = rss;
         return outcome;
       }
-      system.undo();
-      system.linearize();
+      evaluator.undo();
+      evaluator.linearize();
       const bool at_rest =
-          was_finite && (outcome.predicted_decrease <= System::kNothing * outcome.rss_before ||
+          was_finite && (outcome.predicted_decrease <= Evaluator::kNothing * outcome.rss_before ||
                          (outcome.trials == 1 && mu_ < kHardlyDamped &&
-                          system.isNearlyNothing(outcome.predicted_decrease, options)));
-      if (at_rest || system.isNegligible(outcome.step, options.step_tolerance)) {
+                          evaluator.isNearlyNothing(outcome.predicted_decrease, options)));
+      if (at_rest || evaluator.isNegligible(outcome.step, options.step_tolerance)) {
         outcome.kind = StepOutcome::Kind::stuck;
         return outcome;
       }

@@ -12,7 +12,8 @@
 #include "optimize/lengths.hpp"
 #include "optimize/options.hpp"
 #include "optimize/restart.hpp"
-#include "slom/optimize/system.hpp"
+#include "problem/value_snapshot.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -21,24 +22,24 @@ namespace {
 /// One fit: iterations until there is a reason to stop; around them a second attempt or the stages of graduated non-convexity.
 class Run {
  public:
-  Run(System& system, Algorithm& algorithm, const Options& options, bool sigma_is_estimated)
-      : system_(system),
+  Run(Evaluator& evaluator, Algorithm& algorithm, const Options& options, bool sigma_is_estimated)
+      : evaluator_(evaluator),
         safeguarded_(options.fall_back ? algorithm.safeguarded() : nullptr),
         algorithm_(safeguarded_ ? safeguarded_.get() : &algorithm),
         options_(options),
         limits_(options),
-        convergence_(system, options, sigma_is_estimated),
+        convergence_(evaluator, options, sigma_is_estimated),
         interruption_(options) {
-    system_.setInterruption([this] { return interruption_.reason().has_value(); });
+    evaluator_.setInterruption([this] { return interruption_.reason().has_value(); });
   }
-  ~Run() { system_.setInterruption({}); }
+  ~Run() { evaluator_.setInterruption({}); }
 
   Summary go(SolveStatus& singular_at) {
-    summary_.initial_rss = summary_.final_rss = system_.linearize();
+    summary_.initial_rss = summary_.final_rss = evaluator_.linearize();
     most_iterations_ = limits_.max_iterations =
-        iterationLimit(options_, system_.structure().system.unknowns());
+        iterationLimit(options_, evaluator_.structure().system.unknowns());
     convergence_.begin(summary_.initial_rss);
-    record({}, system_.orthogonality());
+    record({}, evaluator_.orthogonality());
     summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
                            : options_.graduated_non_convexity ? graduate()
                            : safeguarded_ != nullptr          ? iterateOrRestart()
@@ -47,7 +48,7 @@ class Run {
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
     summary_.seconds = interruption_.seconds();
-    const PhaseSeconds now = system_.seconds();
+    const PhaseSeconds now = evaluator_.seconds();
     summary_.phases = {now.setup - before_.setup, now.linearize - before_.linearize,
                        now.factorize - before_.factorize, now.solve - before_.solve};
     singular_at = singular_at_;
@@ -56,7 +57,7 @@ class Run {
 
  private:
   bool hasNothingToDo() {
-    return system_.structure().system.unknowns() == 0 || system_.structure().residuals == 0;
+    return evaluator_.structure().system.unknowns() == 0 || evaluator_.structure().residuals == 0;
   }
 
   // ---- the loop
@@ -68,22 +69,38 @@ class Run {
     std::optional<StopReason> reason;
     while (!reason)
       reason = summary_.iterations < limits_.max_iterations ? iterateOnce() : StopReason::max_iterations;
-    algorithm_->finish(system_);
-    if (!isConverged(*reason)) summary_.final_rss = system_.rss();
+    algorithm_->finish(evaluator_);
+    if (!isConverged(*reason)) {
+      summary_.final_rss = evaluator_.rss();
+      if (*reason != StopReason::rank_deficient) goBackToBest();
+    }
+    best_.reset();
     return *reason;
+  }
+
+  /// Remembers the current values where they are the best so far, and the algorithm may leave them for worse ones.
+  void keepBest(double rss) {
+    if (!algorithm_->mayGoUphill() || evaluator_.lossGraduation() != 1 || (best_ && rss >= best_rss_)) return;
+    best_.emplace(evaluator_.problem());
+    best_rss_ = rss;
+  }
+  void goBackToBest() {
+    if (!best_ || summary_.final_rss <= best_rss_) return;
+    best_->restore();
+    summary_.final_rss = evaluator_.rss();
   }
 
   /// Linearises; has the algorithm solve, try the step and accept or reject it; records. Returns why to stop, if so.
   std::optional<StopReason> iterateOnce() {
     if (const auto stop = interruption_.reason()) return stop;
-    system_.linearize();
-    const double gradient = system_.orthogonality();
+    keepBest(evaluator_.linearize());
+    const double gradient = evaluator_.orthogonality();
     // A system without full rank is reported even when the RSS could not be smaller; the step finds out.
-    StepOutcome outcome = algorithm_->step(system_, step_limits_);
+    StepOutcome outcome = algorithm_->step(evaluator_, step_limits_);
     if (outcome.kind == StepOutcome::Kind::stopped) return interruption_.reason();
     if (outcome.kind == StepOutcome::Kind::taken)
-      requireStepLength(outcome.step.size(), system_.structure().system.unknowns());
-    shortenToFiniteDerivatives(system_, outcome);
+      requireStepLength(outcome.step.size(), evaluator_.structure().system.unknowns());
+    shortenToFiniteDerivatives(evaluator_, outcome);
     ++summary_.iterations;
     summary_.final_rss = outcome.rss_after;
     if (!outcome.event.empty())
@@ -108,9 +125,9 @@ class Run {
     if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
       return reason;
     if (!convergence_.creeps(outcome)) return std::nullopt;
-    const auto reason = convergence_.whenStuck(system_.orthogonality(), limits_.decrease_tolerance);
+    const auto reason = convergence_.whenStuck(evaluator_.orthogonality(), limits_.decrease_tolerance);
     if (reason || !convergence_.hasAdvanced()) return reason.value_or(StopReason::no_progress);
-    summary_.final_rss = system_.linearize();
+    summary_.final_rss = evaluator_.linearize();
     return std::nullopt;
   }
 
@@ -123,7 +140,7 @@ class Run {
       return StopReason::rank_deficient;
     }
     if (convergence_.hasAdvanced()) {
-      summary_.final_rss = system_.linearize();
+      summary_.final_rss = evaluator_.linearize();
       record({}, gradient);
       return std::nullopt;
     }
@@ -145,13 +162,13 @@ class Run {
     if (outcome.trials > 0) {
       line.relative_decrease =
           outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0;
-      line.step = outcome.kind == StepOutcome::Kind::taken ? system_.stepInDeviations(outcome.step) : 0;
+      line.step = outcome.kind == StepOutcome::Kind::taken ? evaluator_.stepInDeviations(outcome.step) : 0;
       line.damping = outcome.damping;
       line.trials = outcome.trials;
     } else {
       line.trials = 0;
     }
-    line.graduation = system_.lossGraduation();
+    line.graduation = evaluator_.lossGraduation();
     line.seconds = interruption_.seconds();
     summary_.trace.push_back(line);
     if (options_.observer && options_.observer(line) == FitControl::stop) interruption_.request();
@@ -162,7 +179,7 @@ class Run {
   /// Iterates; where that fails after long first steps, again from the start by short ones. Where those end no better, what the first
   /// ones found stays.
   StopReason iterateOrRestart() {
-    Restart restart(system_);
+    Restart restart(evaluator_);
     const StopReason first = iterate();
     if (!Restart::isCalledFor(first, summary_)) return first;
     restart.begin(first, summary_);
@@ -181,7 +198,7 @@ class Run {
   // ---- stages of graduated non-convexity
 
   StopReason graduate() {
-    Graduation graduation(system_, options_);
+    Graduation graduation(evaluator_, options_);
     if (!graduation.hasLosses()) {
       summary_.warnings.push_back(
           "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass one to "
@@ -198,8 +215,8 @@ class Run {
       }
       const StopReason reason = iterate();
       if (!endsTheFit(reason)) continue;
-      system_.setLossGraduation(1);
-      summary_.final_rss = system_.rss();
+      evaluator_.setLossGraduation(1);
+      summary_.final_rss = evaluator_.rss();
       return reason;
     }
   }
@@ -217,7 +234,7 @@ class Run {
                                 "; if the start was a good one, fit from it without graduated_non_convexity");
   }
 
-  System& system_;
+  Evaluator& evaluator_;
   std::unique_ptr<Algorithm> safeguarded_;
   Algorithm* algorithm_;
   const Options& options_;
@@ -226,18 +243,20 @@ class Run {
   bool is_fresh_ = false;  // no step was taken since the algorithm was reset where it was stuck
   Convergence convergence_;
   Interruption interruption_;
+  std::optional<ValueSnapshot> best_;  // of an algorithm that may go uphill
+  double best_rss_ = 0;
   int most_iterations_ = 0;
   Summary summary_;
   SolveStatus singular_at_;
-  PhaseSeconds before_ = system_.seconds();
+  PhaseSeconds before_ = evaluator_.seconds();
 };
 
 }  // namespace
 
-Summary runAlgorithm(System& system, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
-                     SolveStatus& singular_at) {
+Summary runAlgorithm(Evaluator& evaluator, Algorithm& algorithm, const Options& options,
+                     bool sigma_is_estimated, SolveStatus& singular_at) {
   requireValid(options);
-  return Run(system, algorithm, options, sigma_is_estimated).go(singular_at);
+  return Run(evaluator, algorithm, options, sigma_is_estimated).go(singular_at);
 }
 
 }  // namespace slom

@@ -4,11 +4,11 @@
 #include <limits>
 #include <vector>
 
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
-System::Promise System::promise(bool carefully) {
+Evaluator::Promise Evaluator::promise(bool carefully) {
   linearize();
   Promise result;
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
@@ -31,7 +31,7 @@ System::Promise System::promise(bool carefully) {
       if (!(H[i] > 0)) D[i] = 1;  // no residual depends on it
     }
     if (!solve(D, step).ok) return std::numeric_limits<double>::quiet_NaN();
-    clearHeld(step);
+    clearConstrained(step);
     unseen = unseenUnknowns(step);
     for (const int u : unseen) step[u] = 0;
     return decreaseBy(step);
@@ -56,7 +56,7 @@ System::Promise System::promise(bool carefully) {
 /// What the linear model promises along columns so nearly dependent that J^T J shows nothing of them: by factorising J
 /// itself, with as little damping as keeps out what is rounding. Taken over where it is a part of the RSS that
 /// rounding cannot be.
-void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
+void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
   constexpr double of_the_digits = 0.1, least_pivot = 1e-15, most_rounding = 1e-5;
   if (mustStop()) return;
   const std::unique_ptr<LinearSolver> rows = given_->careful(least_pivot);
@@ -71,13 +71,13 @@ void System::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) 
   for (const int u : out_of_sight) damping[u] = H.maxCoeff();
   Eigen::VectorXd step;
   if (!rows->solve(damping, step).ok) return;
-  clearHeld(step);
+  clearConstrained(step);
   const double decrease = -rows->gradient().dot(step);
   if (decrease > std::max(promise.decrease, most_rounding * rss_))
     promise = {true, false, decrease, std::move(step)};
 }
 
-bool System::advance(const Promise& promise) {
+bool Evaluator::advance(const Promise& promise) {
   constexpr double kept = 0.25;  // of what is promised
   if (!promise.is_known || promise.step.size() == 0) return false;
   const double before = rss_, after = tryStep(promise.step);
@@ -87,7 +87,7 @@ bool System::advance(const Promise& promise) {
   return false;
 }
 
-double System::roundingOfPromises() {
+double Evaluator::roundingOfPromises() {
   constexpr double steps = 4;  // of the last digit
   const double effect = solver_->diagonal().cwiseSqrt().dot(typicalSizes());
   return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);

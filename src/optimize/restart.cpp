@@ -10,7 +10,7 @@ bool Restart::isCalledFor(StopReason reason, const Summary& summary) {
 }
 
 void Restart::begin(StopReason reason, const Summary& summary) {
-  end_.emplace(system_.problem());
+  end_.emplace(evaluator_.problem());
   first_ = reason;
   first_rss_ = summary.final_rss;
   failed_at_ = summary.iterations;
@@ -18,11 +18,11 @@ void Restart::begin(StopReason reason, const Summary& summary) {
 }
 
 bool Restart::hasSucceeded(StopReason second, double rss) {
-  const bool is_worse = rss > first_rss_ + System::kNoise * first_rss_;
+  const bool is_worse = rss > first_rss_ + Evaluator::kNoise * first_rss_;
   if (!isConverged(second) || is_worse) return false;
   Eigen::VectorXd ignored;
-  system_.linearize();
-  return system_.solveUndamped(ignored).ok;
+  evaluator_.linearize();
+  return evaluator_.solveUndamped(ignored).ok;
 }
 
 std::string Restart::warning() const {

@@ -7,7 +7,7 @@
 
 #include "problem/value_snapshot.hpp"
 #include "slom/optimize/algorithm.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -16,7 +16,7 @@ namespace slom {
 class Restart {
  public:
   /// The current values are the start.
-  explicit Restart(System& system) : system_(system), start_(system.problem()) {}
+  explicit Restart(Evaluator& evaluator) : evaluator_(evaluator), start_(evaluator.problem()) {}
 
   /// Whether the first attempt, which `reason` has ended, has failed after it had moved the values.
   static bool isCalledFor(StopReason reason, const Summary& summary);
@@ -36,7 +36,7 @@ class Restart {
   /// First damping where long steps have failed.
   static constexpr double kCautiousDamping = 1e3;
 
-  System& system_;
+  Evaluator& evaluator_;
   ValueSnapshot start_;
   std::optional<ValueSnapshot> end_;  // of the first attempt
   StopReason first_ = StopReason::no_progress;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -30,7 +30,7 @@ void SafeguardedGaussNewton::reset() {
 }
 
 /// Whether the step stays. Where the RSS cannot tell, the promise decides.
-bool SafeguardedGaussNewton::isAcceptable(System& system, const StepOutcome& outcome) {
+bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcome& outcome) {
   if (best_ != nullptr) {
     if (outcome.rss_after < best_rss_) {
       best_.reset();
@@ -39,47 +39,47 @@ bool SafeguardedGaussNewton::isAcceptable(System& system, const StepOutcome& out
     return ++uphill_ <= kUphillSteps;
   }
   if (outcome.rss_after <= outcome.rss_before) return true;
-  const bool is_judged = !system.mayBeRounding(outcome.rss_before - outcome.rss_after) ||
-                         !system.mayBeRounding(outcome.predicted_decrease);
-  if (!is_judged) return system.cameCloser({}, outcome.predicted_decrease);
-  if (has_fallen_back_ || system.structure().system.unknowns() < kLarge) return false;
+  const bool is_judged = !evaluator.mayBeRounding(outcome.rss_before - outcome.rss_after) ||
+                         !evaluator.mayBeRounding(outcome.predicted_decrease);
+  if (!is_judged) return evaluator.cameCloser({}, outcome.predicted_decrease);
+  if (has_fallen_back_ || evaluator.structure().system.unknowns() < kLarge) return false;
   // Back for a moment: the values before the step are those to return to.
-  system.undo();
-  best_ = std::make_unique<ValueSnapshot>(system.problem());
+  evaluator.undo();
+  best_ = std::make_unique<ValueSnapshot>(evaluator.problem());
   best_rss_ = outcome.rss_before;
   uphill_ = 1;
-  system.linearize();
-  system.tryLikelyStep(outcome.step);
+  evaluator.linearize();
+  evaluator.tryLikelyStep(outcome.step);
   return true;
 }
 
-void SafeguardedGaussNewton::takeBack(System& system) {
+void SafeguardedGaussNewton::takeBack(Evaluator& evaluator) {
   if (best_ == nullptr) {
-    system.undo();
+    evaluator.undo();
     return;
   }
   best_->restore();
   best_.reset();
 }
 
-void SafeguardedGaussNewton::finish(System& system) {
-  if (best_ != nullptr) takeBack(system);
+void SafeguardedGaussNewton::finish(Evaluator& evaluator) {
+  if (best_ != nullptr) takeBack(evaluator);
 }
 
-StepOutcome SafeguardedGaussNewton::step(System& system, const Options& options) {
+StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& options) {
   int trials = 0;
   std::string event;
   if (is_newton_) {
     was_newton_ = true;
-    StepOutcome outcome = newton_.step(system, options);
+    StepOutcome outcome = newton_.step(evaluator, options);
     if (outcome.kind == StepOutcome::Kind::singular) {
       if (best_ == nullptr) return outcome;
-      takeBack(system);  // uphill, to where the rank is missing
+      takeBack(evaluator);  // uphill, to where the rank is missing
     } else {
       const bool is_finite = outcome.kind == StepOutcome::Kind::taken;
-      if (is_finite && isAcceptable(system, outcome)) return outcome;
-      if (is_finite && best_ == nullptr && system.isNearlyNothing(outcome.predicted_decrease, options)) {
-        takeBack(system);
+      if (is_finite && isAcceptable(evaluator, outcome)) return outcome;
+      if (is_finite && best_ == nullptr && evaluator.isNearlyNothing(outcome.predicted_decrease, options)) {
+        takeBack(evaluator);
         outcome.kind = StepOutcome::Kind::stuck;
         outcome.rss_after = outcome.rss_before;
         return outcome;
@@ -87,7 +87,7 @@ StepOutcome SafeguardedGaussNewton::step(System& system, const Options& options)
       event = std::string("the Gauss-Newton step made ") +
               (is_finite ? "the RSS grow" : "a residual not finite") +
               "; it was taken back and Levenberg-Marquardt went on from there";
-      if (is_finite || best_ != nullptr) takeBack(system);
+      if (is_finite || best_ != nullptr) takeBack(evaluator);
     }
     trials = outcome.trials;
     is_newton_ = false;
@@ -95,7 +95,7 @@ StepOutcome SafeguardedGaussNewton::step(System& system, const Options& options)
     patience_ = has_fallen_back_ ? std::min(2 * patience_, kMostPatience) : 1;
   }
   was_newton_ = false;
-  StepOutcome outcome = damped_.step(system, options);
+  StepOutcome outcome = damped_.step(evaluator, options);
   const bool is_good = outcome.kind == StepOutcome::Kind::taken && outcome.trials == 1 &&
                        outcome.rss_before - outcome.rss_after >= kGoodGain * outcome.predicted_decrease;
   good_steps_ = is_good ? good_steps_ + 1 : 0;

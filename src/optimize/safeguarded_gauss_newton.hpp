@@ -21,12 +21,13 @@ class SafeguardedGaussNewton final : public Algorithm {
   std::string name() const override;
   std::unique_ptr<Algorithm> clone() const override { return std::make_unique<SafeguardedGaussNewton>(); }
   void reset() override;
-  StepOutcome step(System& system, const Options& options) override;
-  void finish(System& system) override;
+  StepOutcome step(Evaluator& evaluator, const Options& options) override;
+  void finish(Evaluator& evaluator) override;
+  bool mayGoUphill() const override { return false; }  // finish() takes back what stays uphill
 
  private:
-  bool isAcceptable(System& system, const StepOutcome& outcome);
-  void takeBack(System& system);
+  bool isAcceptable(Evaluator& evaluator, const StepOutcome& outcome);
+  void takeBack(Evaluator& evaluator);
 
   GaussNewton newton_;
   LevenbergMarquardt damped_;

@@ -7,7 +7,7 @@
 
 #include "linearize/variable_of.hpp"
 #include "problem/value_snapshot.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 namespace slom {
 
@@ -22,7 +22,7 @@ constexpr double kHardlySeen = 1e-20;
 
 /// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
 /// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
-bool System::isTrueColumn(int unknown, double step) {
+bool Evaluator::isTrueColumn(int unknown, double step) {
   const int variable = variableOf(structure_, unknown);
   const int component = unknown - structure_.offsetOf(variable);
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
@@ -58,7 +58,7 @@ bool System::isTrueColumn(int unknown, double step) {
 }
 
 /// The unknowns that d moves though they are not seen.
-std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
+std::vector<int> Evaluator::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
   if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
@@ -76,7 +76,7 @@ std::vector<int> System::unseenUnknowns(const Eigen::VectorXd& d) {
 /// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
 /// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
 /// would gain. A column of rounding errors stays one everywhere.
-bool System::hasRunAway(int unknown) {
+bool Evaluator::hasRunAway(int unknown) {
   constexpr int decades = 40;
   const int variable = variableOf(structure_, unknown);
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
@@ -98,24 +98,24 @@ bool System::hasRunAway(int unknown) {
   return false;
 }
 
-SolveStatus System::solveUndamped(Eigen::VectorXd& step) {
+SolveStatus Evaluator::solveUndamped(Eigen::VectorXd& step) {
   bool has_changed = false;
   SolveStatus status = lookAgain(solve({}, step), has_changed);
   if (has_changed) status = solve({}, step);
   full_rank_at_ = ~structured_at_;
   if (!status.ok) return status;
-  clearHeld(step);
+  clearConstrained(step);
   const std::vector<int> unseen = unseenUnknowns(step);
   if (!unseen.empty()) return {false, unseen.front(), 0, 0};
   full_rank_at_ = structured_at_;
   return status;
 }
 
-SolveStatus System::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+SolveStatus Evaluator::solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
   SolveStatus status = solve(damping, step);
   Eigen::VectorXd holding;
   for (int i = 0; status.ok && i < kMostHoldings; ++i) {
-    clearHeld(step);
+    clearConstrained(step);
     const std::vector<int> unseen = unseenUnknowns(step);
     if (unseen.empty()) return status;
     if (holding.size() == 0) holding = damping;

@@ -89,7 +89,7 @@ int ActiveSet::fixedCount() const {
   return count;
 }
 
-int ActiveSet::heldCount() const {
+int ActiveSet::fixedOrActiveCount() const {
   int count = fixedCount();
   for (const int v : constrained_) {
     if (!isOptimized(v)) continue;

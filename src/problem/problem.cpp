@@ -32,7 +32,7 @@ int Problem::reserveVariable() {
   return static_cast<int>(table_.size());
 }
 
-void Problem::bookVariable(int index, VariableRecord record, bool optimize) {
+void Problem::registerVariable(int index, VariableRecord record, bool optimize) {
   active_.insert(index, optimize);
   record.serial = ++inserted_;
   if (at(index) == table_.size()) {
@@ -58,7 +58,7 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   const std::shared_ptr<VariableStoreBase>& store = found->store;
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
-  bookVariable(index, {store.get(), ref.slot, store->dofOf(value), 0, 0, std::string(name)}, optimize);
+  registerVariable(index, {store.get(), ref.slot, store->dofOf(value), 0, 0, std::string(name)}, optimize);
   return VariableHandle(store, ref);
 }
 
@@ -164,7 +164,7 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
   fixed.resize(at(table_[at(variable)].dof), 0);
   for (const int c : components) fixed[at(c)] = is_fixed ? 1 : 0;
   active_.setFixed(variable, std::move(fixed));
-  bookConstraint(variable);
+  registerConstraint(variable);
 }
 
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
@@ -200,10 +200,10 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
             [](const auto& a, const auto& b) { return a.component < b.component; });
   checkBounds(variable, bounds, record.store->valueAt(record.slot));
   active_.setBounds(variable, std::move(bounds));
-  bookConstraint(variable);
+  registerConstraint(variable);
 }
 
-void Problem::bookConstraint(int variable) {
+void Problem::registerConstraint(int variable) {
   changes_.add({Change::Kind::constraint, variable}, size());
   moves_.add(variable, size());
 }
@@ -274,36 +274,6 @@ std::string Problem::valuesText(const int* variables, int arity) const {
 bool Problem::hasNumericDerivatives() const {
   return std::any_of(pools_.begin(), pools_.end(),
                      [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });
-}
-
-void Problem::save() {
-  for (const TypedStore& own : stores_) own.store->save();
-  saved_travelled_ = travelled_;
-}
-
-void Problem::restore() {
-  for (const TypedStore& own : stores_) own.store->restore();
-  std::copy(saved_travelled_.begin(), saved_travelled_.end(), travelled_.begin());
-  moves_.add(kAll, size());
-}
-
-void Problem::move(int variable, const double* d) {
-  const VariableRecord& record = table_[at(variable)];
-  record.store->boxplus(record.store->valueAt(record.slot), d);
-  double most = 0;
-  for (int i = 0; i < record.dof; ++i) most = std::max(most, std::abs(d[i]));
-  travelled_[at(variable)] += most;
-  moves_.add(variable, size());
-}
-
-void Problem::applyStep(const std::vector<int>& offset, const double* step) {
-  for (const TypedStore& own : stores_) own.store->applyStep(offset, step);
-  for (std::size_t v = 0; v < table_.size(); ++v) {
-    double most = 0;
-    for (int i = offset[v]; i < offset[v + 1]; ++i) most = std::max(most, std::abs(step[i]));
-    travelled_[v] += most;
-  }
-  moves_.add(kAll, size());
 }
 
 }  // namespace slom

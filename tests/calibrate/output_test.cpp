@@ -57,7 +57,7 @@ Result goodResult() {
   camera.name = "left";
   camera.corners = 500;
   camera.rms_px = 0.25 * std::sqrt(2 * (1000 - 30) / 1000.0);
-  camera.rms_px_alone = 0.345;
+  camera.rms_px_single = 0.345;
   result.cameras.push_back(camera);
   ImuResult imu;
   imu.readings = 10;
@@ -89,7 +89,7 @@ TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
 
 TEST(Notes, CameraThatFitsWorseTogether) {
   Result result = goodResult();
-  result.cameras[0].rms_px_alone = 0.2;
+  result.cameras[0].rms_px_single = 0.2;
   EXPECT_EQ(
       notes(result),
       (std::vector<std::string>{

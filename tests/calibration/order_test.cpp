@@ -28,7 +28,7 @@ std::vector<std::uint64_t> bitsOf(const Result& result) {
   for (const CameraResult& camera : result.cameras) {
     for (const Parameter& p : camera.parameters) add(p.value), add(p.std);
     for (const double x : camera.left2camera.pos) add(x);
-    add(camera.rms_px), add(camera.rms_px_alone);
+    add(camera.rms_px), add(camera.rms_px_single);
   }
   for (const double x : result.imu->acc_bias) add(x);
   for (const ImageResult& image : result.images) {
@@ -71,7 +71,7 @@ TEST(Order, OfTheCallerStays) {
   const Dataset data = shuffled(rigInMemory());
   std::set<const CameraData*> reported;
   Progress progress;
-  progress.alone = [&](const AloneReport& report) { reported.insert(report.camera); };
+  progress.single_camera = [&](const SingleCameraReport& report) { reported.insert(report.camera); };
   calibrate(data, pinholeWithDistortion(), progress);
   EXPECT_EQ(reported, (std::set<const CameraData*>{&data.cameras[0], &data.cameras[1]}));
   EXPECT_EQ(data.cameras[0].views.front().image, 5);

@@ -35,6 +35,12 @@ TEST(ErrorParts, AreTheSentenceAndWhatItIsAbout) {
   EXPECT_EQ(plain.subject(), "");
   EXPECT_EQ(plain.fault(), plain.sentence());
   EXPECT_EQ(plain.remedy(), "");
+  const mtk::Error semicolon("slom.example", "measurement c; d is bad", "c; d");
+  EXPECT_EQ(semicolon.fault(), semicolon.sentence());
+  EXPECT_EQ(semicolon.remedy(), "");
+  const mtk::Error mended("slom.example", "measurement c; d is bad; remove it", "c; d");
+  EXPECT_EQ(mended.fault(), "measurement c; d is bad");
+  EXPECT_EQ(mended.remedy(), "remove it");
   const mtk::Error copy = error;  // the views are of the copy
   EXPECT_EQ(copy.fault(), "pose[3] is upside down");
 }

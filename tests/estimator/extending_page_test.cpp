@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <mtk/testing/axioms.hpp>
-#include <slom/optimize/system.hpp>
+#include <slom/optimize/evaluator.hpp>
 #include <slom/slom.hpp>
 #include <slom/solve/dense_qr.hpp>
 
@@ -45,29 +45,30 @@ class LineSearch final : public slom::Algorithm {
  public:
   std::string name() const override { return "line search"; }
   std::unique_ptr<slom::Algorithm> clone() const override { return std::make_unique<LineSearch>(*this); }
-  slom::StepOutcome step(slom::System& system, const slom::Options& options) override {
+  slom::StepOutcome step(slom::Evaluator& evaluator, const slom::Options& options) override {
     slom::StepOutcome outcome;
-    outcome.rss_before = outcome.rss_after = system.linearize();
+    outcome.rss_before = outcome.rss_after = evaluator.linearize();
     Eigen::VectorXd full;
-    outcome.status = system.solveUndamped(full);
+    outcome.status = evaluator.solveUndamped(full);
     outcome.kind = slom::StepOutcome::Kind::singular;
     if (!outcome.status.ok) return outcome;
-    const double slope = 2 * system.solver().gradient().dot(full);  // of the RSS
-    for (double length = 1; length > 1e-10 && !system.mustStop(); length /= 2) {
+    const double slope = 2 * evaluator.solver().gradient().dot(full);  // of the RSS
+    for (double length = 1; length > 1e-10 && !evaluator.mustStop(); length /= 2) {
       ++outcome.trials;
       outcome.step = length * full;
       outcome.is_undamped = length == 1;
-      outcome.predicted_decrease = system.predictedDecrease(outcome.step, {});
-      const double rss = system.tryStep(outcome.step);  // NaN where a residual is not finite
-      const bool is_last = system.isNearlyNothing(outcome.predicted_decrease, options) && std::isfinite(rss);
+      outcome.predicted_decrease = evaluator.predictedDecrease(outcome.step, {});
+      const double rss = evaluator.tryStep(outcome.step);  // NaN where a residual is not finite
+      const bool is_last =
+          evaluator.isNearlyNothing(outcome.predicted_decrease, options) && std::isfinite(rss);
       if (is_last || rss <= outcome.rss_before + 1e-4 * length * slope) {
         outcome.kind = slom::StepOutcome::Kind::taken;
         outcome.rss_after = rss;
         return outcome;
       }
-      system.undo();
+      evaluator.undo();
     }
-    outcome.kind = system.mustStop() ? slom::StepOutcome::Kind::stopped : slom::StepOutcome::Kind::stuck;
+    outcome.kind = evaluator.mustStop() ? slom::StepOutcome::Kind::stopped : slom::StepOutcome::Kind::stuck;
     return outcome;
   }
 };

@@ -93,7 +93,7 @@ TEST(MovedFrom, TakesAnotherEstimator) {
   EXPECT_EQ(est.getN(), 0);
   est = std::move(other);
   EXPECT_EQ(est.getN(), 1);
-  spare = std::move(est);  // what it held is gone, and not in the one that was moved from
+  spare = std::move(est);  // what it constrained is gone, and not in the one that was moved from
   EXPECT_EQ(spare.getN(), 1);
   EXPECT_NE(messageOf([&] { est.getN(); }).find("[slom.moved-from]"), std::string::npos);
   slom::Estimator& same = spare;

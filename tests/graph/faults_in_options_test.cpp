@@ -82,7 +82,7 @@ TEST(GraphOptions, StartsThatCannotBeFound) {
                 {"--init", "file"});
   expectRefused(
       graph + "EDGE_SE2 2 7 1 0 0" + unit3,
-      "--init odometry: no chain of edges i, i+1 leads from a held pose to pose 7 of map.g2o; use --init "
+      "--init odometry: no chain of edges i, i+1 leads from a fixed pose to pose 7 of map.g2o; use --init "
       "spanning-tree",
       {"--init", "odometry"});
   expectRefused(

@@ -58,7 +58,7 @@ double possibleDecrease(PoseGraph<Pose> graph, double step, bool quaternion = fa
   double best = 0;
   const auto try_all = [&](auto& nodes) {
     for (auto& node : nodes) {
-      if (node.held) continue;
+      if (node.fixed) continue;
       const auto value = node.value;
       for (int i = 0; i < mtk::DOF_v<decltype(node.value)>; ++i) {
         for (const double d : {-step, step}) {

@@ -43,7 +43,7 @@ TEST(GraphPlot, Picture) {
             std::string::npos)
       << svg;
   EXPECT_NE(svg.find("<path class=\"mark\" stroke-width=\"4\" d=\"M450 450h0\"/>"), std::string::npos) << svg;
-  EXPECT_NE(svg.find("<circle class=\"held\" stroke-width=\"2\" cx=\"30\" cy=\"870\" r=\"5\"/>"),
+  EXPECT_NE(svg.find("<circle class=\"fixed\" stroke-width=\"2\" cx=\"30\" cy=\"870\" r=\"5\"/>"),
             std::string::npos)
       << svg;
   EXPECT_NE(
@@ -92,7 +92,7 @@ TEST(GraphPlot, PageOfAGraphInThePlane) {
   EXPECT_EQ(data["path"], (std::vector<int>{0, 1, 1, 2, 2, 3}));
   EXPECT_EQ(data["closures"], (std::vector<int>{0, 3}));
   EXPECT_EQ(data["landmarks"], (std::vector<long>{0, 0, 0}));
-  EXPECT_EQ(data["held"], (std::vector<int>{0}));
+  EXPECT_EQ(data["fixed"], (std::vector<int>{0}));
 }
 
 TEST(GraphPlot, PageOfAGraphInSpaceNeedsNothingElse) {

@@ -74,31 +74,32 @@ TEST(GraphStart, OdometryIsTheChainEvenWhereThereIsAShortCut) {
 }
 
 /// The lines of the report that say what is held and where the fit starts.
-std::string heldLine(const std::string& content, const std::vector<std::string>& options = {}) {
+std::string fixedLine(const std::string& content, const std::vector<std::string>& options = {}) {
   const TemporaryFolder folder;
   const std::string output = runIn(folder, content, options).output;
-  const std::size_t begin = output.find("  held: ");
+  const std::size_t begin = output.find("  fixed: ");
   return begin == std::string::npos ? output : output.substr(begin, output.find("\n\n", begin) - begin);
 }
 
-TEST(GraphStart, SaysWhatIsHeld) {
+TEST(GraphStart, SaysWhatIsFixed) {
   const std::vector<std::string> tree{"--init", "spanning-tree"}, file{"--init", "file"};
   const std::string edges = "EDGE_SE2 4 3 1 0 0" + unit3 + "EDGE_SE2 4 5 1 0 0" + unit3;
-  EXPECT_EQ(heldLine(edges, tree), "  held: pose 3, as there are no lines FIX\n  start: spanning-tree");
-  EXPECT_EQ(heldLine(edges + "FIX 4\n", tree), "  held: 1 pose, by lines FIX\n  start: spanning-tree");
+  EXPECT_EQ(fixedLine(edges, tree), "  fixed: pose 3, as there are no lines FIX\n  start: spanning-tree");
+  EXPECT_EQ(fixedLine(edges + "FIX 4\n", tree), "  fixed: 1 pose, by lines FIX\n  start: spanning-tree");
   const std::string vertices =
       "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
-  EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\n", file),
-            "  held: pose 5, as there are no lines FIX\n  start: file");
-  EXPECT_EQ(heldLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\nFIX 3 4\nFIX 9\n", file),
-            "  held: 2 poses and 1 landmark, by lines FIX\n  start: file");
-  EXPECT_EQ(heldLine(vertices + edges, {"--init", "file", "--hold-parts"}),
-            "  held: pose 5 and landmark 9, as there are no lines FIX\n  start: file");
-  EXPECT_EQ(heldLine(vertices + edges + "FIX 4\n", {"--init", "file", "--hold-parts"}),
-            "  held: 1 pose and 1 landmark, by lines FIX and --hold-parts (landmark 9)\n  start: file");
-  EXPECT_EQ(heldLine(edges),
-            "  held: pose 3, as there are no lines FIX\n  start: odometry, of the lowest RSS among odometry, "
-            "spanning-tree and chordal");
+  EXPECT_EQ(fixedLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\n", file),
+            "  fixed: pose 5, as there are no lines FIX\n  start: file");
+  EXPECT_EQ(fixedLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\nFIX 3 4\nFIX 9\n", file),
+            "  fixed: 2 poses and 1 landmark, by lines FIX\n  start: file");
+  EXPECT_EQ(fixedLine(vertices + edges, {"--init", "file", "--hold-parts"}),
+            "  fixed: pose 5 and landmark 9, as there are no lines FIX\n  start: file");
+  EXPECT_EQ(fixedLine(vertices + edges + "FIX 4\n", {"--init", "file", "--hold-parts"}),
+            "  fixed: 1 pose and 1 landmark, by lines FIX and --hold-parts (landmark 9)\n  start: file");
+  EXPECT_EQ(
+      fixedLine(edges),
+      "  fixed: pose 3, as there are no lines FIX\n  start: odometry, of the lowest RSS among odometry, "
+      "spanning-tree and chordal");
 }
 
 TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
@@ -107,8 +108,8 @@ TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
     for (const char* x : {" 1", " 3"}) content += std::string("EDGE_SE2 ") + pair + x + " 0 0" + unit3;
   }
   EXPECT_NEAR(fitted(content, {"--hold-parts"})["final_rss"].get<double>(), 3 * 2, 1e-12);
-  EXPECT_EQ(heldLine(content, {"--init", "spanning-tree", "--hold-parts"}),
-            "  held: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: "
+  EXPECT_EQ(fixedLine(content, {"--init", "spanning-tree", "--hold-parts"}),
+            "  fixed: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: "
             "spanning-tree");
 }
 
@@ -156,7 +157,7 @@ TEST(GraphStart, FixedPosesStayWhereTheyAre) {
     EXPECT_EQ(graph.poses[0].value.pos, (mtk::vect<2>(1, 2)));
     EXPECT_EQ(graph.poses[2].value.pos, (mtk::vect<2>(5, 2)));
     EXPECT_LT(mtk::difference(graph.poses[1].value, Pose2(mtk::vect<2>(3, 2))).norm(), 1e-6) << init;
-    EXPECT_TRUE(graph.poses[0].held && !graph.poses[1].held && graph.poses[2].held);
+    EXPECT_TRUE(graph.poses[0].fixed && !graph.poses[1].fixed && graph.poses[2].fixed);
   }
 }
 

@@ -24,7 +24,7 @@ TEST(VictoriaPark, IsBuiltUpToItsMinimum) {
   const initialize::RelationModel model;
   std::vector<VarID<Pose2>> poses;
   std::vector<VarID<mtk::vect<2>>> landmarks;
-  for (const auto& pose : map.poses) poses.push_back(est.insertRV(pose.value, !pose.held));
+  for (const auto& pose : map.poses) poses.push_back(est.insertRV(pose.value, !pose.fixed));
   for (const auto& landmark : map.landmarks) landmarks.push_back(est.insertRV(landmark.value));
   for (const auto& e : map.edges)
     model.insertEdge(est, poses[std::size_t(e.from)], poses[std::size_t(e.to)], e);

@@ -70,12 +70,12 @@ M scrambled(M map) {
   std::mt19937_64 random(99);
   using Pose = typename M::Pose;
   for (auto& pose : map.poses) {
-    if (!pose.held)
+    if (!pose.fixed)
       pose.value =
           mtk::moved(Pose(), randomTangent<Eigen::Matrix<double, Pose::DOF, 1>>(random, 20, 1, Pose::DIM));
   }
   for (auto& landmark : map.landmarks) {
-    if (!landmark.held) landmark.value = randomTangent<mtk::vect<Pose::DIM>>(random, 20, 20, Pose::DIM);
+    if (!landmark.fixed) landmark.value = randomTangent<mtk::vect<Pose::DIM>>(random, 20, 20, Pose::DIM);
   }
   return map;
 }

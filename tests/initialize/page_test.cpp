@@ -15,7 +15,7 @@ TEST(InitializePage, StartsAWalkRoundASquare) {
   const Eigen::Matrix3d information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 
   slom::initialize::PoseGraph<Pose, Point> graph;
-  int last = graph.addPose(Pose(), true);  // held: where the map begins
+  int last = graph.addPose(Pose(), true);  // fixed: where the map begins
   for (int step = 1; step < 8; ++step) {
     const int next = graph.addPose();
     graph.addEdge(last, next, step % 2 == 0 ? left : forward, information);
@@ -30,7 +30,7 @@ TEST(InitializePage, StartsAWalkRoundASquare) {
 
   slom::Estimator est;
   std::vector<slom::VarID<Pose>> poses;
-  for (const auto& pose : graph.poses) poses.push_back(est.insertRV(pose.value, !pose.held));
+  for (const auto& pose : graph.poses) poses.push_back(est.insertRV(pose.value, !pose.fixed));
   const auto landmark = est.insertRV(graph.landmarks[std::size_t(post)].value, "post");
   for (const auto& edge : graph.edges) {
     est.insertMeasurement(slom::RelativePose(), poses[std::size_t(edge.from)], poses[std::size_t(edge.to)],

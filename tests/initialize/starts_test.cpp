@@ -49,7 +49,7 @@ class DenseRelaxation {
  public:
   DenseRelaxation(int rows, int columns) : rows_(rows), columns_(columns) {}
   void addBlock(const double* value = nullptr) {
-    held_.push_back(value != nullptr);
+    fixed_.push_back(value != nullptr);
     values_.push_back(value ? Eigen::MatrixXd(Eigen::Map<const Eigen::MatrixXd>(value, rows_, columns_))
                             : Eigen::MatrixXd::Zero(rows_, columns_));
   }
@@ -58,10 +58,10 @@ class DenseRelaxation {
                       Eigen::Map<const Eigen::MatrixXd>(C, rows_, columns_)});
   }
   std::vector<Eigen::MatrixXd> solve() {
-    std::vector<int> column_of(held_.size(), -1);
+    std::vector<int> column_of(fixed_.size(), -1);
     int columns = 0;
-    for (std::size_t k = 0; k < held_.size(); ++k) {
-      if (!held_[k]) column_of[k] = rows_ * columns++;
+    for (std::size_t k = 0; k < fixed_.size(); ++k) {
+      if (!fixed_[k]) column_of[k] = rows_ * columns++;
     }
     if (columns == 0) return values_;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(rows_ * int(terms_.size()), rows_ * columns);
@@ -81,8 +81,8 @@ class DenseRelaxation {
       addBlock(term.i, -term.w * term.M);
     }
     const Eigen::MatrixXd X = A.colPivHouseholderQr().solve(B);
-    for (std::size_t k = 0; k < held_.size(); ++k) {
-      if (!held_[k]) values_[k] = X.middleRows(column_of[k], rows_);
+    for (std::size_t k = 0; k < fixed_.size(); ++k) {
+      if (!fixed_[k]) values_[k] = X.middleRows(column_of[k], rows_);
     }
     return values_;
   }
@@ -94,7 +94,7 @@ class DenseRelaxation {
     Eigen::MatrixXd M, C;
   };
   int rows_, columns_;
-  std::vector<bool> held_;
+  std::vector<bool> fixed_;
   std::vector<Eigen::MatrixXd> values_;
   std::vector<Term> terms_;
 };
@@ -110,9 +110,9 @@ TEST(LinearRelaxation, EqualsDenseQr) {
     DenseRelaxation dense(rows, columns);
     for (int k = 0; k < blocks; ++k) {
       const Eigen::MatrixXd value = Eigen::MatrixXd::Random(rows, columns);
-      const double* held = k == 0 || any(0, 9) == 0 ? value.data() : nullptr;
-      sparse.addBlock(held);
-      dense.addBlock(held);
+      const double* fixed = k == 0 || any(0, 9) == 0 ? value.data() : nullptr;
+      sparse.addBlock(fixed);
+      dense.addBlock(fixed);
     }
     const auto add = [&](int i, int j) {
       const Eigen::MatrixXd M = Eigen::MatrixXd::Random(rows, rows).householderQr().householderQ();
@@ -199,10 +199,10 @@ TEST(Starts, NoisyMapsEndInTheSameMinimum) {
   }
 }
 
-TEST(Starts, WhatIsHeldStays) {
+TEST(Starts, WhatIsFixedStays) {
   auto map = ring<Pose2>(14, 0.05, 8);
-  map.poses[7].held = true;
-  map.landmarks[1].held = true;
+  map.poses[7].fixed = true;
+  map.landmarks[1].fixed = true;
   for (const Start start : {Start::odometry, Start::spanning_tree, Start::chordal, Start::build_up}) {
     auto here = scrambled(map);
     initialize::findStart(here, start);
@@ -211,9 +211,9 @@ TEST(Starts, WhatIsHeldStays) {
   }
 }
 
-TEST(Starts, WithoutAHeldPoseTheFirstOneStays) {
+TEST(Starts, WithoutAFixedPoseTheFirstOneStays) {
   auto map = ring<Pose2>(8, 0, 9);
-  map.poses[0].held = false;
+  map.poses[0].fixed = false;
   const auto truth = map;
   for (std::size_t p = 1; p < map.poses.size(); ++p) map.poses[p].value = Pose2();
   for (const Start start : {Start::odometry, Start::spanning_tree, Start::chordal, Start::build_up}) {
@@ -259,7 +259,7 @@ TEST(Starts, MistakesAreNamed) {
   map.addPose(Pose2(), true);
   map.addPose();
   EXPECT_EQ(messageOf([&] { initialize::alongSpanningTree(map); }),
-            "[slom.unreached-pose] no edges lead from a held pose to pose 1; add an edge between poses, or "
+            "[slom.unreached-pose] no edges lead from a fixed pose to pose 1; add an edge between poses, or "
             "hold a pose of "
             "each part of the graph");
   for (const Start start : {Start::odometry, Start::chordal, Start::build_up}) {

@@ -114,7 +114,7 @@ TEST(G2o, NoVertices) {
   EXPECT_EQ(graph.poses[0].id, 2);
   EXPECT_EQ(graph.poses[1].id, 4);
   EXPECT_EQ(graph.poses[2].id, 9);
-  EXPECT_TRUE(graph.poses[1].held);
+  EXPECT_TRUE(graph.poses[1].fixed);
   EXPECT_EQ(graph.edges[0].from, 2);
   EXPECT_EQ(graph.landmarks.at(0).id, 3);
 }
@@ -124,7 +124,7 @@ TEST(G2o, EdgesMayStandBeforeVertices) {
       parsed<Pose2>("EDGE_SE2 0 1 1 0 0" + unit3 + "FIX 1\nVERTEX_SE2 1 5 0 0\nVERTEX_SE2 0 4 0 0");
   EXPECT_EQ(graph.edges.at(0).from, 1);
   EXPECT_EQ(graph.edges.at(0).to, 0);
-  EXPECT_TRUE(graph.poses.at(0).held);
+  EXPECT_TRUE(graph.poses.at(0).fixed);
 }
 
 TEST(G2o, LinesLongerThanTheBuffer) {
@@ -145,7 +145,7 @@ void expectWrittenGraphIsTheSame() {
   ASSERT_EQ(again.sightings.size(), graph.sightings.size());
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
     EXPECT_EQ(again.poses[i].id, graph.poses[i].id);
-    EXPECT_EQ(again.poses[i].held, graph.poses[i].held);
+    EXPECT_EQ(again.poses[i].fixed, graph.poses[i].fixed);
     EXPECT_LT(mtk::difference(again.poses[i].value, graph.poses[i].value).norm(), 1e-15);
   }
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {

@@ -17,7 +17,7 @@ TEST(IoPage, ReadsFitsAndWritesAGraph) {
   const std::string fitted = (folder / "fitted.g2o").string();
   slom::io::AnyPoseGraph any = slom::io::readPoseGraph(file);
   auto& graph = std::get<slom::io::PoseGraph<slom::io::Pose2>>(any);  // of the plane
-  if (!graph.has_fix_lines) graph.poses[0].held = true;
+  if (!graph.has_fix_lines) graph.poses[0].fixed = true;
   if (!graph.has_vertices) slom::initialize::alongSpanningTree(graph);
 
   slom::Estimator est;

@@ -74,7 +74,7 @@ template <class Pose>
 PoseGraph<Pose> scrambled(PoseGraph<Pose> graph) {
   std::mt19937_64 random(99);
   for (auto& pose : graph.poses) {
-    if (!pose.held) pose.value = randomPose<Pose>(random, 20, 2);
+    if (!pose.fixed) pose.value = randomPose<Pose>(random, 20, 2);
   }
   for (auto& landmark : graph.landmarks) landmark.value = randomVector<dim<Pose>>(random, 20);
   return graph;

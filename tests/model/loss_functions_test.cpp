@@ -149,7 +149,7 @@ TEST(Barron, IsSmoothInItsShape) {
   }
 }
 
-TEST(Loss, IsWidenedByItsScale) {
+TEST(Loss, IsScaledByGraduation) {
   for (const double graduation : {1.0, 4.0, 1e4}) {
     const slom::LossValue a = slom::GemanMcClure(3).evaluate(7, graduation);
     const slom::LossValue b = slom::GemanMcClure(3 * std::sqrt(graduation)).evaluate(7);

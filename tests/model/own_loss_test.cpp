@@ -121,4 +121,18 @@ TEST(OwnLoss, IsRefusedByArchives) {
   EXPECT_EQ(file.str(), "");
 }
 
+TEST(OwnLoss, KeepsItsNameAndHasOnePerName) {
+  const auto function = [](double t) {
+    return slom::LossValue{1 - std::exp(-t), std::exp(-t), -std::exp(-t)};
+  };
+  std::string name = "first";
+  const slom::Loss first = slom::ownLoss(name.c_str(), 2, function);
+  name.assign(5, '#');
+  const slom::Loss second = slom::ownLoss("second", 2, function), again = slom::ownLoss("first", 2, function);
+  EXPECT_EQ(first.text(), "first(2)");
+  EXPECT_EQ(second.text(), "second(2)");
+  EXPECT_TRUE(first == again);
+  EXPECT_FALSE(first == second);
+}
+
 }  // namespace

@@ -117,6 +117,18 @@ class Walk {
 
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
 
+  /// Of pairs of poses, as updates have them, beside those of the batch; relative to the standard deviations.
+  void expectCovariances(double most) {
+    for (int k = 0; k < 4; ++k) {
+      const auto &a = poses_[index(poses_.size())],
+                 &b = k == 0 ? poses_.back() : poses_[index(poses_.size())];
+      const Eigen::MatrixXd online = est.updatedCovariance(a, b), batch = est.covariance(a, b);
+      const Eigen::MatrixXd scale = est.standardDeviation(a) * est.standardDeviation(b).transpose();
+      EXPECT_TRUE(((online - batch).array().abs() <= most * scale.array()).all()) << online << "\n\n"
+                                                                                  << batch << "\n";
+    }
+  }
+
  private:
   double noise(double sigma) { return sigma * std::normal_distribution<double>()(random_); }
   std::size_t index(std::size_t count) {
@@ -235,6 +247,15 @@ TEST(IncrementalCholesky, IsTheFactorFromScratchBitByBitAndSolves) {
           online[start[static_cast<std::size_t>(block)] + c] = step[c];
       }
       EXPECT_LT((online - d).norm(), 1e-8 * d.norm());
+      const Eigen::MatrixXd C = H.inverse();
+      for (int k = 0; k < 5; ++k) {
+        const int a = blocks[index(blocks.size())], b = blocks[index(blocks.size())];
+        const std::vector<double> block = factor.inverseBlock(a, b);
+        const Eigen::Map<const Eigen::MatrixXd> got(block.data(), factor.dof(a), factor.dof(b));
+        const auto expected = C.block(start[static_cast<std::size_t>(a)], start[static_cast<std::size_t>(b)],
+                                      factor.dof(a), factor.dof(b));
+        EXPECT_LT((got - expected).norm(), 1e-9 * C.norm()) << a << ", " << b;
+      }
     }
   }
 }
@@ -314,6 +335,66 @@ TEST(OnlineFit, NamesWhatNothingDetermines) {
   summary = est.update();
   EXPECT_TRUE(summary.undetermined.empty());
   EXPECT_LT((*a - Point(3, 4)).norm(), 1e-7);
+}
+
+TEST(OnlineFit, HasCovariancesBetweenUpdates) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Walk walk(seed);
+    for (int i = 0; i < 60; ++i) {
+      walk.any();
+      if (i % 5 != 0 || !walk.est.update().converged) continue;
+      walk.expectCovariances(2e-3);
+    }
+  }
+}
+
+TEST(OnlineFit, HasTheCovariancesOfALinearProblemToTheLastDigits) {
+  Estimator est;
+  std::vector<VarID<Point>> chain{est.insertRV(Point(0, 0), false, "origin")};
+  for (int i = 1; i < 30; ++i) {
+    chain.push_back(est.insertRV(Point(i, 0)));
+    est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, chain[chain.size() - 2],
+                          chain.back(), slom::measured(Point(1, 0.1)), StandardDeviation(0.1));
+    if (i % 7 == 0) {
+      est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, chain[std::size_t(i - 5)],
+                            chain.back(), slom::measured(Point(5, 0.5)), StandardDeviation(0.2));
+    }
+    est.update();
+    EXPECT_LT((est.updatedCovariance(chain.back()) - est.covariance(chain.back())).norm(), 1e-12);
+    EXPECT_LT((est.updatedCovariance(chain[chain.size() / 2], chain.back()) -
+               est.covariance(chain[chain.size() / 2], chain.back()))
+                  .norm(),
+              1e-12);
+  }
+  EXPECT_EQ(est.updatedCovariance(chain[0]).norm(), 0);
+  EXPECT_EQ(est.updatedCovariance(chain[0], chain[3]).norm(), 0);
+  est.fix(chain[5], "y");
+  est.update();
+  EXPECT_LT((est.updatedCovariance(chain[5]) - est.covariance(chain[5])).norm(), 1e-12);
+  EXPECT_EQ(est.updatedCovariance(chain[5])(1, 1), 0);
+  est.setSigma(Sigma::estimated);
+  EXPECT_LT((est.updatedCovariance(chain[7]) - est.covariance(chain[7])).norm(), 1e-12);
+}
+
+TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
+  Estimator est;
+  const auto a = est.insertRV(Point(1, 2), "a"), b = est.insertRV(Point(1, 2), "b");
+  est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
+  est.insertMeasurement([](const auto& p) { return p; }, b);
+  EXPECT_EQ(messageOf([&] { est.updatedCovariance(a); }),
+            "[slom.not-updated] covariances of an update were asked for variable a, but update() was never "
+            "called; call update() first, or ask covariance()");
+  est.update();
+  EXPECT_EQ(
+      messageOf([&] { est.updatedCovariance(a); }),
+      "[slom.rank-deficient] variable a has no covariance, as no measurement determines a.y; add one, or "
+      "fix a.y");
+  EXPECT_LT((est.updatedCovariance(b) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
+  est.reinitRV(b, Point(2, 2));
+  EXPECT_EQ(
+      messageOf([&] { est.updatedCovariance(b); }),
+      "[slom.not-updated] covariances of an update were asked for variable b, but the problem has changed "
+      "since, or optimize() took over; call update() first, or ask covariance()");
 }
 
 /// A measurement without a residual is refused by name; once it is gone, all is as it would be without it.

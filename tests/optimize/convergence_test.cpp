@@ -259,6 +259,31 @@ TEST(Limits, AnObserverMayEndAFit) {
   EXPECT_FALSE(slow.options.observer) << "an empty function is none";
 }
 
+/// Full Gauss-Newton steps on atan(x) from 1.5 alternate between both sides, farther and farther away.
+TEST(Limits, LeaveTheBestValuesWhereStepsLeadUphill) {
+  for (const bool by_observer : {false, true}) {
+    slom::Estimator est;
+    const auto x = est.insertRV(1.5, "x");
+    est.insertMeasurement([](const auto& v) { return atan(v); }, x);
+    slom::Options options;
+    options.fall_back = false;
+    if (by_observer) {
+      options.observer = [](const slom::IterationRecord& record) {
+        return record.iteration == 3 ? slom::FitControl::stop : slom::FitControl::go_on;
+      };
+    } else {
+      options.max_iterations = 3;
+    }
+    const slom::Summary summary = est.optimize(options);
+    EXPECT_EQ(summary.iterations, 3);
+    EXPECT_FALSE(summary.converged);
+    EXPECT_GT(summary.trace.back().rss, summary.initial_rss);
+    EXPECT_EQ(summary.final_rss, summary.initial_rss);
+    EXPECT_EQ(*x, 1.5);
+    EXPECT_EQ(est.getRSS(), summary.final_rss);
+  }
+}
+
 TEST(Limits, AreChecked) {
   slom::Estimator est;
   slom::Options options;
@@ -276,7 +301,7 @@ TEST(Limits, AreChecked) {
             "[slom.bad-option] max_iterations is -7; pass 0 or more, or Options::kByTheSize");
 }
 
-TEST(Held, ComponentsDoNotMoveByRounding) {
+TEST(Fixed, ComponentsDoNotMoveByRounding) {
   slom::Estimator est;
   est.changeSolver(std::make_unique<slom::BlockQR>());
   const auto x = est.insertRV(mtk::vect<3>(1e6, 2, 3), "x");
@@ -290,7 +315,7 @@ TEST(Held, ComponentsDoNotMoveByRounding) {
   EXPECT_EQ((*x)[0], 1e6);
 }
 
-TEST(Held, ValuesStayWithinTheirBoundToTheLastDigit) {
+TEST(Fixed, ValuesStayWithinTheirBoundToTheLastDigit) {
   int at_bound = 0;
   for (int k = 1; k <= 500; ++k) {
     const double upper = 1 + 0.7 * k / 13;
@@ -308,7 +333,7 @@ TEST(Held, ValuesStayWithinTheirBoundToTheLastDigit) {
 }
 
 /// sqrt(limit - x) has a value at the limit, but no derivative.
-TEST(Held, DerivativesThatEndAtABoundEndNoFitByAnException) {
+TEST(Fixed, DerivativesThatEndAtABoundEndNoFitByAnException) {
   for (const auto& algorithm : algorithms()) {
     for (const bool is_numeric : {false, true}) {
       slom::Estimator est;

@@ -156,7 +156,7 @@ TEST(Graduation, ThatReachesTheIterationLimitSaysSoAndReportsTheRobustCost) {
   EXPECT_EQ(summary.stop_reason, slom::StopReason::max_iterations);
   EXPECT_EQ(summary.iterations, 7);
   EXPECT_EQ(
-      summary.message, "iteration limit of 7 reached while the losses were still widened, mu = " + [&] {
+      summary.message, "iteration limit of 7 reached while the losses were still graduated, mu = " + [&] {
         char text[32];
         std::snprintf(text, sizeof text, "%.6g", summary.trace.back().graduation);
         return std::string(text);

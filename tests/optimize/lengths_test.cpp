@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "slom/estimator.hpp"
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 #include "slom/solve/dense_qr.hpp"
 #include "slom/solve/forwarding_solver.hpp"
 #include "support/message_of.hpp"
@@ -49,12 +49,12 @@ class FaultyAlgorithm final : public Algorithm {
   explicit FaultyAlgorithm(bool tries) : tries_(tries) {}
   std::string name() const override { return "of my own"; }
   std::unique_ptr<Algorithm> clone() const override { return std::make_unique<FaultyAlgorithm>(*this); }
-  StepOutcome step(System& system, const Options&) override {
+  StepOutcome step(Evaluator& evaluator, const Options&) override {
     StepOutcome outcome;
-    outcome.rss_before = system.linearize();
-    outcome.status = system.solveUndamped(outcome.step);
+    outcome.rss_before = evaluator.linearize();
+    outcome.status = evaluator.solveUndamped(outcome.step);
     if (tries_) outcome.step = Eigen::VectorXd::Zero(7);
-    outcome.rss_after = system.tryStep(outcome.step);
+    outcome.rss_after = evaluator.tryStep(outcome.step);
     outcome.step.resize(1);
     outcome.trials = 1;
     return outcome;

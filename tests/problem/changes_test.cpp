@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <slom/optimize/evaluator.hpp>
 #include <slom/optimize/optimizer.hpp>
-#include <slom/optimize/system.hpp>
 #include <slom/slom.hpp>
 #include <slom/solve/block_solver.hpp>
 
@@ -198,7 +198,7 @@ Eigen::VectorXd coordinatesOf(const Problem& problem) {
 
 /// A fit, with all that it leaves behind.
 struct Fit {
-  explicit Fit(Problem& p) : problem(p) { system.setSolver(solver); }
+  explicit Fit(Problem& p) : problem(p) { evaluator.setSolver(solver); }
 
   struct Result {
     Eigen::VectorXd gradient, diagonal, step, end;
@@ -208,15 +208,15 @@ struct Fit {
   };
   Result run() {
     Result result;
-    system.linearize();
+    evaluator.linearize();
     result.gradient = solver.gradient();
     result.diagonal = solver.diagonal();
     static_cast<void>(
-        system.solveDamped(Eigen::VectorXd::Constant(result.diagonal.size(), 0.1), result.step));
+        evaluator.solveDamped(Eigen::VectorXd::Constant(result.diagonal.size(), 0.1), result.step));
     slom::LevenbergMarquardt algorithm;
     slom::SolveStatus singular;
     const slom::Summary summary =
-        slom::runAlgorithm(system, algorithm, {.max_iterations = 5}, false, singular);
+        slom::runAlgorithm(evaluator, algorithm, {.max_iterations = 5}, false, singular);
     result.end = coordinatesOf(problem);
     result.rss = summary.final_rss;
     result.iterations = summary.iterations;
@@ -226,7 +226,7 @@ struct Fit {
 
   Problem& problem;
   slom::Linearizer linearizer;
-  slom::System system{problem, linearizer};
+  slom::Evaluator evaluator{problem, linearizer};
   slom::BlockSolver solver;
 };
 

@@ -83,7 +83,7 @@ std::vector<std::string> namesOf(const std::vector<Model>& models) {
 
 Progress printedProgress() {
   const auto header_is_printed = std::make_shared<bool>(false);
-  return {[](const AloneReport& alone) { say(aloneText(alone)); },
+  return {[](const SingleCameraReport& alone) { say(singleCameraText(alone)); },
           [header_is_printed](const IterationRecord& record) {
             if (!std::exchange(*header_is_printed, true)) say("\nall together\n" + iterationHeader());
             say(iterationText(record));

@@ -15,14 +15,14 @@
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
 #include "graph/information.hpp"
+#include "graph/initialization/gauge.hpp"
+#include "graph/initialization/start.hpp"
 #include "graph/online/online.hpp"
 #include "graph/output/html.hpp"
 #include "graph/output/report.hpp"
 #include "graph/output/sketch.hpp"
 #include "graph/output/svg.hpp"
 #include "graph/settings.hpp"
-#include "graph/start/gauge.hpp"
-#include "graph/start/start.hpp"
 #include "output_files.hpp"
 
 namespace slom::app {

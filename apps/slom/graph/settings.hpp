@@ -7,8 +7,8 @@
 #include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 #include "graph/fit/model.hpp"
+#include "graph/initialization/start.hpp"
 #include "graph/online/online.hpp"
-#include "graph/start/start.hpp"
 
 namespace slom::app::graph {
 

@@ -10,7 +10,7 @@
 namespace slom::calibration {
 
 /// What happened with one camera before the joint fit.
-struct AloneReport {
+struct SingleCameraReport {
   const CameraData* camera;
   std::string start;  ///< how the intrinsics were found
   bool converged;
@@ -20,7 +20,7 @@ struct AloneReport {
 
 /// Called on the way; each may be empty.
 struct Progress {
-  std::function<void(const AloneReport&)> alone;
+  std::function<void(const SingleCameraReport&)> single_camera;
   std::function<void(const IterationRecord&)> iteration;
 };
 

@@ -32,8 +32,8 @@ struct CameraResult {
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
   vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
   std::size_t images = 0, corners = 0;
-  double rms_px = 0;              ///< sqrt(sum of squared corner distances / corners)
-  double rms_px_alone = unknown;  ///< of the fit of this camera without the others, where it converged
+  double rms_px = 0;               ///< sqrt(sum of squared corner distances / corners)
+  double rms_px_single = unknown;  ///< of the fit of this camera without the others, where it converged
   std::optional<ImageSize> image_size;
   int board_symmetry = 1;           ///< CameraData::board_symmetry
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size

@@ -66,13 +66,13 @@ class WholeMap {
 /// throws.
 template <class Graph, class Model = RelationModel>
 void buildUp(Graph& graph, const BuildUpOptions& options = {}, const Model& model = {}) {
-  const std::vector<char> held = detail::heldPoses(graph);
-  const std::vector<TreeStep> tree = growth(held, detail::edgesOf(graph));
+  const std::vector<char> fixed = detail::fixedPoses(graph);
+  const std::vector<TreeStep> tree = growth(fixed, detail::edgesOf(graph));
   Estimator est;
   GrowingMap<Graph, Model> map(est, graph, model);
   bool has_closed = false;
-  for (std::size_t p = 0; p < held.size(); ++p) {
-    if (held[p] != 0) has_closed = map.add(static_cast<int>(p), graph.poses[p].value, true) || has_closed;
+  for (std::size_t p = 0; p < fixed.size(); ++p) {
+    if (fixed[p] != 0) has_closed = map.add(static_cast<int>(p), graph.poses[p].value, true) || has_closed;
   }
   double next = options.least_growth;
   for (std::size_t k = 0; k < tree.size(); ++k) {

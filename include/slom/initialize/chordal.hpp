@@ -38,13 +38,13 @@ template <class Graph>
 using PointOf = std::decay_t<decltype(std::declval<Graph&>().landmarks.front().value)>;
 
 template <class Graph>
-void relaxRotations(Graph& graph, const std::vector<char>& held) {
+void relaxRotations(Graph& graph, const std::vector<char>& fixed) {
   using Parts = PoseParts<PoseOf<Graph>>;
   using Matrix = typename Parts::Matrix;
   LinearRelaxation transposed(Parts::dim, Parts::dim);
-  for (std::size_t p = 0; p < held.size(); ++p) {
+  for (std::size_t p = 0; p < fixed.size(); ++p) {
     const Matrix back = Parts::rotation(graph.poses[p].value).transpose();
-    transposed.addBlock(held[p] != 0 ? back.data() : nullptr);
+    transposed.addBlock(fixed[p] != 0 ? back.data() : nullptr);
   }
   const Matrix zero = Matrix::Zero();
   for (const auto& edge : graph.edges) {
@@ -54,8 +54,8 @@ void relaxRotations(Graph& graph, const std::vector<char>& held) {
     transposed.add(w, edge.from, edge.to, back.data(), zero.data());
   }
   if (!transposed.solve()) raiseUndetermined();
-  for (std::size_t p = 0; p < held.size(); ++p) {
-    if (held[p] != 0) continue;
+  for (std::size_t p = 0; p < fixed.size(); ++p) {
+    if (fixed[p] != 0) continue;
     Matrix R = Eigen::Map<const Matrix>(transposed.value(static_cast<int>(p))).transpose();
     nearestRotation(Parts::dim, R.data());
     Parts::setRotation(graph.poses[p].value, R);
@@ -64,21 +64,21 @@ void relaxRotations(Graph& graph, const std::vector<char>& held) {
 
 /// Landmarks are blocks after the poses.
 template <class Graph>
-void relaxPositions(Graph& graph, const std::vector<char>& held) {
+void relaxPositions(Graph& graph, const std::vector<char>& fixed) {
   using Parts = PoseParts<PoseOf<Graph>>;
   using Vector = typename Parts::Vector;
-  const int poses = static_cast<int>(held.size());
+  const int poses = static_cast<int>(fixed.size());
   std::vector<char> is_seen(graph.landmarks.size(), 0);
   for (const auto& sighting : graph.sightings) is_seen[static_cast<std::size_t>(sighting.to)] = 1;
 
   LinearRelaxation positions(1, Parts::dim);
-  for (std::size_t p = 0; p < held.size(); ++p) {
+  for (std::size_t p = 0; p < fixed.size(); ++p) {
     const Vector t = Parts::position(graph.poses[p].value);
-    positions.addBlock(held[p] != 0 ? t.data() : nullptr);
+    positions.addBlock(fixed[p] != 0 ? t.data() : nullptr);
   }
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
     const Vector t = graph.landmarks[l].value;
-    positions.addBlock(graph.landmarks[l].held || is_seen[l] == 0 ? t.data() : nullptr);
+    positions.addBlock(graph.landmarks[l].fixed || is_seen[l] == 0 ? t.data() : nullptr);
   }
   const double one = 1;
   const auto add = [&](double w, int from, int to, const Vector& seen) {
@@ -94,11 +94,11 @@ void relaxPositions(Graph& graph, const std::vector<char>& held) {
   if (!positions.solve()) raiseUndetermined();
 
   const auto valueOf = [&](int block) { return Eigen::Map<const Vector>(positions.value(block)); };
-  for (std::size_t p = 0; p < held.size(); ++p) {
-    if (held[p] == 0) Parts::setPosition(graph.poses[p].value, valueOf(static_cast<int>(p)));
+  for (std::size_t p = 0; p < fixed.size(); ++p) {
+    if (fixed[p] == 0) Parts::setPosition(graph.poses[p].value, valueOf(static_cast<int>(p)));
   }
   for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
-    if (!graph.landmarks[l].held) graph.landmarks[l].value = valueOf(poses + static_cast<int>(l));
+    if (!graph.landmarks[l].fixed) graph.landmarks[l].value = valueOf(poses + static_cast<int>(l));
   }
 }
 
@@ -114,10 +114,10 @@ void relaxPositions(Graph& graph, const std::vector<char>& held) {
 ///            and its use in pose graph optimization", ICRA 2015, section III.B
 template <class Graph>
 void chordal(Graph& graph) {
-  const std::vector<char> held = detail::heldPoses(graph);
-  (void)spanningTree(held, detail::edgesOf(graph));  // throws where a pose is not reached
-  detail::relaxRotations(graph, held);
-  detail::relaxPositions(graph, held);
+  const std::vector<char> fixed = detail::fixedPoses(graph);
+  (void)spanningTree(fixed, detail::edgesOf(graph));  // throws where a pose is not reached
+  detail::relaxRotations(graph, fixed);
+  detail::relaxPositions(graph, fixed);
 }
 
 }  // namespace slom::initialize

@@ -48,12 +48,12 @@ class GrowingMap {
 
   /// Inserts pose p, the edges between it and the poses that are there, what it sees, and landmarks that nothing saw before, where it
   /// sees them. Returns whether more measurements came than determine what is new: a loop may have closed.
-  bool add(int p, const Pose& start, bool is_held) {
+  bool add(int p, const Pose& start, bool is_fixed) {
     const std::size_t i = index(p);
-    poses_[i] = insertNode(start, !is_held, graph_.poses[i], "pose ");
+    poses_[i] = insertNode(start, !is_fixed, graph_.poses[i], "pose ");
     rank_[i] = static_cast<int>(order_.size());
     order_.push_back(p);
-    is_held_.push_back(is_held ? 1 : 0);
+    is_fixed_.push_back(is_fixed ? 1 : 0);
     int edges = 0;
     for (const std::size_t e : edges_at_[i]) {
       const auto& edge = graph_.edges[e];
@@ -67,17 +67,17 @@ class GrowingMap {
       const auto& sighting = graph_.sightings[s];
       auto& l = landmarks_[index(sighting.to)];
       const auto& landmark = graph_.landmarks[index(sighting.to)];
-      has_closed = has_closed || l.isValid() || landmark.held;
+      has_closed = has_closed || l.isValid() || landmark.fixed;
       if (!l.isValid()) {
-        l = insertNode(landmark.held ? landmark.value : Point(*poses_[i] * sighting.measured), !landmark.held,
-                       landmark, "landmark ");
+        l = insertNode(landmark.fixed ? landmark.value : Point(*poses_[i] * sighting.measured),
+                       !landmark.fixed, landmark, "landmark ");
       }
       model_.insertSighting(est_, poses_[i], l, sighting);
     }
     return has_closed;
   }
   /// The same at startOf(p), held as the graph says.
-  bool add(int p) { return add(p, startOf(p), graph_.poses[index(p)].held); }
+  bool add(int p) { return add(p, startOf(p), graph_.poses[index(p)].fixed); }
 
   /// Where the edge from the pose that came last puts pose p. The pose of the graph where it is held, or where no edge leads to it from
   /// poses that are there.
@@ -89,7 +89,7 @@ class GrowingMap {
       const auto& edge = graph_.edges[e];
       const bool is_forward = edge.to == p;
       const int other = is_forward ? edge.from : edge.to;
-      if (node.held || rank_[index(other)] <= newest) continue;
+      if (node.fixed || rank_[index(other)] <= newest) continue;
       newest = rank_[index(other)];
       start = detail::follow(graph_, TreeStep{static_cast<int>(e), other, p, is_forward}, *pose(other));
     }
@@ -102,7 +102,7 @@ class GrowingMap {
   /// The same map in another estimator, at the present values: the batch fit of what is there.
   GrowingMap copyTo(Estimator& est) const {
     GrowingMap copy(est, graph_, model_);
-    for (std::size_t k = 0; k < order_.size(); ++k) copy.add(order_[k], *pose(order_[k]), is_held_[k] != 0);
+    for (std::size_t k = 0; k < order_.size(); ++k) copy.add(order_[k], *pose(order_[k]), is_fixed_[k] != 0);
     for (std::size_t l = 0; l < landmarks_.size(); ++l) {
       if (landmarks_[l].isValid()) est.reinitRV(copy.landmarks_[l], *landmarks_[l]);
     }
@@ -137,7 +137,7 @@ class GrowingMap {
   std::vector<VarID<Point>> landmarks_;
   std::vector<int> rank_;   // of each pose, by insertion; -1: it is not there
   std::vector<int> order_;  // of insertion
-  std::vector<char> is_held_;
+  std::vector<char> is_fixed_;
   std::vector<std::vector<std::size_t>> edges_at_, sightings_at_;
 };
 

@@ -28,7 +28,7 @@ class LinearRelaxation {
   double* valueAt(int block);
 
   int rows_, columns_;
-  std::vector<char> is_held_;
+  std::vector<char> is_fixed_;
   std::vector<double> values_;
   std::vector<Term> terms_;
   std::vector<double> M_, C_;  // of each term

@@ -26,7 +26,7 @@ namespace slom::initialize {
 template <class Value>
 struct Node {
   Value value = Value();
-  bool held = false;  ///< it keeps its value, so that the map cannot float
+  bool fixed = false;  ///< it keeps its value, so that the map cannot float
 };
 
 template <class Datum>
@@ -51,12 +51,12 @@ struct PoseGraph {
   std::vector<Edge<Landmark>> sightings;
 
   /// Returns its index. Where no pose is held, the first one keeps its value.
-  int addPose(const Pose& value = Pose(), bool held = false) {
-    poses.push_back({value, held});
+  int addPose(const Pose& value = Pose(), bool fixed = false) {
+    poses.push_back({value, fixed});
     return static_cast<int>(poses.size()) - 1;
   }
-  int addLandmark(const Landmark& value = Landmark(), bool held = false) {
-    landmarks.push_back({value, held});
+  int addLandmark(const Landmark& value = Landmark(), bool fixed = false) {
+    landmarks.push_back({value, fixed});
     return static_cast<int>(landmarks.size()) - 1;
   }
   void addEdge(int from, int to, const Pose& measured,

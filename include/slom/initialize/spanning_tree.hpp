@@ -32,12 +32,12 @@ struct TreeStep {
 
 /// Breadth first from all held poses (from pose 0 if there is none), so that as few edges as possible lead to
 /// each pose. Throws Unreached.
-std::vector<TreeStep> spanningTree(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+std::vector<TreeStep> spanningTree(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
 /// The same along edges between i and i + 1 alone.
-std::vector<TreeStep> odometryChain(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+std::vector<TreeStep> odometryChain(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
 /// The order in which a map grows: always the pose of the smallest index that an edge connects with one that
 /// is there, by the edge from the nearest index. Throws Unreached.
-std::vector<TreeStep> growth(const std::vector<char>& is_held, const std::vector<Ends>& edges);
+std::vector<TreeStep> growth(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
 
 namespace detail {
 
@@ -63,16 +63,16 @@ std::vector<Ends> edgesOf(const Graph& graph) {
 
 /// Which poses keep their value: the first one where none is held.
 template <class Graph>
-std::vector<char> heldPoses(const Graph& graph) {
-  std::vector<char> held;
-  held.reserve(graph.poses.size());
-  bool has_held = false;
+std::vector<char> fixedPoses(const Graph& graph) {
+  std::vector<char> fixed;
+  fixed.reserve(graph.poses.size());
+  bool has_fixed = false;
   for (const auto& pose : graph.poses) {
-    held.push_back(pose.held ? 1 : 0);
-    has_held = has_held || pose.held;
+    fixed.push_back(pose.fixed ? 1 : 0);
+    has_fixed = has_fixed || pose.fixed;
   }
-  if (!has_held && !held.empty()) held.front() = 1;
-  return held;
+  if (!has_fixed && !fixed.empty()) fixed.front() = 1;
+  return fixed;
 }
 
 /// The pose that a step leads to from its parent: parent * edge, or parent * edge^-1.
@@ -99,7 +99,7 @@ void placeLandmarks(Graph& graph) {
   for (const auto& sighting : graph.sightings) {
     const auto l = static_cast<std::size_t>(sighting.to);
     auto& landmark = graph.landmarks[l];
-    if (landmark.held || is_placed[l]++ != 0) continue;
+    if (landmark.fixed || is_placed[l]++ != 0) continue;
     landmark.value = graph.poses[static_cast<std::size_t>(sighting.from)].value * sighting.measured;
   }
 }
@@ -107,14 +107,14 @@ void placeLandmarks(Graph& graph) {
 /// All poses along the fewest edges from the held ones, then the landmarks. Throws Unreached.
 template <class Graph>
 void alongSpanningTree(Graph& graph) {
-  detail::compose(graph, spanningTree(detail::heldPoses(graph), detail::edgesOf(graph)));
+  detail::compose(graph, spanningTree(detail::fixedPoses(graph), detail::edgesOf(graph)));
   placeLandmarks(graph);
 }
 
 /// All poses along the edges between pose i and pose i + 1, then the landmarks. Throws Unreached.
 template <class Graph>
 void alongOdometry(Graph& graph) {
-  detail::compose(graph, odometryChain(detail::heldPoses(graph), detail::edgesOf(graph)));
+  detail::compose(graph, odometryChain(detail::fixedPoses(graph), detail::edgesOf(graph)));
   placeLandmarks(graph);
 }
 

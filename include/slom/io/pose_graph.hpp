@@ -38,10 +38,10 @@ using Symmetric = Eigen::Matrix<double, N, N, Eigen::DontAlign>;
 /// A pose or a landmark.
 template <class Value>
 struct Node {
-  long id = 0;        ///< its name in the file
-  Value value;        ///< where it starts [m, rad]
-  int line = 0;       ///< of the vertex; of the first edge that names it where the file has no vertices
-  bool held = false;  ///< keeps its value in the fit
+  long id = 0;         ///< its name in the file
+  Value value;         ///< where it starts [m, rad]
+  int line = 0;        ///< of the vertex; of the first edge that names it where the file has no vertices
+  bool fixed = false;  ///< keeps its value in the fit
 };
 
 /// `to` as seen from the pose `from`; both are indices of nodes, not ids.

@@ -55,7 +55,7 @@ std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Val
   std::vector<VarID<Value>> ids;
   ids.reserve(nodes.size());
   for (const Node<Value>& node : nodes)
-    ids.push_back(est.insertRV(node.value, !node.held, kind + std::to_string(node.id)));
+    ids.push_back(est.insertRV(node.value, !node.fixed, kind + std::to_string(node.id)));
   return ids;
 }
 

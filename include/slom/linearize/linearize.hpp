@@ -47,12 +47,12 @@ class Linearizer {
   /// Throws [slom.overflow], naming the measurement with the largest residual.
   [[noreturn]] void raiseOverflow(const Problem& problem);
   /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.
-  double gradientOfHeld(int variable, int component) const;
+  double gradientOfConstrained(int variable, int component) const;
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
   double squaredNormSent() const { return squared_norm_sent_; }
 
  private:
-  struct HeldColumn {
+  struct ConstrainedColumn {
     int variable, component;
     double gradient, squared_norm;
   };
@@ -66,7 +66,7 @@ class Linearizer {
     std::vector<double> plain_r, plain_J;  ///< before losses reweighted them, where the sink wants them
     double rss = 0;
     double squared_norm = 0;  ///< of r, as the sink gets it
-    std::vector<HeldColumn> held;
+    std::vector<ConstrainedColumn> constrained;
 
     /// What went wrong.
     void forget() { bad = -1, threw.reset(); }
@@ -91,15 +91,15 @@ class Linearizer {
   /// Throws what went wrong in it.
   static void requireGood(const Problem& problem, const Chunk& chunk);
   /// Makes the columns of held components 0, in r and J of the chunk; appends what they were to `held`, where given.
-  static void clearHeld(const Problem& problem, const ActiveSet& active, const Chunk& chunk, const double* r,
-                        double* J, std::vector<HeldColumn>* held);
+  static void clearConstrained(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
+                               const double* r, double* J, std::vector<ConstrainedColumn>* constrained);
   /// The group that says that they do not move.
-  void sendHeld(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const;
+  void sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const;
   [[noreturn]] static void raiseNotFinite(const Problem& problem, int group, int measurement);
 
   double graduation_ = 1;
   double squared_norm_sent_ = 0;
-  std::map<std::pair<int, int>, HeldColumn> held_;  // by variable and component
+  std::map<std::pair<int, int>, ConstrainedColumn> constrained_;  // by variable and component
   std::vector<Chunk> chunks_;
 };
 

@@ -92,7 +92,7 @@ class CallableMeasurement {
       return true;
     } else if constexpr (detail::VectorizedByItself<F>) {
       return columns <= detail::kMostPackedColumns &&
-             (detail::isPackable<detail::Held<Stored<Args>>>() && ...);
+             (detail::isPackable<detail::ContentOf<Stored<Args>>>() && ...);
     } else {
       return false;
     }
@@ -173,13 +173,13 @@ class CallableMeasurement {
         "measurements: pass what it captures as further arguments of insertMeasurement");
     static_assert(
         is_fixed && residual_dim != mtk::Dynamic &&
-            (detail::hasFixedSize<detail::Held<Stored<Args>>>() && ...),
+            (detail::hasFixedSize<detail::ContentOf<Stored<Args>>>() && ...),
         "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
     static_assert(
         !is_fixed || columns <= detail::kMostPackedColumns,
         "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
     static_assert(
-        (!std::is_void_v<mtk::rebind_t<detail::Held<Stored<Args>>, double>> && ...),
+        (!std::is_void_v<mtk::rebind_t<detail::ContentOf<Stored<Args>>, double>> && ...),
         "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
         "types, compounds of them and class templates (see mtk/rebind.hpp)");
     using Evaluation = typename Packed<std::make_index_sequence<sizeof...(Args)>>::type;
@@ -228,7 +228,7 @@ class CallableMeasurement {
   /// The function's value for these arguments: the stored ones, or the same over dual numbers.
   template <class Arguments, std::size_t... I>
   auto evaluateWith(const Arguments& arguments, std::index_sequence<I...>) const {
-    return detail::call(function(), detail::held(detail::valueAt<I>(arguments))...);
+    return detail::call(function(), detail::contentOf(detail::valueAt<I>(arguments))...);
   }
   /// The blocks of f.jacobian, one after the other.
   template <std::size_t... P, std::size_t... V>
@@ -239,7 +239,7 @@ class CallableMeasurement {
           (block.setConstant(rows, detail::runtimeDof(detail::valueAt<V>(args_)),
                              std::numeric_limits<double>::quiet_NaN()),
            ...);
-          function().jacobian(detail::held(detail::valueAt<P>(args_))..., block...);
+          function().jacobian(detail::contentOf(detail::valueAt<P>(args_))..., block...);
           ((J = std::copy(block.data(), block.data() + block.size(), J)), ...);
         },
         blocks);

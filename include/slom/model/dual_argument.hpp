@@ -40,7 +40,7 @@ struct DualArgument<VarArg<T>, D, Offset> {
 };
 
 template <class Stored, class D, int Offset>
-const auto& held(const DualArgument<Stored, D, Offset>& argument) {
+const auto& contentOf(const DualArgument<Stored, D, Offset>& argument) {
   return argument.value;
 }
 

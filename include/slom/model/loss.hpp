@@ -106,6 +106,14 @@ SLOM_LOSSES(SLOM_SCALED_LOSS, SLOM_SHAPED_LOSS)
 #undef SLOM_SCALED_LOSS
 #undef SLOM_SHAPED_LOSS
 
+namespace detail {
+/// The kind of a program's own loss: one for each name and function. The name is copied.
+const LossKind& ownKind(const char* name, LossValue (*evaluate)(double t, double shape));
+/// What is wrong with the loss's numbers, `has scale -1; pass ...`; empty when nothing is.
+std::string faultOf(const Loss& loss);
+[[noreturn]] void raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement);
+}  // namespace detail
+
 /// A loss of your own: f(t) returns phi(t), phi'(t) and phi''(t) for t = |W r|^2 / c^2 >= 0, with phi(0) = 0, phi'(0) = 1 and
 /// 0 <= phi'(t) <= 1; then rho(s) = c^2 phi(s / c^2). Insertion checks that, and phi' by differences. Files cannot name it,
 /// so Archive refuses it.
@@ -117,18 +125,11 @@ Loss ownLoss(const char* name, double scale, F) {
                 "slom: the function of a loss has no captures; write the numbers that it needs into it");
   static_assert(std::is_same_v<decltype(F()(1.0)), LossValue>,
                 "slom: the function of a loss returns a slom::LossValue: phi(t), phi'(t), phi''(t)");
-  static const LossKind kind{name, nullptr, false, [](double t, double) { return F()(t); }};
-  return Loss(kind, scale);
+  return Loss(detail::ownKind(name, [](double t, double) { return F()(t); }), scale);
 }
 
 template <class T>
 concept IsLoss = std::is_base_of_v<Loss, T>;
-
-namespace detail {
-/// What is wrong with the loss's numbers, `has scale -1; pass ...`; empty when nothing is.
-std::string faultOf(const Loss& loss);
-[[noreturn]] void raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement);
-}  // namespace detail
 
 /// Throws [slom.bad-loss], naming `subject()`, which is called only then.
 template <class Subject>

@@ -35,19 +35,19 @@ inline constexpr bool is_measured<Measured<Z>> = true;
 
 /// What a measurement stores for an argument, as the function gets it or the library subtracts it.
 template <class A>
-const A& held(const A& datum) {
+const A& contentOf(const A& datum) {
   return datum;
 }
 template <class T>
-const T& held(const VarArg<T>& variable) {
+const T& contentOf(const VarArg<T>& variable) {
   return *variable;
 }
 template <class Z>
-const Z& held(const Measured<Z>& datum) {
+const Z& contentOf(const Measured<Z>& datum) {
   return datum.value;
 }
 template <class Stored>
-using Held = std::remove_cvref_t<decltype(held(std::declval<const Stored&>()))>;
+using ContentOf = std::remove_cvref_t<decltype(contentOf(std::declval<const Stored&>()))>;
 
 /// As many unknowns as columns of packs can tell apart, besides those that mtk::preaccumulation takes.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
@@ -68,13 +68,13 @@ void forEachLane(const F& f) {
 template <class Stored, int Width>
 struct PackedArgument {
   using Numbers = mtk::Pack<Width>;
-  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<Held<Stored>, Numbers>>;
-  using Packed = std::conditional_t<possible, mtk::rebind_t<Held<Stored>, Numbers>, std::tuple<>>;
+  static constexpr bool possible = !std::is_void_v<mtk::rebind_t<ContentOf<Stored>, Numbers>>;
+  using Packed = std::conditional_t<possible, mtk::rebind_t<ContentOf<Stored>, Numbers>, std::tuple<>>;
   Packed value{};
 
   explicit PackedArgument(const std::array<const Stored*, Width>& x) {
-    std::array<const Held<Stored>*, Width> values;
-    forEachLane<Width>([&](std::size_t lane) { values[lane] = &held(*x[lane]); });
+    std::array<const ContentOf<Stored>*, Width> values;
+    forEachLane<Width>([&](std::size_t lane) { values[lane] = &contentOf(*x[lane]); });
     mtk::detail::gatherParts(value, values);
   }
   PackedArgument(const PackedArgument&) = delete;

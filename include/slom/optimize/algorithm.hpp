@@ -13,7 +13,7 @@
 
 namespace slom {
 
-class System;
+class Evaluator;
 
 struct StepOutcome {
   enum class Kind {
@@ -21,7 +21,7 @@ struct StepOutcome {
     singular,    ///< the linear system has no unique solution; nothing moved
     not_finite,  ///< the step led to where a residual is not finite, and was taken back
     stuck,       ///< no step that was tried made the RSS smaller; nothing moved
-    stopped      ///< System::mustStop(), between two trials; nothing moved
+    stopped      ///< Evaluator::mustStop(), between two trials; nothing moved
   };
   Kind kind = Kind::taken;
   double rss_before = 0;
@@ -36,7 +36,7 @@ struct StepOutcome {
   std::string event;   ///< what the user should know: "the Gauss-Newton step made the RSS grow; ..."
 };
 
-/// One of your own implements this, with the System of slom/optimize/system.hpp.
+/// One of your own implements this, with the Evaluator of slom/optimize/evaluator.hpp.
 class Algorithm {
  public:
   virtual ~Algorithm() = default;
@@ -45,9 +45,11 @@ class Algorithm {
   /// Forgets what earlier steps taught (damping, radius).
   virtual void reset() {}
   /// Linearises at the current values and moves them by one step.
-  virtual StepOutcome step(System& system, const Options& options) = 0;
+  virtual StepOutcome step(Evaluator& evaluator, const Options& options) = 0;
   /// The fit ends here: goes back to better values, where it knows some.
-  virtual void finish(System&) {}
+  virtual void finish(Evaluator&) {}
+  /// Whether a step may make the RSS grow. Then a fit that does not converge goes back to the best values that it has seen.
+  virtual bool mayGoUphill() const { return true; }
   /// What Options::fall_back takes in its place; null: itself.
   virtual std::unique_ptr<Algorithm> safeguarded() const { return nullptr; }
 };
@@ -57,7 +59,7 @@ class GaussNewton final : public Algorithm {
  public:
   std::string name() const override;
   std::unique_ptr<Algorithm> clone() const override;
-  StepOutcome step(System& system, const Options& options) override;
+  StepOutcome step(Evaluator& evaluator, const Options& options) override;
   std::unique_ptr<Algorithm> safeguarded() const override;
 };
 
@@ -68,7 +70,7 @@ class GaussNewton final : public Algorithm {
 class ColumnScaling {
  public:
   /// Takes the linearisation of `system` into account. Valid until the next call.
-  Eigen::Map<const Eigen::VectorXd> update(System& system, double memory = 1);
+  Eigen::Map<const Eigen::VectorXd> update(Evaluator& evaluator, double memory = 1);
   void reset() { largest_.clear(); }
 
  private:
@@ -95,7 +97,8 @@ class LevenbergMarquardt final : public Algorithm {
   std::string name() const override;
   std::unique_ptr<Algorithm> clone() const override;
   void reset() override;
-  StepOutcome step(System& system, const Options& options) override;
+  StepOutcome step(Evaluator& evaluator, const Options& options) override;
+  bool mayGoUphill() const override { return false; }
 
  private:
   double initial_damping_, memory_;
@@ -116,7 +119,8 @@ class DogLeg final : public Algorithm {
   std::string name() const override;
   std::unique_ptr<Algorithm> clone() const override;
   void reset() override;
-  StepOutcome step(System& system, const Options& options) override;
+  StepOutcome step(Evaluator& evaluator, const Options& options) override;
+  bool mayGoUphill() const override { return false; }
 
  private:
   double initial_radius_;

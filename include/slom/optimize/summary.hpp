@@ -171,7 +171,7 @@ struct Summary {
   int stages = 0;                   ///< begun, of graduated non-convexity; 0: not graduated
   int variables = 0;                ///< optimised ones
   int measurements = 0;             ///< number of scalar residuals
-  int unknowns = 0;                 ///< those held at a bound are none
+  int unknowns = 0;                 ///< those constrained at a bound are none
   int free_directions = 0;          ///< which no measurement determines; counted up to kMostCounted unknowns
   int redundancy = 0;               ///< measurements - unknowns + free_directions
   bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()

@@ -13,7 +13,7 @@ namespace slom {
 struct ComponentBound {
   int component;
   double lower, upper;
-  bool is_active = false;  ///< it is at a limit and held there, because the RSS falls beyond
+  bool is_active = false;  ///< it is at a limit and constrained there, because the RSS falls beyond
 };
 
 class ActiveSet {
@@ -35,8 +35,8 @@ class ActiveSet {
     return isConstrained(variable) && of(variable).isFixed(component);
   }
   /// Whether the component is fixed by itself or held at a bound.
-  bool isHeld(int variable, int component) const {
-    return isConstrained(variable) && of(variable).isHeld(component);
+  bool isFixedOrActive(int variable, int component) const {
+    return isConstrained(variable) && of(variable).isFixedOrActive(component);
   }
   bool hasFixed(int variable) const { return isConstrained(variable) && !of(variable).fixed.empty(); }
   /// At most one for each component, by component.
@@ -57,7 +57,7 @@ class ActiveSet {
   const IndexSet& constrained() const { return constrained_; }
   bool hasBounds() const { return !bounded_.empty(); }
   /// Number of components of optimised variables that are fixed or at a bound.
-  int heldCount() const;
+  int fixedOrActiveCount() const;
   /// Number of components of optimised variables that are fixed by themselves.
   int fixedCount() const;
 
@@ -69,7 +69,7 @@ class ActiveSet {
     bool isFixed(int component) const {
       return !fixed.empty() && fixed[static_cast<std::size_t>(component)] != 0;
     }
-    bool isHeld(int component) const {
+    bool isFixedOrActive(int component) const {
       if (isFixed(component)) return true;
       const ComponentBound* const bound = boundOf(component);
       return bound != nullptr && bound->is_active;

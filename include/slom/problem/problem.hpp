@@ -194,13 +194,13 @@ class Problem {
   MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
   void removeLastPool();
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
-  void bookConstraint(int variable);
+  void registerConstraint(int variable);
   double distanceTo(int variable, const void* value) const;
   /// Of all there is, for the logs.
   std::size_t size() const { return table_.size() + measurement_count_; }
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
   int reserveVariable();
-  void bookVariable(int index, VariableRecord record, bool optimize);
+  void registerVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
   std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
   /// The name, followed by a number when another pool has it already.

@@ -3,7 +3,7 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
-#include "calibration/fit/joint_fit.hpp"
+#include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 
@@ -20,10 +20,10 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
   const SortedDataset sorted(data);
   checkDataset(*sorted);
   Progress of_caller = progress;
-  if (progress.alone) {
-    of_caller.alone = [&](AloneReport report) {
+  if (progress.single_camera) {
+    of_caller.single_camera = [&](SingleCameraReport report) {
       report.camera = &sorted.ofCaller(*report.camera);
-      progress.alone(report);
+      progress.single_camera(report);
     };
   }
   return settings.model.definition().calibrate(*sorted, started(settings), of_caller);

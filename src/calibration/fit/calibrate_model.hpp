@@ -71,7 +71,7 @@ inline bool hasOpenFocalLength(const Result& result) {
 template <class Camera>
 struct ModelStart {
   std::vector<Camera> cameras;
-  std::vector<double> rms_px_alone;
+  std::vector<double> rms_px_single;
   RigStart rig;
 };
 
@@ -94,8 +94,9 @@ ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes,
     const auto fit = fitAlone<Camera>(camera, planes[c], settings);
     start.cameras.push_back(fit.camera);
     world2camera.push_back(fit.world2camera);
-    start.rms_px_alone.push_back(fit.converged ? fit.rms_px : unknown);
-    if (progress.alone) progress.alone({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
+    start.rms_px_single.push_back(fit.converged ? fit.rms_px : unknown);
+    if (progress.single_camera)
+      progress.single_camera({&camera, fit.start, fit.converged, fit.iterations, fit.rms_px});
   }
   start.rig = startRig(data, world2camera);
   return start;
@@ -108,7 +109,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
                      Settings settings, const Progress& progress) {
   constexpr int few_iterations = 20;
   if (!parallel.empty()) settings.max_iterations = std::min(settings.max_iterations, few_iterations);
-  const auto [cameras, rms_px_alone, rig] = startModel<Camera>(data, planes, settings, progress);
+  const auto [cameras, rms_px_single, rig] = startModel<Camera>(data, planes, settings, progress);
 
   std::optional<ImuStart> imu;
   std::vector<TiltPair> tilts;
@@ -118,7 +119,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
     requireImuDetermined(*data.imu, tilts, *imu, settings.fixed, settings.sigma_acc);
   }
 
-  JointProblem<Camera> problem(data, settings, cameras, rig, imu);
+  RigProblem<Camera> problem(data, settings, cameras, rig, imu);
   Options options;
   options.max_iterations = settings.max_iterations;
   options.deviation_tolerance = enough_deviations;
@@ -126,7 +127,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   options.observer = progress.iteration;
   Result result = problem.result(problem.optimize(options));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
-  for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_alone = rms_px_alone[c];
+  for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_single = rms_px_single[c];
   result.strays = findStrays(data, cameras, rig);
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
@@ -144,14 +145,14 @@ Result calibrateModel(const Dataset& data, const Settings& settings, const Progr
   const PlanesByCamera planes = planesOf(data);
   const std::string parallel = parallelViews(planes, data.images().size());
   if constexpr (has_prior<Camera>) {
-    std::vector<AloneReport> alone;
+    std::vector<SingleCameraReport> alone;
     std::vector<IterationRecord> iterations;
-    const Progress kept{[&](const AloneReport& report) { alone.push_back(report); },
+    const Progress kept{[&](const SingleCameraReport& report) { alone.push_back(report); },
                         [&](const IterationRecord& record) { iterations.push_back(record); }};
     const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
     if (result.success() || !parallel.empty() || !reasonToEnd(settings.limits).empty()) {
-      for (const AloneReport& report : alone) {
-        if (progress.alone) progress.alone(report);
+      for (const SingleCameraReport& report : alone) {
+        if (progress.single_camera) progress.single_camera(report);
       }
       for (const IterationRecord& record : iterations) {
         if (progress.iteration) progress.iteration(record);
@@ -183,7 +184,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   }
   Settings same = settings;
   same.sigma_denominator = start.sigma_denominator;
-  JointProblem<Camera> problem(data, same, cameras, rig, {});
+  RigProblem<Camera> problem(data, same, cameras, rig, {});
   Options options;
   options.max_iterations = settings.max_iterations;
   options.deviation_tolerance = enough_deviations;
@@ -199,7 +200,7 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
   ModelTrial trial{settings.model};
   try {
     const auto start = startModel<Camera>(data, planes, settings, {});
-    JointProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
+    RigProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
     Options options;
     options.max_iterations = settings.max_iterations;
     options.deviation_tolerance = enough_deviations;

@@ -7,7 +7,7 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
-#include "calibration/fit/joint_fit.hpp"
+#include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 

@@ -61,7 +61,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
       if (i % folds != fold) start.left2world[images[i]] = rig.left2world.at(images[i]);
     }
     const Dataset others = data.withImages([&](int image) { return !is_held_out[image]; });
-    JointProblem<Camera> problem(others, settings, cameras, start, {});
+    RigProblem<Camera> problem(others, settings, cameras, start, {});
     Options options;
     options.max_iterations = settings.max_iterations;
     options.most_parameters = 0;

@@ -17,11 +17,11 @@
 namespace slom::calibration {
 
 template <class Camera>
-class JointProblem {
+class RigProblem {
  public:
   /// `data` and `settings` must live as long as the problem. `imu` where data has one.
-  JointProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
-               const RigStart& rig, const std::optional<ImuStart>& imu);
+  RigProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
+             const RigStart& rig, const std::optional<ImuStart>& imu);
 
   Summary optimize(const Options& options) {
     Summary summary = est_.optimize(options);
@@ -64,9 +64,9 @@ std::string sentenceOf(const slom::Error& error);
 // ------------------------------------------------------------------------------------------
 
 template <class Camera>
-JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings,
-                                   const std::vector<Camera>& cameras, const RigStart& rig,
-                                   const std::optional<ImuStart>& imu)
+RigProblem<Camera>::RigProblem(const Dataset& data, const Settings& settings,
+                               const std::vector<Camera>& cameras, const RigStart& rig,
+                               const std::optional<ImuStart>& imu)
     : data_(data), settings_(settings) {
   const std::string reference = data.cameras.front().name;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -86,14 +86,14 @@ JointProblem<Camera>::JointProblem(const Dataset& data, const Settings& settings
 }
 
 template <class Camera>
-std::vector<Camera> JointProblem<Camera>::cameras() const {
+std::vector<Camera> RigProblem<Camera>::cameras() const {
   std::vector<Camera> values;
   for (const auto& id : cameras_) values.push_back(*id);
   return values;
 }
 
 template <class Camera>
-RigStart JointProblem<Camera>::rig() const {
+RigStart RigProblem<Camera>::rig() const {
   RigStart rig;
   for (std::size_t c = 0; c < left2camera_.size(); ++c)
     rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
@@ -102,7 +102,7 @@ RigStart JointProblem<Camera>::rig() const {
 }
 
 template <class Camera>
-double JointProblem<Camera>::rmsOfAll() const {
+double RigProblem<Camera>::rmsOfAll() const {
   double square = 0, corners = 0;
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
@@ -114,7 +114,7 @@ double JointProblem<Camera>::rmsOfAll() const {
 }
 
 template <class Camera>
-void JointProblem<Camera>::insertCorners() {
+void RigProblem<Camera>::insertCorners() {
   const StandardDeviation noise(settings_.sigma_px);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
@@ -129,7 +129,7 @@ void JointProblem<Camera>::insertCorners() {
 }
 
 template <class Camera>
-void JointProblem<Camera>::insertImu(const ImuStart& start) {
+void RigProblem<Camera>::insertImu(const ImuStart& start) {
   left2imu_ = est_.insertRV(start.left2imu, true, data_.cameras.front().name + "2imu");
   acc_bias_ = est_.insertRV(start.acc_bias, !settings_.fixed.acc_bias, "acc_bias");
   gravity_ = est_.insertRV(mtk::Scalar<>(start.gravity), !settings_.fixed.gravity, "gravity");
@@ -140,19 +140,19 @@ void JointProblem<Camera>::insertImu(const ImuStart& start) {
 }
 
 template <class Camera>
-vec2 JointProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
+vec2 RigProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
   const SE3 left2camera = camera == 0 ? SE3() : *left2camera_[camera];
   return CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), corner.world) - corner.pixel;
 }
 
 template <class Camera>
-vec3 JointProblem<Camera>::gravityResidual(const ImuReading& reading) const {
+vec3 RigProblem<Camera>::gravityResidual(const ImuReading& reading) const {
   return calibration::gravityResidual(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_,
                                       reading.acc);
 }
 
 template <class Camera>
-CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
+CameraResult RigProblem<Camera>::cameraResult(std::size_t index) const {
   const CameraData& data = data_.cameras[index];
   const Camera& camera = *cameras_[index];
   CameraResult result;
@@ -181,7 +181,7 @@ CameraResult JointProblem<Camera>::cameraResult(std::size_t index) const {
 }
 
 template <class Camera>
-ImuResult JointProblem<Camera>::imuResult() const {
+ImuResult RigProblem<Camera>::imuResult() const {
   ImuResult imu;
   imu.file = data_.imu->file;
   imu.readings = data_.imu->readings.size();
@@ -197,7 +197,7 @@ ImuResult JointProblem<Camera>::imuResult() const {
 }
 
 template <class Camera>
-ImageResult JointProblem<Camera>::imageResult(int image) const {
+ImageResult RigProblem<Camera>::imageResult(int image) const {
   ImageResult result;
   result.image = image;
   result.left2world = *left2world_.at(image);
@@ -228,7 +228,7 @@ ImageResult JointProblem<Camera>::imageResult(int image) const {
 }
 
 template <class Camera>
-Result JointProblem<Camera>::result(const Summary& summary) {
+Result RigProblem<Camera>::result(const Summary& summary) {
   Result result;
   result.converged = summary.converged;
   result.stop_reason = toString(summary.stop_reason);
@@ -254,7 +254,7 @@ Result JointProblem<Camera>::result(const Summary& summary) {
 }
 
 template <class Camera>
-void JointProblem<Camera>::addStandardDeviations(Result& result) {
+void RigProblem<Camera>::addStandardDeviations(Result& result) {
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     CameraResult& camera = result.cameras[c];
     const Eigen::VectorXd std = est_.standardDeviation(cameras_[c]);
@@ -268,7 +268,7 @@ void JointProblem<Camera>::addStandardDeviations(Result& result) {
 }
 
 template <class Camera>
-void JointProblem<Camera>::addImuStandardDeviations(ImuResult& imu) {
+void RigProblem<Camera>::addImuStandardDeviations(ImuResult& imu) {
   Eigen::MatrixXd covariance(7, 7);  // rotation, acc_bias, gravity
   covariance << est_.covariance(left2imu_), est_.covariance(left2imu_, acc_bias_),
       est_.covariance(left2imu_, gravity_), est_.covariance(acc_bias_, left2imu_), est_.covariance(acc_bias_),

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/cross_matrix.hpp"
-#include "calibration/fit/joint_fit.hpp"
+#include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/projection.hpp"
 #include "slom/calibration/error.hpp"

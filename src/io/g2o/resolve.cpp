@@ -116,7 +116,7 @@ class Resolver {
              fmt::format("there is no vertex {}; add a line for it, or remove this one", fixed.id));
       }
       const auto node = static_cast<std::size_t>(it->second.node);
-      (it->second.kind == Kind::pose ? graph_.poses[node].held : graph_.landmarks[node].held) = true;
+      (it->second.kind == Kind::pose ? graph_.poses[node].fixed : graph_.landmarks[node].fixed) = true;
     }
   }
 

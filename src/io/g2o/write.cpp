@@ -52,7 +52,7 @@ void appendVertices(Text& text, const std::vector<Node<Value>>& nodes, const cha
 template <class Value>
 void appendFixes(Text& text, const std::vector<Node<Value>>& nodes) {
   for (const Node<Value>& node : nodes) {
-    if (node.held) fmt::format_to(std::back_inserter(text), "FIX {}\n", node.id);
+    if (node.fixed) fmt::format_to(std::back_inserter(text), "FIX {}\n", node.id);
   }
 }
 

@@ -8,11 +8,11 @@
 #include "block_method.hpp"
 #include "cholesky_method.hpp"
 #include "iterative_method.hpp"
-#include "low_degree_elimination.hpp"
+#include "partial_elimination.hpp"
 #include "schur_complement.hpp"
 #include "solve/symbolic/independent_blocks.hpp"
-#include "solve/symbolic/low_degree.hpp"
 #include "solve/symbolic/ordering.hpp"
+#include "solve/symbolic/partial_minimum_degree.hpp"
 
 namespace slom {
 
@@ -102,8 +102,9 @@ class Choice {
     using Method = BlockSolverOptions::Method;
     if (options_.method == Method::conjugate_gradients) return iterative();
     if (points_.empty()) {
-      const LowDegree low = mayEliminate() ? eliminateLowDegree(graph_) : LowDegree();
-      return low.order.empty() ? whole() : afterLowDegree(low);
+      const PartialMinimumDegree low =
+          mayEliminate() ? eliminateByMinimumDegree(graph_) : PartialMinimumDegree();
+      return low.order.empty() ? whole() : afterPartialElimination(low);
     }
     const bool too_many = pairs(graph_, points_) > kMostPairs;
     return too_many && options_.method == Method::automatic ? iterative() : afterPoints();
@@ -127,11 +128,11 @@ class Choice {
     return cholesky(nullptr, blocksWhere(false), std::move(fronts));
   }
 
-  std::unique_ptr<BlockMethod> afterLowDegree(const LowDegree& low) {
+  std::unique_ptr<BlockMethod> afterPartialElimination(const PartialMinimumDegree& low) {
     Fronts fronts = chooseFronts(low.left.graph);
     if (isTooExpensive(fronts.flops, entries(low.filled) + entries(fronts))) return iterative();
     equations_.layOut(structure_, low.filled, positionsBehind(low.order, low.left.block, fronts.position));
-    auto elimination = std::make_unique<LowDegreeElimination>(equations_.H(), low, fronts.position);
+    auto elimination = std::make_unique<PartialElimination>(equations_.H(), low, fronts.position);
     return cholesky(std::move(elimination), low.left.block, std::move(fronts));
   }
 

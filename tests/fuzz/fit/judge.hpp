@@ -114,15 +114,15 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
     for (int c = 0; c < dofOf(variable.type); ++c) {
       const Eigen::Index i = offset[v] + c;
       const Number g = J.col(i).dot(all);
-      bool is_held = variable.is_fixed || std::count(variable.fixed.begin(), variable.fixed.end(), c) > 0;
+      bool is_fixed = variable.is_fixed || std::count(variable.fixed.begin(), variable.fixed.end(), c) > 0;
       for (const Bound& bound : variable.bounds) {
         if (bound.component != c) continue;
         const Number x = values[v][std::size_t(c)], margin = 1e-13L * std::abs(x);
-        is_held = is_held || (x >= bound.upper - margin && g <= 0) || (x <= bound.lower + margin && g >= 0);
+        is_fixed = is_fixed || (x >= bound.upper - margin && g <= 0) || (x <= bound.lower + margin && g >= 0);
       }
-      unknowns += is_held ? 0 : 1;
+      unknowns += is_fixed ? 0 : 1;
       const Number seen = length[i] * typical_size[std::size_t(i)];
-      if (is_held || !(length[i] > 1e-140L) || (seen > 0 && seen < 1e-8L * (effect + size))) {
+      if (is_fixed || !(length[i] > 1e-140L) || (seen > 0 && seen < 1e-8L * (effect + size))) {
         J.col(i).setZero();
       } else {
         J.col(i) /= length[i];

@@ -120,15 +120,15 @@ inline Value anyValue(Bytes& bytes, Type type) {
 inline Variable anyVariable(Bytes& bytes) {
   Variable variable{Type(bytes.below(kTypes)), {}, false, {}, {}};
   variable.start = anyValue(bytes, variable.type);
-  const int held = bytes.byte();
-  variable.is_fixed = held >= 0xF0;
-  if (held % 8 == 7) variable.fixed.push_back(bytes.below(dofOf(variable.type)));
-  if (held % 16 >= 13 && positionOf(variable.type) > 0) {
+  const int fixed = bytes.byte();
+  variable.is_fixed = fixed >= 0xF0;
+  if (fixed % 8 == 7) variable.fixed.push_back(bytes.below(dofOf(variable.type)));
+  if (fixed % 16 >= 13 && positionOf(variable.type) > 0) {
     const int component = bytes.below(positionOf(variable.type));
     const double x = variable.start[std::size_t(component)], width = std::abs(bytes.number());
     constexpr double infinity = std::numeric_limits<double>::infinity();
     variable.bounds.push_back(
-        {component, held % 16 == 13 ? -infinity : x - width, held % 16 == 14 ? infinity : x + width / 2});
+        {component, fixed % 16 == 13 ? -infinity : x - width, fixed % 16 == 14 ? infinity : x + width / 2});
   }
   return variable;
 }

@@ -10,7 +10,7 @@ namespace slom::app::bundle {
 std::string sceneText(const Scene& scene, const std::vector<std::string>& warnings) {
   std::string text = fmt::format(
       "bundle adjustment, {}\n  {}, {}, {}\n"
-      "  gauge: {} directions are free (place, rotation and scale of the whole), held by damping alone\n",
+      "  gauge: {} directions are free (place, rotation and scale of the whole), kept in place by damping alone\n",
       oneLine(scene.file), plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
       plural(scene.observations.size(), "observation"), gauge_directions);
   for (const std::string& warning : warnings) text += fmt::format("  warning: {}\n", warning);

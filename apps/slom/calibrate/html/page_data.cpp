@@ -138,7 +138,7 @@ Json cameraJson(const Result& result, std::size_t c) {
                {"images", camera.images},
                {"corners", camera.corners},
                {"rms", camera.rms_px},
-               {"rms_alone", camera.rms_px_alone},
+               {"rms_alone", camera.rms_px_single},
                {"parameters", parameters(camera)},
                {"placement", c == 0 ? Json() : placement(camera)},
                {"pose", pose(camera.left2camera)},

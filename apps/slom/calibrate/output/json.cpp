@@ -56,7 +56,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"copies", std::move(copies)},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
-      {"rms_px_alone", camera.rms_px_alone}};
+      {"rms_px_alone", camera.rms_px_single}};
 }
 
 Json precision(const ImuPrecision& p) {

@@ -155,12 +155,12 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
   for (const CameraResult& camera : result.cameras) {
-    if (!(camera.rms_px > together_mismatch * camera.rms_px_alone)) continue;
+    if (!(camera.rms_px > together_mismatch * camera.rms_px_single)) continue;
     notes.push_back(
         fmt::format("Camera {} fits its images to {:.3f} px alone, but to {:.3f} px together with the "
                     "rest: look for images that were not taken at the same time, image numbers that do not "
                     "belong together, or a part that moved.",
-                    camera.name, camera.rms_px_alone, camera.rms_px));
+                    camera.name, camera.rms_px_single, camera.rms_px));
   }
 }
 

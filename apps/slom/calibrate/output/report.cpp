@@ -48,7 +48,7 @@ std::string cameraLines(const CameraResult& camera, const std::string& reference
                                  plural(camera.images, "image"), plural(camera.corners, "corner"),
                                  fixedDecimals(camera.rms_px, 4));
   text +=
-      std::isfinite(camera.rms_px_alone) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_alone) : "\n";
+      std::isfinite(camera.rms_px_single) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_single) : "\n";
   for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
@@ -144,7 +144,7 @@ std::string aloneHeader(const CommandSettings& settings) {
   return fmt::format("\neach camera alone, model {}\n", settings.model.name());
 }
 
-std::string aloneText(const AloneReport& alone) {
+std::string singleCameraText(const SingleCameraReport& alone) {
   const std::string outcome = alone.converged ? fmt::format("RMS {:.4f} px after {}", alone.rms_px,
                                                             plural(alone.iterations, "iteration"))
                                               : "no fit of its own, goes on with the start values";

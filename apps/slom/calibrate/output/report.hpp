@@ -14,7 +14,7 @@ std::string dataText(const Dataset& data);
 std::string aloneHeader(const CommandSettings& settings);
 
 /// One line for a camera's own fit.
-std::string aloneText(const AloneReport& alone);
+std::string singleCameraText(const SingleCameraReport& alone);
 
 /// Everything that came out.
 std::string reportText(const Result& result);

@@ -66,7 +66,7 @@ Json dataOf(const Sketch& sketch) {
           {"path", pairs(sketch.path)},
           {"closures", pairs(sketch.closures)},
           {"landmarks", coordinates(sketch.landmarks, centre, size)},
-          {"held", sketch.fixed},
+          {"fixed", sketch.fixed},
           {"frames", frames}};
 }
 

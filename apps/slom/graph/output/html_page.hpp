@@ -10,9 +10,9 @@ inline constexpr const char* page_before_data = R"page(<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Pose graph</title>
 <style>
-  :root { color-scheme: light dark; --page: #fff; --ink: #444; --path: #1f5fa8; --edge: #d9822b; --mark: #3a8f4d; --held: #b3261e }
+  :root { color-scheme: light dark; --page: #fff; --ink: #444; --path: #1f5fa8; --edge: #d9822b; --mark: #3a8f4d; --fixed: #b3261e }
   @media (prefers-color-scheme: dark) {
-    :root { --page: #16181c; --ink: #bbb; --path: #7ab4f5; --edge: #e0a05a; --mark: #79c98b; --held: #ff8a80 }
+    :root { --page: #16181c; --ink: #bbb; --path: #7ab4f5; --edge: #e0a05a; --mark: #79c98b; --fixed: #ff8a80 }
   }
   html, body { margin: 0; height: 100%; background: var(--page); color: var(--ink); font: 14px sans-serif }
   canvas { display: block; width: 100%; height: 100%; touch-action: none; outline-offset: -2px }
@@ -45,7 +45,7 @@ const layers = [
   { kind: "edge", label: "loop closures", count: data.closures.length / 2, draw: () => lines(data.closures, 0.7) },
   { kind: "path", label: "path", count: data.path.length / 2, draw: () => lines(data.path, 1.6) },
   { kind: "mark", label: "landmarks", count: data.landmarks.length / 3, draw: () => dots(places.landmarks.subarray(0, now.landmarks.length / 3 * 2), 2) },
-  { kind: "held", label: "held", count: data.held.length, draw: rings },
+  { kind: "fixed", label: "fixed", count: data.fixed.length, draw: rings },
 ].filter(layer => layer.count > 0);
 
 document.title = data.name;
@@ -93,7 +93,7 @@ function dots(p, radius) {
 }
 function rings() {
   pen.lineWidth = 2 * devicePixelRatio;
-  for (const pose of data.held) {
+  for (const pose of data.fixed) {
     if (pose >= now.poses.length / 3) continue;
     pen.beginPath();
     pen.arc(places.poses[2 * pose], places.poses[2 * pose + 1], 5 * devicePixelRatio, 0, 7);

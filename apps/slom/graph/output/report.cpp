@@ -13,7 +13,7 @@ namespace {
 
 template <class Value>
 std::size_t fixedAmong(const std::vector<Node<Value>>& nodes) {
-  return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.held; }));
+  return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.fixed; }));
 }
 
 template <class Pose>
@@ -54,7 +54,7 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
                         plural(graph.sightings.size(), "sighting"));
   }
-  text += fmt::format("  held: {}\n  start: {}\n", fixedText(graph, preparation.fixed),
+  text += fmt::format("  fixed: {}\n  start: {}\n", fixedText(graph, preparation.fixed),
                       startText(preparation.start));
   if (preparation.repaired > 0) {
     text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"

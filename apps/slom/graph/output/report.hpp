@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "graph/initialization/start.hpp"
 #include "graph/pose_graph.hpp"
-#include "graph/start/start.hpp"
 
 namespace slom::app::graph {
 

@@ -50,7 +50,7 @@ Sketch sketchOf(const PoseGraph<Pose>& graph) {
     const auto& pose = graph.poses[std::size_t(order[i])];
     rank[std::size_t(order[i])] = int(i);
     sketch.poses.push_back(placeOf(pose.value.pos));
-    if (pose.held) sketch.fixed.push_back(int(i));
+    if (pose.fixed) sketch.fixed.push_back(int(i));
   }
   for (const auto& edge : graph.edges) {
     const int a = rank[std::size_t(edge.from)], b = rank[std::size_t(edge.to)];

@@ -17,11 +17,11 @@ constexpr double page_width = 900, most_height = 1600, margin = 30, footer = 40;
 
 constexpr const char* style = R"(<style>
   .page { fill: #ffffff } .path { stroke: #1f5fa8 } .edge { stroke: #d9822b } .mark { stroke: #3a8f4d }
-  .held { stroke: #b3261e } .ink { stroke: #444444 } text { fill: #444444; font: 14px sans-serif }
+  .fixed { stroke: #b3261e } .ink { stroke: #444444 } text { fill: #444444; font: 14px sans-serif }
   path, circle { fill: none; stroke-linecap: round; stroke-linejoin: round }
   @media (prefers-color-scheme: dark) {
     .page { fill: #16181c } .path { stroke: #7ab4f5 } .edge { stroke: #e0a05a } .mark { stroke: #79c98b }
-    .held { stroke: #ff8a80 } .ink { stroke: #bbbbbb } text { fill: #bbbbbb }
+    .fixed { stroke: #ff8a80 } .ink { stroke: #bbbbbb } text { fill: #bbbbbb }
   }
 </style>
 )";
@@ -58,7 +58,7 @@ class Picture {
     landmarks();
     for (const int pose : sketch_.fixed) {
       const Dot d = dot(sketch_.poses[std::size_t(pose)]);
-      append("<circle class=\"held\" stroke-width=\"2\" cx=\"{}\" cy=\"{}\" r=\"5\"/>\n", px(d.x), px(d.y));
+      append("<circle class=\"fixed\" stroke-width=\"2\" cx=\"{}\" cy=\"{}\" r=\"5\"/>\n", px(d.x), px(d.y));
     }
     scaleBar();
     append("</svg>\n");

@@ -1,4 +1,4 @@
-#include "graph/start/gauge.hpp"
+#include "graph/initialization/gauge.hpp"
 
 #include <numeric>
 #include <vector>
@@ -54,7 +54,7 @@ std::vector<Component> componentsOf(const PoseGraph<Pose>& graph) {
       components.push_back({first});
     }
     ++components[std::size_t(component)].vertices;
-    if (i < poses && graph.poses[std::size_t(i)].held) ++components[std::size_t(component)].fixed_poses;
+    if (i < poses && graph.poses[std::size_t(i)].fixed) ++components[std::size_t(component)].fixed_poses;
   }
   return components;
 }
@@ -62,7 +62,7 @@ std::vector<Component> componentsOf(const PoseGraph<Pose>& graph) {
 template <class Pose>
 void fix(PoseGraph<Pose>& graph, int vertex) {
   const std::size_t v = std::size_t(vertex), poses = graph.poses.size();
-  (v < poses ? graph.poses[v].held : graph.landmarks[v - poses].held) = true;
+  (v < poses ? graph.poses[v].fixed : graph.landmarks[v - poses].fixed) = true;
 }
 
 template <class Pose>

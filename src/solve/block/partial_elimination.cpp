@@ -1,4 +1,4 @@
-#include "low_degree_elimination.hpp"
+#include "partial_elimination.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -18,8 +18,8 @@ static_assert(kMostColumns <= dense::kMostEliminated);
 
 }  // namespace
 
-LowDegreeElimination::LowDegreeElimination(const BlockLower& H, const LowDegree& blocks,
-                                           const std::vector<int>& position)
+PartialElimination::PartialElimination(const BlockLower& H, const PartialMinimumDegree& blocks,
+                                       const std::vector<int>& position)
     : columns_(blocks.order.size()), dof_(blocks.order.size()) {
   const int count = this->count();
   S_.layOut(blocks.left.graph, position);
@@ -59,7 +59,7 @@ LowDegreeElimination::LowDegreeElimination(const BlockLower& H, const LowDegree&
 }
 
 /// As H: first its diagonal blocks, then those below them.
-void LowDegreeElimination::layOutFactor(const BlockLower& H, int count) {
+void PartialElimination::layOutFactor(const BlockLower& H, int count) {
   diagonal_size_ = below_size_ = 0;
   const auto size = [&](int e, int k) { return at(H.dof(e)) * at(H.dof(H.row(k))); };
   for (int e = 0; e < count; ++e) {
@@ -78,9 +78,8 @@ void LowDegreeElimination::layOutFactor(const BlockLower& H, int count) {
   }
 }
 
-SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
-                                         const Eigen::VectorXd& damping, double tolerance,
-                                         Eigen::VectorXd* x) {
+SolveStatus PartialElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
+                                       const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) {
   // Both are laid out as parts of H.
   const double* from = H.values(0);
   const auto take = [&](std::size_t size, double* to) {
@@ -122,21 +121,21 @@ SolveStatus LowDegreeElimination::reduce(const BlockLower& H, const std::vector<
   return {};
 }
 
-void LowDegreeElimination::prefetchTargets(const Column& column) const {
+void PartialElimination::prefetchTargets(const Column& column) const {
   for (int t = 0; t < column.below * (column.below + 1) / 2; ++t) {
     const double* const target = target_[at(column.first_target + t)];
     dense::prefetch(target, target + 9);  // as much as most have
   }
 }
 
-void LowDegreeElimination::findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x,
-                                     Below& below) const {
+void PartialElimination::findBelow(const Column& column, const std::vector<int>& offset, Eigen::VectorXd& x,
+                                   Below& below) const {
   for (int i = 0; i < column.below; ++i)
     below[at(i)] = x.data() + offset[at(row_[at(column.first_below + i)])];
 }
 
-void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& offset,
-                                   Eigen::VectorXd& x) const {
+void PartialElimination::forward(const BlockLower&, const std::vector<int>& offset,
+                                 Eigen::VectorXd& x) const {
   const auto forward_column = dense::kernels().forwardColumn;
   Below below;
   for (int e = 0; e < count(); ++e) {
@@ -147,8 +146,8 @@ void LowDegreeElimination::forward(const BlockLower&, const std::vector<int>& of
   }
 }
 
-void LowDegreeElimination::substitute(const BlockLower&, const std::vector<int>& offset,
-                                      Eigen::VectorXd& x) const {
+void PartialElimination::substitute(const BlockLower&, const std::vector<int>& offset,
+                                    Eigen::VectorXd& x) const {
   const auto backward_column = dense::kernels().backwardColumn;
   Below below;
   for (int e = count() - 1; e >= 0; --e) {
@@ -159,7 +158,7 @@ void LowDegreeElimination::substitute(const BlockLower&, const std::vector<int>&
   }
 }
 
-void LowDegreeElimination::invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const {
+void PartialElimination::invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const {
   using Eigen::MatrixXd;
   using Block = Eigen::Map<const MatrixXd>;
   /// Block (i, j) of the inverse that is there already, i and j being positions in H.

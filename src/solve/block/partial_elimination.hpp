@@ -10,14 +10,15 @@
 #include "elimination.hpp"
 #include "solve/dense/big_array.hpp"
 #include "solve/dense/kernels.hpp"
-#include "solve/symbolic/low_degree.hpp"
+#include "solve/symbolic/partial_minimum_degree.hpp"
 
 namespace slom {
 
-class LowDegreeElimination final : public Elimination {
+class PartialElimination final : public Elimination {
  public:
   /// H is laid out for `blocks.filled`. `position`: of each kept block in S.
-  LowDegreeElimination(const BlockLower& H, const LowDegree& blocks, const std::vector<int>& position);
+  PartialElimination(const BlockLower& H, const PartialMinimumDegree& blocks,
+                     const std::vector<int>& position);
 
   int count() const override { return static_cast<int>(columns_.size()); }
   std::string description() const override {

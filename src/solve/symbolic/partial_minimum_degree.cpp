@@ -1,4 +1,4 @@
-#include "low_degree.hpp"
+#include "partial_minimum_degree.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@ namespace slom {
 namespace {
 
 /// Fewer, or a smaller share of all blocks, are left to the ordering.
-constexpr int kFewestOfLowDegree = 16;
-constexpr double kLeastShareOfLowDegree = 0.2;
+constexpr int kFewestEliminated = 16;
+constexpr double kLeastShareEliminated = 0.2;
 /// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
 /// eliminated.
 constexpr int kMostNeighbours = 48;
@@ -126,12 +126,12 @@ class Elimination {
 
 }  // namespace
 
-LowDegree eliminateLowDegree(const BlockGraph& graph) {
-  LowDegree result;
+PartialMinimumDegree eliminateByMinimumDegree(const BlockGraph& graph) {
+  PartialMinimumDegree result;
   Elimination elimination(graph);
   result.order = elimination.run();
   const int n = graph.size(), count = static_cast<int>(result.order.size());
-  if (count < kFewestOfLowDegree || count < kLeastShareOfLowDegree * n) return {};
+  if (count < kFewestEliminated || count < kLeastShareEliminated * n) return {};
   BlockGraph& filled = result.filled;
   BlockGraph& left = result.left.graph;
   filled.dof = graph.dof;

@@ -16,10 +16,10 @@
 
 namespace slom {
 
-class System {
+class Evaluator {
  public:
-  System(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
-  ~System();
+  Evaluator(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
+  ~Evaluator();
 
   /// Uses this solver from now on. Not owned.
   void setSolver(LinearSolver& solver);
@@ -131,7 +131,7 @@ class System {
   bool isTrueColumn(int unknown, double step);
   bool hasRunAway(int unknown);
   void lookDeeper(const std::vector<int>& out_of_sight, Promise& promise);
-  void clearHeld(Eigen::VectorXd& d) const;
+  void clearConstrained(Eigen::VectorXd& d) const;
   void analyze();
   void requireRange();
   SolveStatus lookAgain(SolveStatus status, bool& has_changed);

@@ -1,4 +1,4 @@
-#include "graph/start/start.hpp"
+#include "graph/initialization/start.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -20,7 +20,7 @@ constexpr Start all_starts[] = {Start::given, Start::odometry, Start::spanning_t
 std::string unreachedText(const std::string& file, long id, const std::string& init) {
   if (init == optionOf(Start::odometry)) {
     return fmt::format(
-        "--init odometry: no chain of edges i, i+1 leads from a held pose to pose {} of {}; use --init "
+        "--init odometry: no chain of edges i, i+1 leads from a fixed pose to pose {} of {}; use --init "
         "spanning-tree",
         id, file);
   }

@@ -1,4 +1,4 @@
-#include "slom/optimize/system.hpp"
+#include "slom/optimize/evaluator.hpp"
 
 #include <cmath>
 #include <utility>
@@ -17,16 +17,16 @@ namespace {
 bool isWellScaled(double largest) { return largest > 1e-200 && largest < 1e200; }
 }  // namespace
 
-System::~System() = default;
+Evaluator::~Evaluator() = default;
 
-void System::setSolver(LinearSolver& solver) {
+void Evaluator::setSolver(LinearSolver& solver) {
   given_ = solver_ = &solver;
   careful_.reset();
   changes_ = StructureChanges::all();
   analyzed_at_ = linearized_at_ = ~std::uint64_t{0};
 }
 
-const ProblemStructure& System::structure() {
+const ProblemStructure& Evaluator::structure() {
   if (structured_at_ != problem_.structureRevision()) {
     const detail::Stopwatch watch(setup_seconds_);
     const std::uint64_t before = std::exchange(structured_at_, ~std::uint64_t{0});
@@ -42,7 +42,7 @@ const ProblemStructure& System::structure() {
   return structure_;
 }
 
-void System::analyze() {
+void Evaluator::analyze() {
   structure();
   if (analyzed_at_ == structured_at_) return;
   const detail::Stopwatch watch(setup_seconds_);
@@ -55,14 +55,14 @@ void System::analyze() {
   analyzed_at_ = structured_at_;
 }
 
-LinearSolver& System::lendSolver() {
+LinearSolver& Evaluator::lendSolver() {
   analyze();
   linearized_at_ = ~std::uint64_t{0};
   ++content_of_solver_;
   return *solver_;
 }
 
-double System::linearize() {
+double Evaluator::linearize() {
   structure();
   if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
   analyze();
@@ -81,14 +81,14 @@ double System::linearize() {
 }
 
 /// Products of what is linearised must stay numbers.
-void System::requireRange() {
+void Evaluator::requireRange() {
   requireGradientLengths(*solver_, structure_.system.unknowns());
   if (rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite())
     return;
   linearizer_.raiseOverflow(problem_);
 }
 
-void System::move(const Eigen::VectorXd& d) {
+void Evaluator::move(const Eigen::VectorXd& d) {
   requireStepLength(d.size(), structure_.system.unknowns());
   problem_.save();
   if (problem_.activeSet().hasBounds()) {
@@ -99,12 +99,12 @@ void System::move(const Eigen::VectorXd& d) {
   }
 }
 
-Eigen::VectorXd System::withinBounds(const Eigen::VectorXd& d) const {
+Eigen::VectorXd Evaluator::withinBounds(const Eigen::VectorXd& d) const {
   requireStepLength(d.size(), structure_.system.unknowns());
   return clampedToBounds(problem_, structure_, d);
 }
 
-double System::tryStep(const Eigen::VectorXd& d) {
+double Evaluator::tryStep(const Eigen::VectorXd& d) {
   const detail::Stopwatch watch(linearize_seconds_);
   saved_is_linearized_ = linearized_at_ == problem_.valueRevision();
   move(d);
@@ -116,7 +116,7 @@ double System::tryStep(const Eigen::VectorXd& d) {
   }
 }
 
-double System::tryLikelyStep(const Eigen::VectorXd& d) {
+double Evaluator::tryLikelyStep(const Eigen::VectorXd& d) {
   if (problem_.hasNumericDerivatives()) return tryStep(d);
   saved_is_linearized_ = false;
   move(d);
@@ -131,7 +131,7 @@ double System::tryLikelyStep(const Eigen::VectorXd& d) {
   }
 }
 
-bool System::cameCloser(const Eigen::VectorXd& damping, double promised) {
+bool Evaluator::cameCloser(const Eigen::VectorXd& damping, double promised) {
   saved_is_linearized_ = false;
   try {
     linearize();
@@ -144,28 +144,28 @@ bool System::cameCloser(const Eigen::VectorXd& damping, double promised) {
          predictedDecrease(next, damping) < promised;
 }
 
-void System::undo() {
+void Evaluator::undo() {
   problem_.restore();
   linearized_at_ = saved_is_linearized_ ? problem_.valueRevision() : ~std::uint64_t{0};
 }
 
-void System::setLossGraduation(double mu) {
+void Evaluator::setLossGraduation(double mu) {
   linearizer_.setLossGraduation(mu);
   linearized_at_ = ~std::uint64_t{0};
 }
 
-bool System::mayBeRounding(double change) const {
+bool Evaluator::mayBeRounding(double change) const {
   constexpr double most = 1e-8;
   constexpr double steep = 0.1;  // there residuals change with a step much more than by rounding
   return std::abs(change) <= kNoise * rss_ || (std::abs(change) <= most * rss_ && orthogonality() <= steep);
 }
 
-double System::orthogonality() const {
+double Evaluator::orthogonality() const {
   return orthogonality(solver_->gradient(), solver_->diagonal(), squared_norm_);
 }
 
-double System::orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
-                             double squared_norm) {
+double Evaluator::orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
+                                double squared_norm) {
   const double r = std::sqrt(squared_norm);
   const auto g = gradient.array();
   const auto h = diagonal.array();
@@ -176,16 +176,16 @@ double System::orthogonality(const Eigen::VectorXd& gradient, const Eigen::Vecto
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
 }
 
-double System::promiseOfOneUnknown() const { return std::pow(orthogonality(), 2) * squared_norm_; }
+double Evaluator::promiseOfOneUnknown() const { return std::pow(orthogonality(), 2) * squared_norm_; }
 
-double System::stepInDeviations(const Eigen::VectorXd& d) const {
+double Evaluator::stepInDeviations(const Eigen::VectorXd& d) const {
   const auto h = solver_->diagonal().array();
   if (d.size() == 0) return 0;
   const double squared = (d.array().square() * h).maxCoeff();
   return isWellScaled(squared) ? std::sqrt(squared) : (d.array().abs() * h.sqrt()).maxCoeff();
 }
 
-Eigen::VectorXd System::typicalSizes() {
+Eigen::VectorXd Evaluator::typicalSizes() {
   Eigen::VectorXd sizes(structure_.system.unknowns());
   const auto& table = problem_.variables();
   for (int b = 0; b < structure_.system.blockCount(); ++b) {
@@ -196,7 +196,7 @@ Eigen::VectorXd System::typicalSizes() {
   return sizes;
 }
 
-SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
+SolveStatus Evaluator::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
   const SolveStatus status = solver_->solve(damping, step);
   if (status.ok) requireSolutionLength(*solver_, step.size(), structure_.system.unknowns());
   return status;
@@ -204,7 +204,7 @@ SolveStatus System::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step)
 
 /// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
 /// last word, and sets `has_changed` where there is another solver to ask.
-SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
+SolveStatus Evaluator::lookAgain(SolveStatus status, bool& has_changed) {
   has_changed = false;
   if (status.ok) return status;
   status.least = solver_->leastOfColumn();
@@ -221,22 +221,22 @@ SolveStatus System::lookAgain(SolveStatus status, bool& has_changed) {
   return look.status;
 }
 
-double System::digitsOfDerivatives(const Problem& problem) {
+double Evaluator::digitsOfDerivatives(const Problem& problem) {
   return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
 }
 
 /// Components that are held do not move by what rounding leaves of their equations.
-void System::clearHeld(Eigen::VectorXd& d) const {
+void Evaluator::clearConstrained(Eigen::VectorXd& d) const {
   for (const int v : problem_.activeSet().constrained()) {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
     if (!problem_.activeSet().isOptimized(v)) continue;
     for (int c = 0; c < record.dof; ++c) {
-      if (problem_.activeSet().isHeld(v, c)) d[structure_.offsetOf(v) + c] = 0;
+      if (problem_.activeSet().isFixedOrActive(v, c)) d[structure_.offsetOf(v) + c] = 0;
     }
   }
 }
 
-bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
+bool Evaluator::isNegligible(const Eigen::VectorXd& d, double tolerance) {
   std::vector<double> sizes;
   for (int v = 0; v < structure_.system.blockCount(); ++v) {  // seldom beyond the first
     if (structure_.system.isEmpty(v)) continue;
@@ -253,19 +253,19 @@ bool System::isNegligible(const Eigen::VectorXd& d, double tolerance) {
   return true;
 }
 
-double System::predictedDecrease(const Eigen::VectorXd& d) const {
+double Evaluator::predictedDecrease(const Eigen::VectorXd& d) const {
   requireStepLength(d.size(), structure_.system.unknowns());
   return -(2 * solver_->gradient().dot(d) + solver_->squaredNormOfJd(d));
 }
 
-double System::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
+double Evaluator::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
   if (!solver_->isExact()) return predictedDecrease(d);
   requireStepLength(d.size(), structure_.system.unknowns());
   const double damped = damping.size() > 0 ? damping.dot(d.cwiseAbs2()) : 0;
   return damped - solver_->gradient().dot(d);
 }
 
-PhaseSeconds System::seconds() const {
+PhaseSeconds Evaluator::seconds() const {
   const SolverSeconds other = careful_ != nullptr ? careful_->seconds() : SolverSeconds{};
   return {setup_seconds_, linearize_seconds_, given_->seconds().factorize + other.factorize,
           given_->seconds().solve + other.solve};

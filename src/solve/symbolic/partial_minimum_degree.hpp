@@ -9,7 +9,7 @@
 namespace slom {
 
 /// What the elimination of some blocks leaves, and what it needs.
-struct LowDegree {
+struct PartialMinimumDegree {
   std::vector<int> order;  ///< the eliminated blocks, in this order
   /// Of all blocks; of an eliminated one the neighbours that it has when it is eliminated, of the others what
   /// they have at the end; in any order.
@@ -20,7 +20,7 @@ struct LowDegree {
 /// Eliminates blocks whose neighbours have at most kMostRowsBelow degrees of freedom together, those with the
 /// fewest first, as long as there are some. They are taken in rounds of blocks that never meet, so that the
 /// tree of elimination is shallow. Empty unless they are many, and not few of all blocks.
-LowDegree eliminateLowDegree(const BlockGraph& graph);
+PartialMinimumDegree eliminateByMinimumDegree(const BlockGraph& graph);
 
 /// Degrees of freedom of all neighbours of an eliminated block, and of itself, at most.
 inline constexpr int kMostRowsBelow = 24, kMostColumns = 6;
