@@ -130,7 +130,7 @@ class ArchiveReader {
     for (const auto& kind : kinds) known.push_back(inQuotes(kind.name));
     raise(std::string(what) + " " + inQuotes(name) + " are not known to this program" +
           (known.empty() ? "" : ", which knows " + listed(known, known.size())) +
-          "; a program that includes slom/archive.hpp can be told of more");
+          "; a program that includes slom/archive.hpp can register more");
   }
 
   void readVariableKind() {

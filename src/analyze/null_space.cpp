@@ -25,7 +25,7 @@ constexpr double kSeparated = 3e-5;
 /// many times above that of what is looked for.
 constexpr double kSettled = 1.1, kFarAbove = 10;
 constexpr Index kFirstCount = 4, kMostCount = 192;
-/// Of unknowns x directions^2, which the time goes with: some ten seconds.
+/// Limit of unknowns x directions^2, to which the time is proportional: some ten seconds.
 constexpr double kMostWork = 1e9;
 
 /// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,

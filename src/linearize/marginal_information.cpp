@@ -154,7 +154,7 @@ class Elimination {
     if (A.rows() > 0) keep({others, std::move(A)});
   }
 
-  /// Of what is left, by the variables that it is about.
+  /// The remaining rows, grouped by the variables that they involve.
   std::vector<InformationFactor> factors() const {
     std::map<std::vector<int>, std::vector<std::size_t>> alike;
     for (std::size_t i = 0; i < rows_.size(); ++i) {

@@ -24,7 +24,7 @@ class Restart {
   void begin(StopReason reason, const Summary& summary);
   /// For the steps of the second attempt: Levenberg-Marquardt with a large first damping.
   Algorithm& algorithm() { return cautious_; }
-  /// Whether the second attempt has converged to a minimum with full rank that is no worse than the end of the first one. Linearises there.
+  /// Whether the second attempt has converged to a minimum with full rank that is not worse than where the first attempt ended. Linearises there.
   bool hasSucceeded(StopReason second, double rss);
   /// What the user should know after a success.
   std::string warning() const;

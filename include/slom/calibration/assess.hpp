@@ -28,7 +28,7 @@ const char* toString(Verdict::Level level);
 /// another result.
 Verdict verdictOf(const Result& result);
 
-/// Of all cameras [px].
+/// The RMS over the corners of all cameras [px].
 double rmsOfAll(const Result& result);
 
 /// A view of `result.quality->further_views`:

@@ -110,8 +110,8 @@ struct Dataset {
 };
 
 /// Leaves out the views that repeat an earlier one of their camera, and lists them in CameraData::copies;
-/// with them the readings of the IMU of images that no camera has then. A photograph given twice is no further measurement; taken
-/// as one, it makes all uncertainties too small, and agrees with itself in cross-validation. The time grows as the number of
+/// with them the readings of the IMU of images that no camera has then. A photograph given twice does not count as a further
+/// measurement; taken as one, it makes all uncertainties too small, and agrees with itself in cross-validation. The time grows as the number of
 /// corners does, but where thousands of frames are of a camera at rest. DataError where two cameras have most
 /// of their views in common, and where of a camera's views only one is left; the data are then as they were before. Sorts the views by
 /// image number.

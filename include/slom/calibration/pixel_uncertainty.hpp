@@ -13,12 +13,12 @@
 
 namespace slom::calibration {
 
-/// Of a pixel (u, v) [px^2].
+/// The covariance of a pixel (u, v) [px^2].
 struct PixelCovariance {
   double uu = 0, uv = 0, vv = 0;
 
   Eigen::Matrix2d matrix() const { return Eigen::Matrix2d{{uu, uv}, {uv, vv}}; }
-  /// In the direction in which it is largest [px].
+  /// The standard deviation in the direction in which it is largest [px].
   double largestStd() const;
 };
 

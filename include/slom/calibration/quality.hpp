@@ -14,7 +14,7 @@ namespace slom::calibration {
 /// The part of the plane that a camera's images cover, from (0, 0) to the last pixel [px].
 struct ImageBox {
   int width = 0, height = 0;
-  bool is_assumed = false;  ///< nobody told the size
+  bool is_assumed = false;  ///< the image size was not given
 };
 
 /// Nodes that lie evenly over an image, the outer ones on its border; row by row from the top left.

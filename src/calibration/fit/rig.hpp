@@ -57,7 +57,7 @@ class JointProblem {
   VarID<mtk::Scalar<>> gravity_;
 };
 
-/// What is wrong, without the library's id before it and its remedy for programmers behind it.
+/// The fault alone, without the library's id and without the remedy, which is for programmers.
 std::string sentenceOf(const slom::Error& error);
 
 // ---- implementation

@@ -83,7 +83,7 @@ SE3 poseResolvingAmbiguity(const Camera& camera, const PlaneView& plane, const S
   return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
 }
 
-/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is no better.
+/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is not better.
 template <class Camera>
 void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings& settings) {
   Estimator est;

@@ -43,7 +43,7 @@ double entries(const Fronts& fronts) {
   return sum;
 }
 
-/// Of blocks that meet in an eliminated one.
+/// Number of pairs of neighbours that the eliminated blocks have.
 double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   double sum = 0;
   for (int b = 0; b < graph.size(); ++b) {
@@ -53,7 +53,7 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   return sum;
 }
 
-/// Of each block in the order of elimination: `first`, and after them `block`, at these positions of their own.
+/// Permutation: the blocks of `first`, then those of `block`, in the order of their `position`. The result is by block.
 std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block,
                                  const std::vector<int>& position) {
   std::vector<int> result(first.size() + block.size());

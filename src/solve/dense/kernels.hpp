@@ -19,7 +19,7 @@ inline constexpr int kRowPadding = 4;
 constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 
 constexpr int stripesOf(int rows) { return (rows + kStripe - 1) / kStripe; }
-/// Entries of a vector of so many that kernels work on.
+/// Length to which kernels pad a vector of `rows` entries.
 constexpr int paddedToStripes(int rows) { return stripesOf(rows) * kStripe; }
 /// Where stripe s of U begins.
 constexpr std::size_t updateOffset(int s) {
