@@ -319,7 +319,7 @@ class ArchiveReader {
   const detail::StoredMeasurement* measurement_kind_ = nullptr;
   std::vector<int> indices_;  // in the problem, by number in the file
   std::vector<VariableHandle> handles_;
-  std::vector<const detail::StoredVariable*> kinds_;  // of these, for a list
+  std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list
   std::vector<double> noise_;
   detail::StoredOptions options_;
 };

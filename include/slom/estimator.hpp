@@ -291,7 +291,7 @@ class Estimator {
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
   }
-  /// By its loss: the factor rho'(|W r|^2) of its square, from 1 (counts in full, as without a loss) down to 0.
+  /// The weight that its loss gives a measurement: the factor rho'(|W r|^2) of its square, from 1 (full weight, as without a loss) down to 0.
   template <class M>
   double weight(const MeasID<M>& id) const {
     const auto [pool, i] = problem().locate(id);

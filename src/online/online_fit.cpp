@@ -19,7 +19,7 @@ constexpr double kKeptOnline = 0.5;
 constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
 /// The promise is that of a model; this part of what is allowed is aimed at.
 constexpr double kAimedAt = 0.5;
-constexpr double kSlowest = 0.99;  // of the promises of two steps
+constexpr double kSlowest = 0.99;  // ratio of the predicted decreases of two steps
 constexpr double kNoiseOfRss = 1e-13;
 /// What rounding errors may hide, squared standard deviations: where a measurement is so exact that they are worth more, others are not.
 constexpr double kMostRoundingOnline = 1e-4;

@@ -120,7 +120,7 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
 }
 
 bool Convergence::isHidden() {
-  constexpr double small = 1e-8;  // of a variance: 1e-4 standard deviations
+  constexpr double small = 1e-8;  // share of a variance: 1e-4 standard deviations
   const double rss = system_.linearize();
   const System::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   return promise.is_known && promise.decrease <= System::kRounding * rss &&

@@ -38,7 +38,7 @@ class Restart {
 
   System& system_;
   ValueSnapshot start_;
-  std::optional<ValueSnapshot> end_;  // of the first attempt
+  std::optional<ValueSnapshot> end_;  // values at the end of the first attempt
   StopReason first_ = StopReason::no_progress;
   double first_rss_ = 0;
   int failed_at_ = 0;  // iteration

@@ -16,8 +16,8 @@ struct GroupDerivativeCheck {
   DerivativeSource source;  ///< what the library uses
   int measurements = 0;     ///< compared ones
   std::string measurement;  ///< that holds the worst entry
-  int row = 0;              ///< of the residual, from 0
-  std::string component;    ///< of a variable, by name
+  int row = 0;              ///< row of the residual, from 0
+  std::string component;    ///< name of the variable's component
   double used = 0;          ///< the entry as the library uses it
   double reference = 0;     ///< the entry by differences
   double error = 0;   ///< |used - reference| / largest entry of that variable's block in this measurement

@@ -49,7 +49,7 @@ const Z& held(const Measured<Z>& datum) {
 template <class Stored>
 using Held = std::remove_cvref_t<decltype(held(std::declval<const Stored&>()))>;
 
-/// As many unknowns as columns of packs can tell apart, besides those that mtk::preaccumulation takes.
+/// The number of unknowns that columns of packs can distinguish, besides those that mtk::preaccumulation takes.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
 /// How many measurements are evaluated at once: as many as a register has lanes, but at most 4 where the derivatives (`entries` of a

@@ -32,7 +32,7 @@ class JointProblem {
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
   RigStart rig() const;
-  /// Of the distances of all corners from where they were found [px].
+  /// The RMS distance of all projected corners from their measured pixels [px].
   double rmsOfAll() const;
 
  private:

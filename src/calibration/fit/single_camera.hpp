@@ -20,7 +20,7 @@
 
 namespace slom::calibration {
 
-/// Of fits whose results others start from: five digits of the RMS.
+/// Tolerance of fits whose results are start values of others: five digits of the RMS.
 inline constexpr double rough_tolerance = 1e-6;
 /// How near to the solution fits end, in standard deviations: what is printed has no more digits.
 inline constexpr double enough_deviations = 1e-4;
@@ -143,7 +143,7 @@ FitAlone<Camera> fitAloneFrom(const Camera& camera, const Pinhole& pinhole, cons
   return fit;
 }
 
-/// Of a model that has several minima, one start in the reach of each.
+/// Start values of the intrinsics: for a model with several minima, one in the basin of attraction of each.
 template <class Camera>
 std::vector<Camera> startsFrom(const Pinhole& pinhole) {
   if constexpr (requires { Camera::startsFromPinhole(pinhole); }) {

@@ -67,7 +67,7 @@ struct Pair {
 inline constexpr int kMostEliminated = 6;
 
 struct Kernels {
-  const char* name;  ///< of the instruction set
+  const char* name;  ///< name of the instruction set
   /// D := its Cholesky factor, inverse[i] := 1 / its diagonal. Returns the first pivot that is not above least[i] and
   /// writes it to *pivot; p when there is none.
   int (*factorize)(double* D, int p, const double* least, double* inverse, double* pivot);
