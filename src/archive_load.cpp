@@ -130,7 +130,7 @@ class ArchiveReader {
     for (const auto& kind : kinds) known.push_back(inQuotes(kind.name));
     raise(std::string(what) + " " + inQuotes(name) + " are not known to this program" +
           (known.empty() ? "" : ", which knows " + listed(known, known.size())) +
-          "; a program that includes slom/archive.hpp can be told of more");
+          "; a program that includes slom/archive.hpp can register more");
   }
 
   void readVariableKind() {
@@ -319,7 +319,7 @@ class ArchiveReader {
   const detail::StoredMeasurement* measurement_kind_ = nullptr;
   std::vector<int> indices_;  // in the problem, by number in the file
   std::vector<VariableHandle> handles_;
-  std::vector<const detail::StoredVariable*> kinds_;  // of these, for a list
+  std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list
   std::vector<double> noise_;
   detail::StoredOptions options_;
 };

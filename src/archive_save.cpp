@@ -111,7 +111,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
       throw Error("slom.not-in-archive",
                   "variable " + problem.variableName(static_cast<int>(v)) + " is of the type " +
                       store.typeName() +
-                      ", which the archive was not told; name it by "
+                      ", which is not registered with the archive; name it by "
                       "archive.variable<" +
                       store.typeName() + ">",
                   problem.variableName(static_cast<int>(v)));
@@ -134,11 +134,12 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
     const auto kind = std::find_if(measurements_.begin(), measurements_.end(),
                                    [&](const auto& known) { return known.type == *pool->type().id; });
     if (kind == measurements_.end()) {
-      throw Error("slom.not-in-archive",
-                  "the archive was not told of the type of the measurements " + pool->name() +
-                      "; name it by archive.measurement, with the function's type and those of its "
-                      "arguments",
-                  pool->name());
+      throw Error(
+          "slom.not-in-archive",
+          "the type of the measurements " + pool->name() +
+              " is not registered with the archive; name it by archive.measurement, with the function's type and those of its "
+              "arguments",
+          pool->name());
     }
     text << "measurements " << inQuotes(kind->name) << ' ' << inQuotes(pool->label()) << '\n';
     for (int i = 0; i < pool->size(); ++i) {

@@ -98,7 +98,7 @@ void Estimator::State::addWarnings(Summary& summary, const Options& options) {
   given_derivatives.check(problem, summary.warnings);
 }
 
-/// By losses that give whole groups no weight, or else by a diagnosis, where there is time for one.
+/// Explains it by losses that give whole groups weight 0 or, if there is time, by a diagnosis.
 void Estimator::State::explainRankDeficiency(Summary& summary, const Options& options) {
   std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
   const bool is_explained = !weightless.empty();

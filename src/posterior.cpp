@@ -14,7 +14,7 @@ using Matrix = Eigen::Map<const MatrixXd>;
 
 namespace {
 
-/// Of a pivot, beside the diagonal entry: below it nothing but rounding errors is left.
+/// A pivot below this share of the diagonal entry is rounding error.
 constexpr double kLeastPivot = 1e-13;
 
 /// The components of a covariance that are not certain: their Cholesky factor L, of their correlations, and standard deviations s.

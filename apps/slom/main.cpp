@@ -46,7 +46,8 @@ int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   const auto subcommands = app.get_subcommands();
   const std::string command = subcommands.empty() ? "" : " " + subcommands.front()->get_name();
   std::string text = error.what();
-  if (subcommands.empty() && !app.remaining().empty()) text = app.remaining().front() + " is no subcommand";
+  if (subcommands.empty() && !app.remaining().empty())
+    text = app.remaining().front() + " is not a subcommand";
   sayError(fmt::format("slom: {}; see slom{} --help\n", oneLine(text), command));
   return exit_user_error;
 }

@@ -149,7 +149,7 @@ void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::
          "`est.setSigma(slom::Sigma::estimated)`, in Ceres `Covariance` by `DENSE_SVD`\ntimes RSS / redundancy.\n\n"
          "Lanczos1 was generated from its model to 14 digits. Its residuals are 1e-13, where the rounding errors of the "
          "predictions are "
-         "1e-16: of the RSS,\nand so of the standard deviations, double precision can tell 3 digits.\n\n";
+         "1e-16: of the RSS,\nand so of the standard deviations, double precision can resolve 3 digits.\n\n";
 }
 
 void writeTable(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {

@@ -143,7 +143,7 @@ SparseDual<S, A | B> pow(const SparseDual<S, A>& base, const SparseDual<S, B>& e
   const S f = pow(base.value(), exponent.value());
   const S slope = select(exponent.value() == S(0), S(0),
                          S(exponent.value() * pow(base.value(), S(exponent.value() - S(1)))));
-  // Of a negative base there is no derivative by the exponent; one that does not move does without.
+  // A negative base has no derivative with respect to the exponent; a constant exponent does not need it.
   return detail::chainOrZero(base, exponent, f, slope, select(f == S(0), S(0), S(f * log(base.value()))));
 }
 

@@ -13,7 +13,7 @@
 
 namespace mtk {
 
-/// How many doubles a pack holds unless told otherwise: 4, or 8 where the registers are that wide.
+/// How many doubles a pack holds by default: 4, or 8 where the registers are that wide.
 inline constexpr int kPackWidth = detail::kNativeLanes == 8 ? 8 : 4;
 
 /// One condition per lane. There is no conversion to bool: use select, all or any.

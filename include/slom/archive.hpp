@@ -1,6 +1,6 @@
 /// Saves a problem into a text file and loads it again: values, data, noise, losses, names, and what is fixed or bounded.
 ///
-///     slom::Archive archive;  // is told which measurements there are
+///     slom::Archive archive;  // knows the types that are registered with it
 ///     archive.measurement<slom::RelativePose, slom::VarID<Pose>, slom::VarID<Pose>, slom::Measured<Pose>>();
 ///     archive.measurement<Observation>();  // declared by SLOM_BUILD_MEASUREMENT
 ///     archive.measurement<slom::GaussianPrior>();

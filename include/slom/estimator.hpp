@@ -153,7 +153,7 @@ class Estimator {
   void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
     bound(problem().indexOf(id), path, lower, upper);
   }
-  /// Of a variable with one component.
+  /// Bounds a variable with one component.
   template <class T>
   void bound(const VarID<T>& id, double lower, double upper) {
     bound(problem().indexOf(id), "", lower, upper);
@@ -275,24 +275,24 @@ class Estimator {
 
   /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
   double getRSS() const;
-  /// Of all measurements of type M.
+  /// The RSS of all measurements of type M.
   template <class M>
     requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   double getRSS() const {
     return rssOfPools(problem().template poolsOf<M>());
   }
-  /// Of one measurement.
+  /// The RSS of one measurement.
   template <class M>
   double getRSS(const MeasID<M>& id) const {
     const auto [pool, i] = problem().locate(id);
     return rssOfMeasurement(*pool, i);
   }
-  /// Of all measurements that depend on a variable.
+  /// The RSS of all measurements that depend on a variable.
   template <class T>
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
   }
-  /// By its loss: the factor rho'(|W r|^2) of its square, from 1 (counts in full, as without a loss) down to 0.
+  /// The weight that its loss gives a measurement: the factor rho'(|W r|^2) of its square, from 1 (full weight, as without a loss) down to 0.
   template <class M>
   double weight(const MeasID<M>& id) const {
     const auto [pool, i] = problem().locate(id);
@@ -356,7 +356,7 @@ class Estimator {
     writeDeviations(problem().indexOf(id), result.data());
     return result;
   }
-  /// Of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
+  /// The correlation of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
   template <class A, class B>
   Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
     const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
@@ -436,7 +436,7 @@ class Estimator {
     return profile(problem().indexOf(id), path, probability);
   }
 
-  /// Of a variable with one component.
+  /// The interval of a variable with one component.
   template <class T>
   ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
     return profile(problem().indexOf(id), "", probability);
@@ -512,8 +512,8 @@ class Estimator {
   void writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const;
   void writeResiduals(double* r) const;
   void writeJacobian(double* J) const;
-  /// Of all these variables together.
   void writeUpdatedCovariance(int variable_a, int variable_b, double* block) const;
+  /// The joint covariance of these variables.
   void writeJointCovariance(const int* variables, int count, double* out) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
   void writeDeviations(int variable, double* deviations) const;

@@ -62,8 +62,8 @@ Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
   return result;
 }
 
-/// What measurements tell of variables whose covariance was `before` and is `after`: half the logarithm of the ratio of the determinants
-/// [nats]; components with variance 0 in both do not count. Where no single direction matters more than others, the measurements with
+/// The information that measurements bring about variables whose covariance was `before` and is `after`: half the logarithm of the ratio of the
+/// determinants [nats]; components with variance 0 in both do not count. Where no single direction matters more than others, the measurements with
 /// the largest gain are the best ones (D-optimality). Throws [slom.singular-covariance], or [slom.other-sizes] for matrices that are not of
 /// one size.
 ///   source   Lindley, "On a measure of the information provided by an experiment", 1956

@@ -37,7 +37,7 @@ class StoredProblem {
   friend class ArchiveReader;
   struct Entry {
     std::string name;
-    std::type_index type;  // of its store
+    std::type_index type;  // type of its store
     VariableHandle handle;
   };
   VariableHandle handle(const std::string& name, std::type_index type, std::string (*type_name)()) const;
@@ -52,7 +52,7 @@ namespace detail {
 /// How variables of one type are written and read.
 struct StoredVariable {
   std::string name;
-  std::type_index type;  ///< of their store
+  std::type_index type;  ///< type of their store
   void (*write)(std::ostream&, const void* value);
   /// Whether the stream has a value, which is inserted unless there is no problem.
   bool (*read)(std::istream&, Problem*, bool optimize, const std::string& name, VariableHandle& id);
@@ -63,7 +63,7 @@ struct StoredVariable {
 /// The variables of a measurement that is written or read.
 struct StoredArguments {
   const VariableHandle* handles = nullptr;       ///< null while a text is checked
-  const StoredVariable* const* kinds = nullptr;  ///< of measurements over a list of variables alone
+  const StoredVariable* const* kinds = nullptr;  ///< only for measurements over a list of variables
   int count = 0;
 };
 

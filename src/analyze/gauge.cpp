@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSame = 1e-6;  // of directions, which are of unit length
+constexpr double kSame = 1e-6;  // difference of directions, which have unit length
 
 /// Columns of length 1; `length` holds what they had.
 MatrixXd normalized(MatrixXd A, VectorXd& length) {

@@ -13,7 +13,7 @@ namespace slom {
 /// A part of the problem that no measurement connects with the rest.
 struct Part {
   std::vector<int> variables;  // whose blocks are not empty
-  std::vector<int> unknowns;   // of these blocks
+  std::vector<int> unknowns;   // the unknowns of these blocks
 };
 
 /// The connected parts of a structure, in the order of their first blocks.
@@ -22,7 +22,7 @@ std::vector<Part> connectedParts(const BlockStructure& structure);
 /// World motions in a null space.
 struct Gauge {
   Eigen::MatrixXd motions;  ///< kGaugeGenerators x count: motions of the world, each row times `length`
-  Eigen::VectorXd length;   ///< by how much scaled unknowns move with each unit motion of the world
+  Eigen::VectorXd length;   ///< distance that scaled unknowns move with each unit motion of the world
   Eigen::MatrixXd
       directions;  ///< unknowns of the part x count: what they do to the scaled unknowns, orthonormal
   bool has_translation = false, has_rotation = false, has_scale = false;

@@ -6,7 +6,7 @@ namespace slom {
 
 namespace {
 
-/// Of each group. Left and right, say, cannot be told apart at every value.
+/// Measurements checked in each group: one is not enough, as left and right derivatives coincide at some values.
 constexpr int kMeasurements = 4;
 
 }  // namespace

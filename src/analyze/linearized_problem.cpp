@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// Of a variance by the other unknowns, (H^-1)_ii H_ii. The normal equations lose as many digits; beyond this, variances would have
-/// fewer than six left, and come from a factorisation of J itself.
+/// Largest variance inflation (H^-1)_ii H_ii at which the normal equations are trusted: they lose that many digits. Beyond it, variances
+/// would have fewer than six digits left, and J itself is factorised.
 constexpr double kMostInflation = 1e10;
 constexpr int kMostCarefulUnknowns = 20'000;  // above, factorising J takes long
 

@@ -40,7 +40,7 @@ class LinearizedProblem {
   double rss() const;
   /// Reweighted by losses; the columns of what is held are 0.
   const JacobianRows& rows() const;
-  /// Of groups with losses: as they were before.
+  /// The rows before losses reweighted them, of groups with losses only.
   const JacobianRows& unweightedRows() const;
   /// g = J^T r
   const Eigen::VectorXd& gradient() const;

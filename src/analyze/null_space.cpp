@@ -16,16 +16,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kDamping = 1e-10;  // of the scaled J^T J, whose diagonal is 1
+constexpr double kDamping = 1e-10;  // damping of the scaled J^T J, whose diagonal is 1
 constexpr int kIterations = 6;
-/// The iteration tells directions apart whose squared influence differs by more than the damping: a long chain has many that are
+/// The iteration separates directions whose squared influences |J d|^2 differ by more than the damping: a long chain has many that are
 /// nearly free.
 constexpr double kSeparated = 3e-5;
 /// All is determined when the square of the least influence falls by less than this factor from one iteration to the next, and is this
 /// many times above that of what is looked for.
 constexpr double kSettled = 1.1, kFarAbove = 10;
 constexpr Index kFirstCount = 4, kMostCount = 192;
-/// Of unknowns x directions^2, which the time goes with: some ten seconds.
+/// Limit of unknowns x directions^2, to which the time is proportional: some ten seconds.
 constexpr double kMostWork = 1e9;
 
 /// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,
@@ -57,11 +57,11 @@ MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   return start;
 }
 
-/// Makes the columns of V orthonormal in two passes of Cholesky factorisation of V^T V, which are products of matrices and so many times
-/// as fast as reflections; by reflections where columns are nearly parallel. Returns the largest singular value of V.
+/// Makes the columns of V orthonormal in two passes of Cholesky factorisation of V^T V, which consist of products of matrices and are
+/// several times as fast as reflections; by reflections where columns are nearly parallel. Returns the largest singular value of V.
 ///   source   Yamamoto, Nakatsukasa, Yanagisawa and Fukaya, "Roundoff error analysis of the CholeskyQR2 algorithm", 2015
 double orthonormalize(MatrixXd& V) {
-  constexpr double most_of_condition = 1e12;  // of V^T V
+  constexpr double most_of_condition = 1e12;  // largest condition number of V^T V
   const VectorXd lengths = V.colwise().norm();
   if (!(lengths.minCoeff() > 0) || !lengths.allFinite()) {
     V = orthonormalBasis(V);

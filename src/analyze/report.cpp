@@ -72,7 +72,7 @@ std::string parameterTable(const Summary& summary) {
   return text;
 }
 
-/// Groups whose chi-square is told apart from that of all.
+/// The chi-squares of single groups.
 std::string groupChiSquares(const Summary& summary) {
   std::string text;
   if (summary.groups.size() < 2 || summary.hasLosses()) return text;

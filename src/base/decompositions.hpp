@@ -15,7 +15,7 @@ using SymmetricEigen = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 /// `options` as Eigen's: Eigen::ComputeThinU, ...
 SVD svdOf(const Eigen::MatrixXd& A, unsigned options);
 
-/// Of a symmetric matrix, whose lower triangle is read. Eigenvalues increase.
+/// Eigenvalues, ascending, and eigenvectors of a symmetric matrix, whose lower triangle is read.
 SymmetricEigen eigenOf(const Eigen::MatrixXd& A, int options = Eigen::ComputeEigenvectors);
 
 /// Orthonormal columns that span those of A, which are independent and not more than its rows.

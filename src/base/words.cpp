@@ -34,7 +34,7 @@ std::string abridged(const std::vector<std::string>& items) {
 }
 
 std::string number(double x, int digits) {
-  if (std::isnan(x)) return "nan";  // of either sign
+  if (std::isnan(x)) return "nan";  // with either sign
   char text[40];
   const auto [end, error] = std::to_chars(text, text + sizeof text, x, std::chars_format::general, digits);
   return error == std::errc() ? std::string(text, end) : "nan";

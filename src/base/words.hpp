@@ -12,7 +12,7 @@ std::string counted(int count, const std::string& noun);
 std::string listed(const std::vector<std::string>& items, std::size_t most = 4);
 /// `pose 0, pose 1, ..., pose 9`: the first two and the last of many.
 std::string abridged(const std::vector<std::string>& items);
-/// With up to so many significant digits.
+/// `0.125`: the number with at most `digits` significant digits.
 std::string number(double x, int digits = 3);
 
 }  // namespace slom

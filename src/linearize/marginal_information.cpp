@@ -73,7 +73,7 @@ class Elimination {
     rows_.push_back(std::move(rows));
   }
 
-  /// Of a variable that is still there, with those of its rows that are used up forgotten.
+  /// The neighbours of a variable that is not yet eliminated. Forgets those of its rows that are used up.
   std::vector<int> neighbours(int v) {
     std::vector<std::size_t>& own = rows_of_.at(v);
     std::erase_if(own, [&](std::size_t i) { return rows_[i].variables.empty(); });
@@ -154,7 +154,7 @@ class Elimination {
     if (A.rows() > 0) keep({others, std::move(A)});
   }
 
-  /// Of what is left, by the variables that it is about.
+  /// The remaining rows, grouped by the variables that they involve.
   std::vector<InformationFactor> factors() const {
     std::map<std::vector<int>, std::vector<std::size_t>> alike;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -188,11 +188,11 @@ class Elimination {
 
   const Problem& problem_;
   std::vector<Rows> rows_;
-  std::map<int, std::vector<std::size_t>> rows_of_;  // of the variables that are still to be eliminated
-  std::unordered_map<int, VectorXd> squares_;        // of the columns of each variable, at first
+  std::map<int, std::vector<std::size_t>> rows_of_;  // rows of the variables still to be eliminated
+  std::unordered_map<int, VectorXd> squares_;        // initial squared norms of the columns of each variable
 };
 
-/// Of one batch of one measurement: a variable that it has twice has its columns added up; fixed variables have none.
+/// The rows of a batch of one measurement. The columns of a variable that it has twice are added up; fixed variables have none.
 Rows rowsOf(const Problem& problem, const JacobianBatch& batch) {
   const MeasurementPool& pool = *problem.pools()[at(batch.group)];
   const int* const all = pool.variables(batch.first);

@@ -87,21 +87,21 @@ class IncrementalCholesky {
  private:
   struct Block {
     int dof = 0;              // 0: there is none
-    int front = -1;           // that eliminates it
-    std::uint64_t order = 0;  // of elimination
-    std::uint64_t age = 0;    // of insertion
+    int front = -1;           // the front that eliminates it
+    std::uint64_t order = 0;  // rank in the order of elimination
+    std::uint64_t age = 0;    // rank in the order of insertion
   };
   struct Element {
     std::vector<int> blocks;  // empty: there is none
     int rows = 0, columns = 0;
     std::vector<double> A, g;
-    int front = -1;  // in which it is assembled: that of its first eliminated block
+    int front = -1;  // the front in which it is assembled: that of its first eliminated block
   };
   struct Front {
     std::vector<int> pivots, rows;  // blocks
     int p = 0, u = 0;
     int parent = -1;
-    std::vector<int> children;  // by the order of their first pivots
+    std::vector<int> children;  // sorted by the order of their first pivots
     std::vector<int> elements;  // ascending
     dense::BigArray D, B, U;
     std::vector<double> inverse, y, below, diagonal_below;
@@ -109,7 +109,7 @@ class IncrementalCholesky {
     double own_promise = 0, promise_below = 0;
     bool has_factor = false, has_solution = false;
     bool has_news = true;     // here or below, since the last step went down
-    std::uint64_t order = 0;  // of the first pivot
+    std::uint64_t order = 0;  // order of the first pivot
   };
   void touch(int front, bool is_factor);
   void pushDirty(int front);
@@ -149,9 +149,9 @@ class IncrementalCholesky {
   std::set<std::pair<int, int>> undetermined_;
   // What is to become the new top: blocks and elements of dissolved fronts, and the subtrees that hung below.
   std::vector<int> loose_blocks_, loose_elements_, loose_subtrees_;
-  std::vector<int> local_;    // of each block: its place in the front or graph at hand; -1 outside of it
+  std::vector<int> local_;    // place of each block in the current front or graph; -1 outside of it
   std::vector<double> step_;  // entries of d
-  std::vector<double> rows_;  // of the front at hand
+  std::vector<double> rows_;  // rows of the current front
   std::vector<Move> moves_;
   std::vector<int> to_visit_;
   std::uint64_t next_order_ = 1, next_age_ = 1;

@@ -15,9 +15,9 @@ namespace {
 using dense::kStripe;
 using dense::paddedToStripes;
 
-/// Of the diagonal entry of H: a smaller pivot is rounding error.
+/// A pivot below this share of the diagonal entry of H is rounding error.
 constexpr double kLeastOnlinePivot = 1e-13;
-/// All blocks are ordered anew when a factorisation of everything takes so many times the work for each block as when they were last.
+/// All blocks are reordered when the work per block has grown by this factor since the last ordering.
 constexpr double kMostGrowth = 2;
 constexpr double kLittleWork = 1e5;
 

@@ -13,7 +13,7 @@ namespace {
 
 /// From here on nested dissection beats minimum degree: the tree stays shallow.
 constexpr int kManyBlocks = 50;
-constexpr double kNearlyAsGood = 1.2;  // by operations
+constexpr double kNearlyAsGood = 1.2;  // ratio of operations
 
 /// Fronts that keep the factor sparse, with the last block, which what comes next will most likely touch, at the end. Few blocks, as where
 /// a chain grows, are eliminated by age where that is nearly as good: then what is old does not stay at the top.

@@ -19,16 +19,16 @@ constexpr double kKeptOnline = 0.5;
 constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
 /// The promise is that of a model; this part of what is allowed is aimed at.
 constexpr double kAimedAt = 0.5;
-constexpr double kSlowest = 0.99;  // of the promises of two steps
+constexpr double kSlowest = 0.99;  // ratio of the predicted decreases of two steps
 constexpr double kNoiseOfRss = 1e-13;
 /// What rounding errors may hide, squared standard deviations: where a measurement is so exact that they are worth more, others are not.
 constexpr double kMostRoundingOnline = 1e-4;
-constexpr int kManySteps =
-    3;  // after so many, values may have another size than where their measurements were inserted
+/// After this number of steps, values may have another size than where their measurements were inserted.
+constexpr int kManySteps = 3;
 /// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
 constexpr double kFarOff = 0.5;
 bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
-/// A step that decreases the RSS by more than so many times what was promised is prolonged, to so many times its length at most.
+/// A step whose decrease exceeds this multiple of the predicted one is lengthened by at most this factor.
 constexpr double kStretched = 1.5, kLongest = 8;
 /// A step that goes uphill is shortened, by this factor, down to that.
 constexpr double kShorterOnline = 0.5, kShortestOnline = 0.1;
@@ -50,7 +50,7 @@ void OnlineFit::prepare(const std::vector<IncrementalCholesky::Move>& moves) {
   moved_ += static_cast<int>(moves.size());
 }
 
-/// By a multiple of the last step.
+/// Moves along the last step, by a multiple of it.
 void OnlineFit::moveBy(double factor) {
   const double* d = step_.data();
   std::vector<double> part;

@@ -79,11 +79,11 @@ class OnlineFit {
   std::vector<long> known_;  // serials of the variables that have blocks; kUnknown: has none
   std::vector<int> touched_variables_;
   std::vector<Place> pending_, touched_;
-  std::vector<int> moved_variables_;  // of the last step, whose entries are step_
+  std::vector<int> moved_variables_;  // variables of the last step, whose entries are step_
   std::vector<double> step_;
   std::uint64_t visit_ = 0;
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
-  double rounding_ = 0;                       // of the RSS
+  double rounding_ = 0;                       // rounding error of the RSS
   int linearized_ = 0, moved_ = 0;
   std::vector<double> A_, g_;
 };

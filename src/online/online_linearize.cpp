@@ -10,8 +10,8 @@ namespace slom {
 
 namespace {
 
-constexpr double kRoundingSteps = 4;  // of the last digit
-constexpr double kMostPeak = 1e6;     // of the sum of costs since it was added up, relative to what it is now
+constexpr double kRoundingSteps = 4;  // units in the last place
+constexpr double kMostPeak = 1e6;  // largest sum of costs since it was added up, relative to the current one
 
 }  // namespace
 

@@ -112,15 +112,15 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
   const double tolerance = std::max(options_.gradient_tolerance,
                                     evaluator_.problem().hasNumericDerivatives() ? kNumericGradient : 0);
   if (gradient > tolerance || gradient * gradient * rss > kMostRounding * variance(rss)) return std::nullopt;
-  // Where J loses its rank at the solution, the linear model promises what no step keeps, and the gradient
-  // tells, unknown by unknown. Where columns of J are nearly dependent, it does so too; but then the promise
-  // is kept.
+  // Where J loses its rank at the solution, the linear model predicts a decrease that no step achieves, and the
+  // gradient shows it for each unknown. Where columns of J are nearly dependent, it does so too; but then
+  // the prediction comes true.
   has_advanced_ = evaluator_.advance(promise);
   return has_advanced_ ? std::nullopt : std::optional(StopReason::gradient);
 }
 
 bool Convergence::isHidden() {
-  constexpr double small = 1e-8;  // of a variance: 1e-4 standard deviations
+  constexpr double small = 1e-8;  // share of a variance: 1e-4 standard deviations
   const double rss = evaluator_.linearize();
   const Evaluator::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   return promise.is_known && promise.decrease <= Evaluator::kRounding * rss &&

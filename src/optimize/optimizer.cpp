@@ -238,7 +238,7 @@ class Run {
   std::unique_ptr<Algorithm> safeguarded_;
   Algorithm* algorithm_;
   const Options& options_;
-  Options limits_;         // of the stage
+  Options limits_;         // limits of the stage
   Options step_limits_;    // those that the algorithm's steps get
   bool is_fresh_ = false;  // no step was taken since the algorithm was reset where it was stuck
   Convergence convergence_;

@@ -78,7 +78,7 @@ void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promis
 }
 
 bool Evaluator::advance(const Promise& promise) {
-  constexpr double kept = 0.25;  // of what is promised
+  constexpr double kept = 0.25;  // share of the predicted decrease
   if (!promise.is_known || promise.step.size() == 0) return false;
   const double before = rss_, after = tryStep(promise.step);
   if (std::isfinite(after) && before - after >= kept * promise.decrease && after < before) return true;
@@ -88,7 +88,7 @@ bool Evaluator::advance(const Promise& promise) {
 }
 
 double Evaluator::roundingOfPromises() {
-  constexpr double steps = 4;  // of the last digit
+  constexpr double steps = 4;  // units in the last place
   const double effect = solver_->diagonal().cwiseSqrt().dot(typicalSizes());
   return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);
 }

@@ -24,7 +24,7 @@ class Restart {
   void begin(StopReason reason, const Summary& summary);
   /// For the steps of the second attempt: Levenberg-Marquardt with a large first damping.
   Algorithm& algorithm() { return cautious_; }
-  /// Whether the second attempt has converged to a minimum with full rank that is no worse than the end of the first one. Linearises there.
+  /// Whether the second attempt has converged to a minimum with full rank that is not worse than where the first attempt ended. Linearises there.
   bool hasSucceeded(StopReason second, double rss);
   /// What the user should know after a success.
   std::string warning() const;
@@ -38,7 +38,7 @@ class Restart {
 
   Evaluator& evaluator_;
   ValueSnapshot start_;
-  std::optional<ValueSnapshot> end_;  // of the first attempt
+  std::optional<ValueSnapshot> end_;  // values at the end of the first attempt
   StopReason first_ = StopReason::no_progress;
   double first_rss_ = 0;
   int failed_at_ = 0;  // iteration

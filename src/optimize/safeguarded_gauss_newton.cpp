@@ -29,7 +29,7 @@ void SafeguardedGaussNewton::reset() {
   uphill_ = 0;
 }
 
-/// Whether the step stays. Where the RSS cannot tell, the promise decides.
+/// Whether the step stays. Where rounding hides the change of the RSS, the predicted decrease decides.
 bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcome& outcome) {
   if (best_ != nullptr) {
     if (outcome.rss_after < best_rss_) {

@@ -9,7 +9,7 @@ namespace slom {
 using Eigen::MatrixXd;
 
 bool hasFreeGauge(const Problem& problem, const ProblemStructure& structure, const LinearSolver& solver) {
-  constexpr double nothing = 1e-12;  // of the lengths of the columns
+  constexpr double nothing = 1e-12;  // relative to the lengths of the columns
   const Eigen::VectorXd& H = solver.diagonal();
   std::vector<double> motions;
   for (const WorldRole role : {WorldRole::in_world, WorldRole::sees_world}) {

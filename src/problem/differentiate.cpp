@@ -2,7 +2,7 @@
 ///   J(:, c) = (f(x [+] h e_c) - f(x [+] -h e_c)) / 2h
 /// The best step h of a component of typical size |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
 /// bends over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). For components
-/// near zero, whose scale the value does not tell, the step shrinks until two steps agree.
+/// near zero the value does not show its scale; there the step shrinks until two steps agree.
 /// Extrapolated (Richardson): (4 D(h/2) - D(h)) / 3 of steps about eps^(1/5), with an error of order h^4.
 #include <algorithm>
 #include <cmath>

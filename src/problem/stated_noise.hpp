@@ -7,11 +7,11 @@
 
 namespace slom {
 
-/// Of the first measurement of a pool, which stands for all.
+/// Whether the noise of a pool is stated; its first measurement stands for all.
 inline bool statesNoise(const MeasurementPool& pool) {
   return pool.size() > 0 && (pool.type().states_noise || pool.whitening(0).first != WhiteningKind::unit);
 }
-/// Of the first measurement of a group.
+/// Whether the noise of a group is stated; its first measurement stands for all.
 inline bool groupStatesNoise(const Problem& problem, std::size_t group) {
   const auto first = std::find_if(problem.pools().begin(), problem.pools().end(), [&](const auto& pool) {
     return pool->group() == static_cast<int>(group) && pool->size() > 0;

@@ -12,7 +12,7 @@ struct Problem::Uses {
     std::vector<Use> all;
     std::size_t longest = 16;  // with more, removed ones are looked for
   };
-  std::vector<OfVariable> of;  // by table index
+  std::vector<OfVariable> of;  // indexed as the variable table
 
   OfVariable& at(int variable) {
     if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);

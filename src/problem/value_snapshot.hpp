@@ -12,7 +12,7 @@ namespace slom {
 class ValueSnapshot {
  public:
   explicit ValueSnapshot(Problem& problem);
-  /// Of one variable alone.
+  /// The value of one variable only.
   ValueSnapshot(Problem& problem, int variable);
   ~ValueSnapshot();
   void restore();

@@ -60,7 +60,7 @@ struct BlockSolver::Implementation final : LinearSolver {
   SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks) override {
     return isExact() ? invertDamped({}, blocks) : LinearSolver::invertBlocks(structure, blocks);
   }
-  /// By selected inversion of the factor, which takes about as long as two more factorisations.
+  /// Selected inversion of the factor, which takes about as long as two more factorisations.
   ///   source   Takahashi, Fagan and Chen 1973; Campbell and Davis 1995
   SolveStatus invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
     const SolveStatus status = prepare(damping);

@@ -64,7 +64,7 @@ class CholmodSolver final : public LinearSolver {
   BlockStructure structure_;
   NormalEquations equations_;  // in the structure's order
   VectorXd scale_;
-  std::vector<int> start_, row_;  // of H's lower triangle, scaled to a unit diagonal, by columns
+  std::vector<int> start_, row_;  // compressed columns of H's lower triangle, scaled to a unit diagonal
   std::vector<double> values_;
   cholmod_sparse A_{};
   cholmod_common common_{};

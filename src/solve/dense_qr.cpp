@@ -45,7 +45,7 @@ struct DenseQR::Implementation final : LinearSolver {
   VectorXd r, g, diagonal_of_H;
   std::vector<double> rows;      // row after row while they come in
   std::vector<double> residual;  // likewise
-  ScaledQR factor;               // of J alone
+  ScaledQR factor;               // factor of J alone
   bool has_factor = false;
   SolveStatus status;
 

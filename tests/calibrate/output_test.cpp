@@ -182,7 +182,7 @@ TEST(Report, CommandWithoutOrWithUnknownSubcommand) {
   const std::string command = slom::testing::commandPath().string();
   EXPECT_EQ(slom::testing::runCommand({command}).errors, "slom: A subcommand is required; see slom --help\n");
   const auto unknown_one = slom::testing::runCommand({command, "callibrate"});
-  EXPECT_EQ(unknown_one.errors, "slom: callibrate is no subcommand; see slom --help\n");
+  EXPECT_EQ(unknown_one.errors, "slom: callibrate is not a subcommand; see slom --help\n");
   EXPECT_EQ(unknown_one.exit_code, 2);
   const auto version = slom::testing::runCommand({command, "--version"});
   EXPECT_EQ(version.output, "slom " SLOM_VERSION "\n");

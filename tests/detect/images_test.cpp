@@ -153,9 +153,10 @@ TEST_F(Images, WithoutABoardOrUnreadableAreListedAndLeftOut) {
   EXPECT_NE(result.output.find("  left: left out, as it is empty: left08.pgm\n"), std::string::npos)
       << result.output;
   EXPECT_NE(result.output.find("  left: left out, as it shows no board: left07.pgm"), std::string::npos);
-  EXPECT_NE(result.output.find("  right: left out, as it is no image that can be read (JPEG, PNG, BMP, PGM), "
-                               "or is damaged: right10.pgm\n"),
-            std::string::npos);
+  EXPECT_NE(
+      result.output.find("  right: left out, as it is not an image that can be read (JPEG, PNG, BMP, PGM), "
+                         "or is damaged: right10.pgm\n"),
+      std::string::npos);
   const json left = json::parse(readFile(folder / "result.json"))["cameras"]["left"];
   ASSERT_EQ(left["unused"].size(), 3u);
   EXPECT_EQ(left["unused"][1], json({{"image", 8}, {"file", "left08.pgm"}, {"reason", "is empty"}}));
@@ -199,9 +200,9 @@ TEST_F(Images, OfOddSizesAreListedAndLeftOut) {
                  {"reason", reason}});
   };
   EXPECT_EQ(unused, json({photo(7, "has 20000 x 20000" + most), photo(8, "has 16777215 x 1" + most),
-                          photo(9, "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged"),
+                          photo(9, "is not an image that can be read (JPEG, PNG, BMP, PGM), or is damaged"),
                           photo(10, "has 99999 x 1 pixels, too few to show a board"),
-                          photo(11, "is no regular file"), photo(12, "is no regular file")}));
+                          photo(11, "is not a regular file"), photo(12, "is not a regular file")}));
   EXPECT_NE(result.output.find("  left: left out, as it has 16777215 x 1" + most + ": left08.png\n"),
             std::string::npos)
       << result.output;

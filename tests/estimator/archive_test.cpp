@@ -226,7 +226,7 @@ TEST(Archive, ANamedRelativePoseSaysItsFrame) {
   EXPECT_EQ(
       messageOf([&] { archive.load(is, "FILE"); }),
       "[slom.bad-archive] FILE:2: measurements \"odometry\" are not known to this program, which knows \"odometry in the frame "
-      "of z\"; a program that includes slom/archive.hpp can be told of more");
+      "of z\"; a program that includes slom/archive.hpp can register more");
 }
 
 TEST(Archive, AnEmptyProblem) {
@@ -256,13 +256,13 @@ TEST(ArchiveFaults, OfWhatIsSaved) {
   const auto x = est.insertRV(mtk::vect<2>(1, 2), "x");
   EXPECT_EQ(
       messageOf([&] { saved(est); }),
-      "[slom.not-in-archive] variable x is of the type vect<2>, which the archive was not told; name it by "
+      "[slom.not-in-archive] variable x is of the type vect<2>, which is not registered with the archive; name it by "
       "archive.variable<vect<2>>");
   Estimator unknown;
   unknown.insertMeasurement([](double y) { return y; }, unknown.insertRV(1.0), named("by hand"));
   EXPECT_EQ(
       messageOf([&] { saved(unknown); }),
-      "[slom.not-in-archive] the archive was not told of the type of the measurements by hand; name it by "
+      "[slom.not-in-archive] the type of the measurements by hand is not registered with the archive; name it by "
       "archive.measurement, with the function's type and those of its arguments");
   Estimator infinite;
   infinite.prior(infinite.insertRV(1.0, "y"), NAN, 1);
@@ -362,7 +362,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
   EXPECT_EQ(
       messageOf([&] { loaded("slom problem 1\nvariables \"vect<9>\"\n"); }),
       "[slom.bad-archive] FILE:2: variables \"vect<9>\" are not known to this program, which knows \"my sensor\", "
-      "\"trafo<SO3>\", \"vect<3>\", \"double\" and \"vect<-1>\"; a program that includes slom/archive.hpp can be told of more");
+      "\"trafo<SO3>\", \"vect<3>\", \"double\" and \"vect<-1>\"; a program that includes slom/archive.hpp can register more");
 }
 
 }  // namespace slom::testing

@@ -85,7 +85,7 @@ TEST(StoredPriors, FilesThatDoNotFitAreRefused) {
   std::ostringstream os;
   EXPECT_EQ(
       messageOf([&] { without.save(est, os); }),
-      "[slom.not-in-archive] the archive was not told of the type of the measurements GaussianPrior; name it by "
+      "[slom.not-in-archive] the type of the measurements GaussianPrior is not registered with the archive; name it by "
       "archive.measurement, with the function's type and those of its arguments");
 }
 

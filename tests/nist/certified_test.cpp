@@ -17,7 +17,7 @@ struct Demand {
 
 Demand demandFor(const std::string& problem) {
   // The data were generated to 14 digits from the model itself: the residuals are 1e-13, the rounding errors of the
-  // predictions 1e-16, so 2 to 3 digits of the RSS, and of sigma, are all that double precision can tell.
+  // predictions 1e-16, so 2 to 3 digits of the RSS, and of sigma, are all that double precision can resolve.
   if (problem == "Lanczos1") return {10, 2, 2};
   return {};
 }

@@ -381,18 +381,18 @@ TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
   const auto a = est.insertRV(Point(1, 2), "a"), b = est.insertRV(Point(1, 2), "b");
   est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
   est.insertMeasurement([](const auto& p) { return p; }, b);
-  EXPECT_EQ(messageOf([&] { est.updatedCovariance(a); }),
+  EXPECT_EQ(testing::messageOf([&] { est.updatedCovariance(a); }),
             "[slom.not-updated] covariances of an update were asked for variable a, but update() was never "
             "called; call update() first, or ask covariance()");
   est.update();
   EXPECT_EQ(
-      messageOf([&] { est.updatedCovariance(a); }),
+      testing::messageOf([&] { est.updatedCovariance(a); }),
       "[slom.rank-deficient] variable a has no covariance, as no measurement determines a.y; add one, or "
       "fix a.y");
   EXPECT_LT((est.updatedCovariance(b) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
   est.reinitRV(b, Point(2, 2));
   EXPECT_EQ(
-      messageOf([&] { est.updatedCovariance(b); }),
+      testing::messageOf([&] { est.updatedCovariance(b); }),
       "[slom.not-updated] covariances of an update were asked for variable b, but the problem has changed "
       "since, or optimize() took over; call update() first, or ask covariance()");
 }

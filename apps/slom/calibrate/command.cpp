@@ -212,9 +212,9 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("NAME=PATTERN ...");
   command
       .add_option("--board", raw->board.board,
-                  "what the photographs show: 9x6, a chessboard of so many inner corners;\n"
-                  "charuco:8x5:4x4_50, of so many squares, with markers of that dictionary;\n"
-                  "aprilgrid:6x6, of so many tags 36h11, as Kalibr prints it")
+                  "what the photographs show. 9x6: a chessboard with 9 by 6 inner corners;\n"
+                  "charuco:8x5:4x4_50: 8 by 5 squares with markers of the dictionary 4x4_50;\n"
+                  "aprilgrid:6x6: 6 by 6 tags 36h11, as Kalibr prints it")
       ->type_name("BOARD");
   command.add_option("--square", raw->board.square_m, "side of a square, or of a tag of an aprilgrid [m]")
       ->type_name("NUMBER");

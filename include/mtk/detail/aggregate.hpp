@@ -1,4 +1,4 @@
-/// Members of a plain aggregate: how many, references to them and, where the compiler tells, their names.
+/// Members of a plain aggregate: how many, references to them and, where the compiler reports them, their names.
 #pragma once
 
 #include <array>
@@ -104,7 +104,7 @@ constexpr std::string_view addressName() {
 }
 #endif
 
-/// Names of the members of the aggregate T; "0", "1", ... with compilers that do not tell.
+/// Names of the members of the aggregate T; "0", "1", ... with compilers that do not report them.
 template <class T>
 constexpr auto memberNames() {
   return []<std::size_t... I>(std::index_sequence<I...>) {

@@ -63,7 +63,7 @@ class S2 {
         square < S(detail::epsilon<S>),
         [&] {
           return std::array<S, 2>{S(1) - square / S(2), S(1) - square / S(6)};
-        },  // of cos(t), sin(t)/t
+        },  // series of cos(t) and sin(t)/t
         [&] {
           using std::cos;
           using std::sin;

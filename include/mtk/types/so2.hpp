@@ -53,7 +53,7 @@ class SO2 {
  public:
   using scalar = S;
   static constexpr int DOF = 1;
-  static constexpr int DIM = 2;  ///< of the space it acts on
+  static constexpr int DIM = 2;  ///< dimension of the space it acts on
   static constexpr std::array<std::string_view, 1> component_names{"angle"};
   using Matrix = Eigen::Matrix<S, 2, 2, Eigen::DontAlign>;
 

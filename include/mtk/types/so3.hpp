@@ -21,7 +21,7 @@ class SO3 {
  public:
   using scalar = S;
   static constexpr int DOF = 3;
-  static constexpr int DIM = 3;  ///< of the space it acts on
+  static constexpr int DIM = 3;  ///< dimension of the space it acts on
   static constexpr std::array<std::string_view, 3> component_names = detail::xyz_names;
   using Matrix = Eigen::Matrix<S, 3, 3, Eigen::DontAlign>;
   using Coefficients = PlainVector<S, 4>;
@@ -45,7 +45,7 @@ class SO3 {
     using std::sqrt;
     q_ /= sqrt(square);
   }
-  // Of Eigen's rotations Eigen/Core declares the names; whoever has one has included Eigen/Geometry.
+  // Eigen/Core declares the names of Eigen's rotations; a program that has one has included Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
@@ -86,7 +86,7 @@ class SO3 {
         square < S(detail::epsilon<S>),
         [&] {
           return std::array<S, 2>{(S(1) - square / S(24)) / S(2), S(1) - square / S(8)};
-        },  // of sin(t/2)/t, cos(t/2)
+        },  // series of sin(t/2)/t and cos(t/2)
         [&] {
           using std::cos;
           using std::sin;

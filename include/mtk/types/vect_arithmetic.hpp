@@ -103,7 +103,7 @@ template <int N, class S>
 vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor) {
   return detail::scaled(a, [&](const S& x) { return x / divisor; });
 }
-// By a built-in number of another type: the vector keeps its own.
+// Product with a built-in number of another type: the vector keeps its scalar type.
 template <int N, class S, class T>
   requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
 vect<N, S> operator*(const vect<N, S>& a, const T& factor) {
@@ -119,7 +119,7 @@ template <int N, class S, class T>
 vect<N, S> operator/(const vect<N, S>& a, const T& divisor) {
   return a / S(divisor);
 }
-// By a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
+// Product with a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
 template <int N, class S, class T>
   requires detail::OtherScalar<T, S>
 vect<N, promote_t<S, T>> operator*(const vect<N, S>& a, const T& factor) {

@@ -16,8 +16,8 @@ struct GroupDerivativeCheck {
   DerivativeSource source;  ///< what the library uses
   int measurements = 0;     ///< compared ones
   std::string measurement;  ///< that holds the worst entry
-  int row = 0;              ///< of the residual, from 0
-  std::string component;    ///< of a variable, by name
+  int row = 0;              ///< row of the residual, from 0
+  std::string component;    ///< name of the variable's component
   double used = 0;          ///< the entry as the library uses it
   double reference = 0;     ///< the entry by differences
   double error = 0;   ///< |used - reference| / largest entry of that variable's block in this measurement
@@ -42,13 +42,13 @@ struct DerivativeCheck {
 
 std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check);
 
-/// Evaluates measurements at the current values and differentiates them by extrapolated central differences: all, or so many of
-/// each group, spread over it evenly.
+/// Evaluates measurements at the current values and differentiates them by extrapolated central differences: all, or
+/// `most_of_group` of each group, spread over it evenly.
 DerivativeCheck compareDerivatives(const Problem& problem,
                                    int most_of_group = std::numeric_limits<int>::max());
 
-/// The groups whose derivatives are given by hand and are wrong beyond doubt, looking at so many measurements of each: by more than
-/// kDoubtful, and by more than five times what central, extrapolated and one-sided differences differ among themselves. So neither noise
+/// The groups whose derivatives are given by hand and are wrong beyond doubt, looking at `most_of_group` measurements of each: by
+/// more than kDoubtful, and by more than five times what central, extrapolated and one-sided differences differ among themselves. So neither noise
 /// nor kinks, steps and ends of a function's domain make a good derivative look wrong.
 DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group);
 

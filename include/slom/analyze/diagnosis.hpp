@@ -14,7 +14,7 @@ struct Finding {
     unmeasured_variable,  ///< no measurement depends on it
     idle_component,       ///< measurements depend on the variable, but not on this component of it
     weak,                 ///< a direction in which residuals hardly change
-    correlated,           ///< two components that can hardly be told apart
+    correlated,           ///< two components that the data hardly distinguish
     disconnected,         ///< groups of variables that no measurement connects
     idle_measurements,    ///< all of their variables are fixed
     badly_scaled,         ///< components whose influence differs by many orders of magnitude
@@ -23,15 +23,14 @@ struct Finding {
   Kind kind;
   bool is_fault;  ///< the fit has no unique solution; otherwise a hint
   std::string text;
-  std::vector<std::string>
-      names;          ///< of variables, components or groups that it is about, the most important first
-  int dimension = 0;  ///< of directions; 0 for the other kinds
+  std::vector<std::string> names;  ///< variables, components or groups concerned, the most important first
+  int dimension = 0;               ///< number of directions; 0 for the other kinds
 };
 
 struct Diagnosis {
   int residuals = 0;
   int unknowns = 0;
-  int rank = 0;  ///< of J: unknowns less the directions that change no residual
+  int rank = 0;  ///< rank of J: unknowns less the directions that change no residual
   std::vector<Finding> findings;
 
   bool isDetermined() const { return rank == unknowns; }

@@ -30,7 +30,7 @@ struct MeasurementCheck {
   double studentized = 0;  ///< sqrt(T / dof): 1 is usual
   double redundancy =
       0;  ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
-  double weight = 1;       ///< by its loss
+  double weight = 1;       ///< the weight that its loss gives it
   double statistic = 0;    ///< T
   int dof = 0;             ///< rank of Q
   double probability = 1;  ///< that a good measurement has such a T or a larger one
@@ -43,18 +43,17 @@ struct MeasurementCheck {
 struct GroupCheck {
   std::string name;
   int measurements = 0;
-  double chi2 = 0;        ///< sum of |w|^2, weights of losses not counted
-  double redundancy = 0;  ///< sum of the traces of Q: what chi2 is on average
-  double probability =
-      1;  ///< of a chi2 that is this far off or farther, to either side; 1 without redundancy
+  double chi2 = 0;         ///< sum of |w|^2, weights of losses not counted
+  double redundancy = 0;   ///< sum of the traces of Q: what chi2 is on average
+  double probability = 1;  ///< that a chi2 is this far off or farther, to either side; 1 without redundancy
   bool has_losses = false;
   int suspects = 0;
-  std::vector<MeasurementCheck> worst;  ///< by probability, the least probable first
+  std::vector<MeasurementCheck> worst;  ///< sorted by probability, the least probable first
 };
 
 struct OutlierReport {
-  double significance = 0;     ///< of each single test
-  double variance_factor = 1;  ///< by which chi2 and T were divided: 1 for Sigma::known
+  double significance = 0;     ///< significance level of each single test
+  double variance_factor = 1;  ///< divisor of chi2 and T: 1 for Sigma::known
   std::vector<GroupCheck> groups;
 
   int suspects() const;

@@ -13,7 +13,7 @@ struct PreflightGroup {
   std::string name;
   int measurements = 0;
   int residuals = 0;
-  double rss = 0;     ///< of the measurements that could be evaluated
+  double rss = 0;     ///< RSS of the measurements that could be evaluated
   std::string worst;  ///< the measurement with the longest whitened residual
   double worst_residual = 0;
 };
@@ -23,7 +23,7 @@ struct Preflight {
       faults;  ///< the fit will fail or its result be wrong: a sentence each, with a remedy
   std::vector<std::string> warnings;  ///< worth a thought
   std::vector<PreflightGroup> groups;
-  DerivativeCheck derivatives;  ///< of some measurements of each group
+  DerivativeCheck derivatives;  ///< for some measurements of each group
 
   bool ok() const { return faults.empty(); }
   std::string text() const;

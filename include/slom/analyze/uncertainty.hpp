@@ -60,7 +60,7 @@ class Marginals {
     }
     return result;
   }
-  /// Of each component.
+  /// The standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
     return detail::deviations(covariance(id));
@@ -89,7 +89,7 @@ struct Propagated {
   V value;
   Eigen::MatrixXd covariance;
 
-  /// Of each component.
+  /// The standard deviation of each component.
   Eigen::VectorXd standardDeviation() const { return detail::deviations(covariance); }
 };
 

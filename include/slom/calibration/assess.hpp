@@ -24,11 +24,11 @@ struct Verdict {
 };
 const char* toString(Verdict::Level level);
 
-/// Of a calibration that succeeded `result.quality` must be there: DataError [slom.calibration.no-quality] where it is not, or is that of
-/// another result.
+/// The verdict on a result. If the calibration succeeded, `result.quality` must be present: DataError [slom.calibration.no-quality] if it
+/// is missing or belongs to another result.
 Verdict verdictOf(const Result& result);
 
-/// Of all cameras [px].
+/// The RMS over the corners of all cameras [px].
 double rmsOfAll(const Result& result);
 
 /// A view of `result.quality->further_views`:

@@ -36,7 +36,7 @@ struct Comparison {
   std::optional<std::size_t>
       chosen;  ///< has the fewest parameters of those that predict worse by two standard errors at most
   std::vector<double>
-      standard_errors;  ///< by how many standard errors each predicts worse than the best; NaN without a fit
+      standard_errors;  ///< difference of its prediction from the best one, in standard errors; NaN without a fit
 
   std::string cut_short;  ///< empty, or why some were not tried to the end
 

@@ -31,7 +31,7 @@ struct Corner {
   int number = 0;  ///< to name it by
   vec3 world;      ///< [m], world z vertical
   vec2 pixel;      ///< [px]; the principal point comes out in the same count, from 0 or from 1
-  int line = 0;    ///< of CameraData::file, for messages; 0: it has none
+  int line = 0;    ///< line in CameraData::file, for messages; 0: it has none
 };
 
 /// What one camera saw in one image.
@@ -57,7 +57,7 @@ struct Copy {
   bool has_reading = false;                    ///< of the IMU, left out with it
 };
 
-/// Of all images of a camera [px].
+/// The size of all images of a camera [px].
 struct ImageSize {
   int width = 0, height = 0;
 };
@@ -87,7 +87,7 @@ std::string nameOf(const CameraData& camera);
 struct ImuReading {
   int image = 0;
   vec3 acc;      ///< [m/s^2], in the axes of the IMU
-  int line = 0;  ///< of ImuData::file, for messages; 0: it has none
+  int line = 0;  ///< line in ImuData::file, for messages; 0: it has none
 };
 
 struct ImuData {
@@ -110,8 +110,8 @@ struct Dataset {
 };
 
 /// Leaves out the views that repeat an earlier one of their camera, and lists them in CameraData::copies;
-/// with them the readings of the IMU of images that no camera has then. A photograph given twice is no further measurement; taken
-/// as one, it makes all uncertainties too small, and agrees with itself in cross-validation. The time grows as the number of
+/// with them the readings of the IMU of images that no camera has then. A photograph given twice does not count as a further
+/// measurement; taken as one, it makes all uncertainties too small, and agrees with itself in cross-validation. The time grows as the number of
 /// corners does, but where thousands of frames are of a camera at rest. DataError where two cameras have most
 /// of their views in common, and where of a camera's views only one is left; the data are then as they were before. Sorts the views by
 /// image number.

@@ -13,14 +13,14 @@ struct ModelDefinition;
 
 /// A lens as another program describes it.
 struct ForeignLens {
-  std::string camera_model, distortion_model;    ///< by the names that it has there; empty: it needs none
+  std::string camera_model, distortion_model;    ///< the names that it has there; empty: it needs none
   std::vector<double> intrinsics, distortion{};  ///< in the order of that program
 };
 
 /// One of the models. Cheap to copy.
 class Model {
  public:
-  /// By its name. DataError [slom.calibration.unknown-model] where there is none of that name.
+  /// The model of this name. DataError [slom.calibration.unknown-model] if there is none.
   explicit Model(std::string_view name);
   /// A member of the list.
   explicit Model(const ModelDefinition& definition) : definition_(&definition) {}
@@ -31,7 +31,7 @@ class Model {
   /// The parameters that numerator and denominator of the model let run off together where the data leave them open, so that
   /// they are held near 0 then (Settings::sigma_denominator); none in most models.
   std::vector<std::string> heldNearZero() const;
-  /// Of a lens with these parameters, in their order; nothing where the program has no such model.
+  /// The description of a lens with these parameters, in the model's order; nothing where the program has no such model.
   std::optional<ForeignLens> forOpencv(const std::vector<double>& parameters) const;
   std::optional<ForeignLens> forRos(const std::vector<double>& parameters) const;
   std::optional<ForeignLens> forKalibr(const std::vector<double>& parameters) const;
@@ -45,7 +45,7 @@ class Model {
 
 /// All of them.
 const std::vector<Model>& allModels();
-/// Those that a comparison tries unless it is told others, by rising number of parameters.
+/// The models that a comparison tries by default, by rising number of parameters.
 const std::vector<Model>& comparedModels();
 
 }  // namespace slom::calibration

@@ -14,8 +14,8 @@ namespace slom::calibration {
 
 /// A parameter of one camera or of all that is held at a value (lower == upper) or kept between two.
 struct LensConstraint {
-  std::string camera;     ///< by name; empty: all cameras
-  std::string parameter;  ///< by its name in the model: "k3"
+  std::string camera;     ///< its name; empty: all cameras
+  std::string parameter;  ///< its name in the model: "k3"
   double lower = 0, upper = 0;
 
   bool isFixed() const { return lower == upper; }
@@ -45,10 +45,10 @@ struct Settings {
   double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
   Fixed fixed;
   std::vector<LensConstraint> lens;
-  /// Of a prior at 0 of the parameters that a model is able to trade against others (Model::heldNearZero); nothing: none, unless
-  /// a fit without it fails.
+  /// Standard deviation of a prior at 0 on the parameters that a model can trade against others (Model::heldNearZero). Without a value
+  /// there is no such prior, unless a fit without it fails.
   std::optional<double> sigma_denominator;
-  int max_iterations = 100;  ///< of a fit
+  int max_iterations = 100;  ///< iteration limit of a fit
   Limits limits;
 };
 

@@ -13,12 +13,12 @@
 
 namespace slom::calibration {
 
-/// Of a pixel (u, v) [px^2].
+/// The covariance of a pixel (u, v) [px^2].
 struct PixelCovariance {
   double uu = 0, uv = 0, vv = 0;
 
   Eigen::Matrix2d matrix() const { return Eigen::Matrix2d{{uu, uv}, {uv, vv}}; }
-  /// In the direction in which it is largest [px].
+  /// The standard deviation in the direction in which it is largest [px].
   double largestStd() const;
 };
 
@@ -32,8 +32,8 @@ class PixelUncertainty {
   /// [slom.calibration.no-result] where the result did not succeed or is of other cameras or images.
   PixelUncertainty(const Dataset& data, const Result& result);
 
-  /// Of the point that is seen at `pixel` in camera `camera`, an index into Result::cameras, at this distance from the camera [m]; infinite:
-  /// of a direction. Nothing where the model has no ray for the pixel. Throws DataError [slom.calibration.bad-question] for
+  /// The covariance of the image of the point that is seen at `pixel` in camera `camera`, an index into Result::cameras, at this distance from the
+  /// camera [m]; infinite: of a direction. Nothing where the model has no ray for the pixel. Throws DataError [slom.calibration.bad-question] for
   /// a camera that is not there, a pixel that is not finite or a distance that is not positive. May be called by several threads.
   std::optional<PixelCovariance> at(std::size_t camera, const vec2& pixel,
                                     double distance_m = std::numeric_limits<double>::infinity()) const;

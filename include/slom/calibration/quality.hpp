@@ -14,7 +14,7 @@ namespace slom::calibration {
 /// The part of the plane that a camera's images cover, from (0, 0) to the last pixel [px].
 struct ImageBox {
   int width = 0, height = 0;
-  bool is_assumed = false;  ///< nobody told the size
+  bool is_assumed = false;  ///< the image size was not given
 };
 
 /// Nodes that lie evenly over an image, the outer ones on its border; row by row from the top left.
@@ -49,7 +49,7 @@ struct SplitHalfCamera {
   std::vector<double> difference_px;  ///< by node of the grid; NaN where one of them has no ray for the pixel
   double rms_px = 0, largest_px = 0;
   double expected_rms_px = 0;  ///< what noise of the stated sigma alone gives
-  double chi2 = 0;             ///< of the difference of the lens parameters
+  double chi2 = 0;             ///< chi-square of the difference of the lens parameters
   int dof = 0;
   double probability = 1;  ///< that noise alone gives such a chi2 or a larger one
 };
@@ -83,7 +83,7 @@ struct Correlations {
 /// A board that is not there yet, and what it would bring.
 struct FurtherView {
   std::size_t camera = 0;
-  vec2 pixel;               ///< of its centre in that camera
+  vec2 pixel;               ///< image of its centre in that camera
   int column = 0, row = 0;  ///< third of the image, from the top left
   double tilt_deg = 0;      ///< against the image plane
   std::string

@@ -30,10 +30,11 @@ struct CameraResult {
   SE3 left2camera;                 ///< from the reference camera; the identity for that one
   vec3 translation_std = vec3(unknown, unknown, unknown);  ///< [m]
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
-  vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
+  vec3 rotation_vector_std =
+      vec3(unknown, unknown, unknown);  ///< standard deviations of the components of log(rotation) [rad]
   std::size_t images = 0, corners = 0;
   double rms_px = 0;               ///< sqrt(sum of squared corner distances / corners)
-  double rms_px_single = unknown;  ///< of the fit of this camera without the others, where it converged
+  double rms_px_single = unknown;  ///< RMS of the fit of this camera without the others, where it converged
   std::optional<ImageSize> image_size;
   int board_symmetry = 1;           ///< CameraData::board_symmetry
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
@@ -57,8 +58,9 @@ struct ImuResult {
   std::size_t readings = 0;
   SO3 left2imu;
   vec3 rotation_std = vec3(unknown, unknown, unknown);  ///< about the axes of the reference camera [rad]
-  vec3 rotation_vector_std = vec3(unknown, unknown, unknown);  ///< of the components of log(rotation) [rad]
-  vec3 acc_bias;                                               ///< [m/s^2]
+  vec3 rotation_vector_std =
+      vec3(unknown, unknown, unknown);  ///< standard deviations of the components of log(rotation) [rad]
+  vec3 acc_bias;                        ///< [m/s^2]
   vec3 acc_bias_std = vec3(unknown, unknown, unknown);
   double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
   double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]

@@ -135,8 +135,8 @@ class GrowingMap {
   Model model_;
   std::vector<VarID<Pose>> poses_;
   std::vector<VarID<Point>> landmarks_;
-  std::vector<int> rank_;   // of each pose, by insertion; -1: it is not there
-  std::vector<int> order_;  // of insertion
+  std::vector<int> rank_;   // place of each pose in order_; -1: it is not there
+  std::vector<int> order_;  // poses in the order of insertion
   std::vector<char> is_fixed_;
   std::vector<std::vector<std::size_t>> edges_at_, sightings_at_;
 };

@@ -31,7 +31,7 @@ class LinearRelaxation {
   std::vector<char> is_fixed_;
   std::vector<double> values_;
   std::vector<Term> terms_;
-  std::vector<double> M_, C_;  // of each term
+  std::vector<double> M_, C_;  // M and C of each term
 };
 
 namespace detail {

@@ -38,9 +38,9 @@ using Symmetric = Eigen::Matrix<double, N, N, Eigen::DontAlign>;
 /// A pose or a landmark.
 template <class Value>
 struct Node {
-  long id = 0;         ///< its name in the file
-  Value value;         ///< where it starts [m, rad]
-  int line = 0;        ///< of the vertex; of the first edge that names it where the file has no vertices
+  long id = 0;   ///< its name in the file
+  Value value;   ///< where it starts [m, rad]
+  int line = 0;  ///< line of the vertex, or of the first edge that names it where the file has no vertices
   bool fixed = false;  ///< keeps its value in the fit
 };
 
@@ -49,9 +49,9 @@ template <class Datum>
 struct Edge {
   int from = 0;
   int to = 0;
-  int line = 0;                       ///< of the file
+  int line = 0;                       ///< line of the file
   Datum measured;                     ///< [m, rad]
-  Symmetric<Datum::DOF> information;  ///< of the translation, then of the rotation; as the file has it
+  Symmetric<Datum::DOF> information;  ///< translation first, then rotation; as in the file
 };
 
 /// The lines of a file that were skipped, by the words that they begin with.
@@ -74,7 +74,7 @@ struct PoseGraph {
   std::vector<Node<Pose>> poses;  ///< in the order of the file; by id where it has no vertices
   std::vector<Node<Point<Pose>>> landmarks;
   std::vector<Edge<Pose>> edges;             ///< from a pose to a pose
-  std::vector<Edge<Point<Pose>>> sightings;  ///< of a landmark from a pose
+  std::vector<Edge<Point<Pose>>> sightings;  ///< observations of a landmark from a pose
   UnknownTags unknown_tags;
 };
 

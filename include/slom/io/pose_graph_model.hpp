@@ -67,7 +67,7 @@ std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Val
 /// whitened by W with W^T W = information, so that the RSS is the sum of e^T information e.
 /// The functions of slom/initialize.hpp take it as their model.
 struct PoseGraphModel {
-  Loss loss = {};  ///< of all measurements
+  Loss loss = {};  ///< loss of all measurements
   RotationError rotation_error = RotationError::vector;
 
   void prepare(Estimator&) const {}

@@ -32,7 +32,7 @@ struct CameraProjection {
 struct Observation {
   int camera = 0;
   int point = 0;
-  int line = 0;  ///< of the file
+  int line = 0;  ///< line of the file
   mtk::vect<2> pixel;
 };
 
@@ -44,7 +44,7 @@ struct Scene {
 
   /// Prediction - observation [px].
   mtk::vect<2> residual(const Observation& observation) const;
-  /// Of all residuals, no loss, no 1/2 [px^2].
+  /// The sum of squares of all residuals, without a loss and without a factor 1/2 [px^2].
   double sumOfSquares() const;
   /// sqrt(sum of squares / observations): the root mean square of the distance to the observed pixel [px].
   double rms() const;

@@ -65,7 +65,7 @@ class Linearizer {
     std::vector<double> r, J;
     std::vector<double> plain_r, plain_J;  ///< before losses reweighted them, where the sink wants them
     double rss = 0;
-    double squared_norm = 0;  ///< of r, as the sink gets it
+    double squared_norm = 0;  ///< |r|^2, as the sink gets r
     std::vector<ConstrainedColumn> constrained;
 
     /// What went wrong.
@@ -82,7 +82,7 @@ class Linearizer {
     int group, first, last;
   };
 
-  /// Of all measurements; no range crosses the begin of a partition.
+  /// Ranges that cover all measurements; none crosses the beginning of a partition.
   static std::vector<Range> ranges(const Problem& problem, std::span<const MeasurementPlace> partitions = {});
   static void prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk);
   void addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const;
@@ -93,7 +93,7 @@ class Linearizer {
   /// Makes the columns of held components 0, in r and J of the chunk; appends what they were to `held`, where given.
   static void clearConstrained(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
                                const double* r, double* J, std::vector<ConstrainedColumn>* constrained);
-  /// The group that says that they do not move.
+  /// Sends the group of equations that fix the held components.
   void sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const;
   [[noreturn]] static void raiseNotFinite(const Problem& problem, int group, int measurement);
 

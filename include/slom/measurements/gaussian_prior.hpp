@@ -60,7 +60,7 @@ class GaussianPrior final : public RuntimeMeasurement {
   GaussianPrior(std::vector<AnyVarID> variables, const double* R, Size size, const double* b,
                 Eigen::Index length);
   void setPoint(const AnyVarID& id, const void* value);
-  /// Of variable k, which has this type.
+  /// The point of linearisation of variable k, as a value of its type.
   void setPoint(int k, const void* value);
   const void* point(int k) const;
 

@@ -1,5 +1,5 @@
-/// How a variable follows when the world that it is part of is moved, turned or scaled: what tells a free gauge from missing
-/// measurements.
+/// How a variable follows when the world that it is part of is moved, turned or scaled: this distinguishes a free gauge from
+/// missing measurements.
 #pragma once
 
 #include <array>

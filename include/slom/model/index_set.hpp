@@ -34,7 +34,7 @@ class IndexSet {
     }
     const std::vector<std::uint64_t>* words_;
     std::size_t word_;
-    std::uint64_t rest_ = 0;  // of this word, the number the iterator is at lowest
+    std::uint64_t rest_ = 0;  // remaining bits of this word; the lowest is the current number
   };
 
   bool empty() const { return size_ == 0; }

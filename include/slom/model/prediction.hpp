@@ -88,7 +88,7 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
   } else if constexpr (mtk::detail::AddsToState<Z>) {
     using N = std::remove_cvref_t<decltype(mtk::detail::stateOf(z))>;
     sink(row, x - static_cast<const N&>(mtk::detail::stateOf(z)));
-  } else {  // by its [-]
+  } else {  // the difference y [-] z
     using D = mtk::scalar_t<X>;
     mtk::PlainVector<D, mtk::DOF_v<X>> out(mtk::dof(x));
     mtk::boxminus<X>(out, x, mtk::lifted<D>(z));

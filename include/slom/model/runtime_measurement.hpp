@@ -17,7 +17,7 @@ namespace slom {
 struct RuntimeKind {
   const std::type_info* id;
   DerivativeSource derivatives;
-  std::string (*name)();  ///< of the group
+  std::string (*name)();  ///< name of the group
   bool states_noise;      ///< the residual is in units of its standard deviation
 };
 

@@ -21,7 +21,7 @@ namespace slom {
 
 using mtk::Error;
 
-/// A place in a store. A slot is used again after its variable was removed; `generation` tells the two apart.
+/// A place in a store. A slot is used again after its variable was removed; `generation` distinguishes the two.
 struct SlotRef {
   std::uint32_t slot = 0;
   std::uint32_t generation = 0;

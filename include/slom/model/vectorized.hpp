@@ -49,11 +49,11 @@ const Z& contentOf(const Measured<Z>& datum) {
 template <class Stored>
 using ContentOf = std::remove_cvref_t<decltype(contentOf(std::declval<const Stored&>()))>;
 
-/// As many unknowns as columns of packs can tell apart, besides those that mtk::preaccumulation takes.
+/// The number of unknowns that columns of packs can distinguish, besides those that mtk::preaccumulation takes.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
-/// How many measurements are evaluated at once: as many as registers are wide, unless so many derivatives (`entries` of a
-/// Jacobian) would leave the registers that another width is faster.
+/// How many measurements are evaluated at once: as many as a register has lanes, but at most 4 where the derivatives (`entries` of a
+/// Jacobian) exceed what the registers hold, which is faster.
 constexpr int packWidth(int entries) {
   return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4);
 }

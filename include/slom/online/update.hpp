@@ -19,14 +19,14 @@ struct UpdateSummary {
   bool converged = false;  ///< the promise is within the tolerance
   std::string message;     ///< why it ended, in a sentence
   double rss = 0;          ///< at the end
-  /// By how much another step would decrease the RSS, by the linear model: g^T H^-1 g. NaN where there are bounds.
+  /// The decrease of the RSS that the linear model predicts for another step: g^T H^-1 g. NaN where there are bounds.
   double promise = 0;
   int steps = 0;
   int variables_moved = 0;          ///< counted in each step
   int measurements_linearized = 0;  ///< counted each time
   int fronts_factorized = 0;        ///< parts of the factor that were computed again
   int fronts_solved = 0;   ///< parts of the factor that a gradient went up through, counted each time
-  double flops = 0;        ///< of their factorisation
+  double flops = 0;        ///< operations of their factorisation
   bool reordered = false;  ///< all variables were ordered anew
   /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
   bool used_optimize = false;

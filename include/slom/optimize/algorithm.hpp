@@ -26,13 +26,13 @@ struct StepOutcome {
   Kind kind = Kind::taken;
   double rss_before = 0;
   double rss_after = 0;
-  double predicted_decrease = 0;  ///< of the RSS, by the linear model
+  double predicted_decrease = 0;  ///< decrease of the RSS that the linear model predicts
   bool is_undamped =
       false;  ///< the step solves the linear system as it is, so that model promises no more than this
   double damping = 0;
   int trials = 0;
   Eigen::VectorXd step;
-  SolveStatus status;  ///< of the linear solver when singular
+  SolveStatus status;  ///< status of the linear solver when singular
   std::string event;   ///< what the user should know: "the Gauss-Newton step made the RSS grow; ..."
 };
 

@@ -102,7 +102,7 @@ class Evaluator {
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// The step with this damping, in which such unknowns stay where they are.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
-  /// By how much the linear model says that d makes the RSS smaller: -(2 g d + |J d|^2).
+  /// The decrease of the RSS that the linear model predicts for the step d: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
   /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
   double predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const;
@@ -110,9 +110,10 @@ class Evaluator {
   /// Whether a change of the RSS may be rounding error, and that of the residuals is often many times larger than that of
   /// their sum of squares.
   bool mayBeRounding(double change) const;
-  static constexpr double kRounding = 1e-14;  ///< of a sum of squares, relative
-  static constexpr double kNoise = 1e-13;     ///< of a difference of two sums, relative to them
-  static constexpr double kNothing = 1e-30;   ///< of it, that a step still worth a trial promises
+  static constexpr double kRounding = 1e-14;  ///< relative rounding error of a sum of squares
+  static constexpr double kNoise = 1e-13;  ///< rounding error of a difference of two sums, relative to them
+  static constexpr double kNothing =
+      1e-30;  ///< least predicted decrease, relative to the RSS, of a step worth a trial
   /// Whether a step nearly without damping promises so little that it is for Convergence to judge, not for shorter steps.
   bool isNearlyNothing(double promised, const Options& options) const {
     return promised <= std::min(std::max(options.decrease_tolerance, kRounding) * rss_,

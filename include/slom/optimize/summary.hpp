@@ -123,8 +123,8 @@ struct Options {
 struct LossSummary {
   std::string loss;       ///< `Huber(1.345)`
   int measurements = 0;   ///< that have it
-  int down_weighted = 0;  ///< of these, with a weight below 1/2 at the end
-  int weightless = 0;     ///< of these, with weight 0
+  int down_weighted = 0;  ///< those with a weight below 1/2 at the end
+  int weightless = 0;     ///< those with weight 0
 };
 
 struct GroupSummary {
@@ -186,7 +186,7 @@ struct Summary {
   PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;
   std::vector<ParameterSummary> parameters;      ///< when there are no more than Options::most_parameters
-  std::vector<CorrelationSummary> correlations;  ///< of these the strongest, from 0.95 on
+  std::vector<CorrelationSummary> correlations;  ///< the strongest of these parameters, from 0.95 on
   std::vector<IterationRecord> trace;
 
   // Compiled once, not in every file that fits something.

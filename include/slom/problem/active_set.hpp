@@ -80,7 +80,7 @@ class ActiveSet {
   const Constraints& of(int variable) const { return constraints_[at(place_[at(variable)])]; }
   /// Those of the variable, made if there are none.
   Constraints& make(int variable);
-  /// Forgets constraints that are none, and books those that are.
+  /// Removes empty constraints and indexes the others.
   void tidy(int variable);
 
   std::vector<char> is_optimized_;        // by variable

@@ -23,8 +23,8 @@ struct Change {
     measurement_removed,   ///< the last one of its pool has taken its index
   };
   Kind kind;
-  int index;      ///< of the variable in the table, or of the measurement in its pool
-  int pool = -1;  ///< of a measurement
+  int index;      ///< index of the variable in the table, or of the measurement in its pool
+  int pool = -1;  ///< pool of the measurement
 
   bool operator==(const Change&) const = default;
 };

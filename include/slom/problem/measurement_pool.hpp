@@ -49,12 +49,13 @@ class RuntimeMeasurement;
 /// What all measurements of a type have in common.
 struct MeasurementType {
   const std::type_info* id;
-  int arity;       ///< number of variables that each measurement depends on
-  int rows;        ///< length of the residual, Dynamic when each has its own
-  const int* dof;  ///< of each variable, Dynamic when known only at run time; null: of all
+  int arity;  ///< number of variables that each measurement depends on
+  int rows;   ///< length of the residual, Dynamic when each has its own
+  const int*
+      dof;  ///< degrees of freedom of each variable, Dynamic when known only at run time; null: all are
   DerivativeSource derivatives;
   std::string (*const* variable_type)();  ///< name of the type of each variable; null: the stores know it
-  std::string (*name)();                  ///< of the measurements
+  std::string (*name)();                  ///< name of the measurements
   /// The caller owns the pool.
   MeasurementPool* (*make_pool)(const std::string& name, const std::string& label,
                                 const MeasurementType& type, const std::vector<VariableRecord>& table,
@@ -202,9 +203,9 @@ class MeasurementPool {
   detail::Pimpl<Losses> losses_;  // the different ones
   int loss_count_ = 0;
   std::vector<long> serial_;
-  std::vector<std::uint32_t> slot_;        // of each measurement
+  std::vector<std::uint32_t> slot_;        // slot of each measurement
   std::vector<int> index_of_slot_;         // -1: free
-  std::vector<std::uint32_t> generation_;  // of each slot
+  std::vector<std::uint32_t> generation_;  // generation of each slot
   std::vector<std::uint32_t> free_slots_;
   int group_ = 0;
   long own_inserted_ = 0;

@@ -186,7 +186,7 @@ class Problem {
     SlotRef ref;
   };
   struct Uses;
-  /// Of a variable, in no order that is to be relied on.
+  /// The measurements that depend on a variable, in unspecified order.
   const std::vector<Use>& usesOf(int variable) const;
   void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
   /// Pools of run-time kinds differ in arity, too; 0: the first of any arity.
@@ -196,7 +196,7 @@ class Problem {
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
   void registerConstraint(int variable);
   double distanceTo(int variable, const void* value) const;
-  /// Of all there is, for the logs.
+  /// The number of variables and measurements, which limits the length of the logs.
   std::size_t size() const { return table_.size() + measurement_count_; }
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
   int reserveVariable();
@@ -209,8 +209,8 @@ class Problem {
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
   ActiveSet active_;
-  mutable detail::Pimpl<Uses> uses_;   // of variables by measurements, once somebody has asked
-  std::vector<int> variables_of_new_;  // of the measurement that is being inserted
+  mutable detail::Pimpl<Uses> uses_;   // measurements of each variable; made at the first query
+  std::vector<int> variables_of_new_;  // variables of the measurement that is being inserted
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   int group_count_ = 0;

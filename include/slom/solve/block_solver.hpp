@@ -33,7 +33,7 @@ struct BlockSolverOptions {
   /// norms of the preconditioner and of the diagonal: roughly at first, superlinearly near the minimum.
   ///   source   Nocedal and Wright, "Numerical Optimization", 2006, section 7.1
   double forcing = 0.1;
-  int max_iterations = 500;  ///< of conjugate gradients, in each step
+  int max_iterations = 500;  ///< limit of conjugate gradient iterations in each step
 };
 
 /// Solves (J^T J + damping) d = -J^T r. The order of elimination and the layout of the factor are found on the graph of

@@ -29,7 +29,7 @@ struct SolverSeconds {
 /// Work done since construction.
 struct SolverCounts {
   long analyses = 0;        ///< symbolic
-  long factorizations = 0;  ///< of conjugate gradients: preconditioners
+  long factorizations = 0;  ///< with conjugate gradients: preconditioners
 };
 
 /// Blocks of H^-1. `block` writes that of two blocks of unknowns, dof_a x dof_b, column-major; it is there for every block

@@ -11,7 +11,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Of finite numbers: comparisons with NaN are false.
+/// Whether all |x_i| <= most. False for NaN, as comparisons with NaN are.
 template <class Vector>
 bool isWithin(const Vector& x, double most) {
   return (x.array().abs() <= most).all();

@@ -83,7 +83,7 @@ class CornersOfView {
   std::size_t first_, step_;
 };
 
-/// By the reference camera. The camera may be known.
+/// Corners as the reference camera sees them. The camera may be known.
 struct ViewOfLeft : CornersOfView {
   using CornersOfView::CornersOfView;
   Eigen::VectorXd operator()(const auto& camera, const SE3& left2world) const {
@@ -97,7 +97,7 @@ struct ViewOfLeft : CornersOfView {
   }
 };
 
-/// By another camera. This and left2camera may be known.
+/// Corners as another camera sees them. The camera and left2camera may be known.
 struct ViewOfOther : CornersOfView {
   using CornersOfView::CornersOfView;
   void jacobian(const auto& camera, const SE3& left2camera, const SE3& left2world, auto& by_camera,

@@ -32,7 +32,7 @@ class RigProblem {
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
   RigStart rig() const;
-  /// Of the distances of all corners from where they were found [px].
+  /// The RMS distance of all projected corners from their measured pixels [px].
   double rmsOfAll() const;
 
  private:
@@ -57,7 +57,7 @@ class RigProblem {
   VarID<mtk::Scalar<>> gravity_;
 };
 
-/// What is wrong, without the library's id before it and its remedy for programmers behind it.
+/// The fault alone, without the library's id and without the remedy, which is for programmers.
 std::string sentenceOf(const slom::Error& error);
 
 // ---- implementation

@@ -16,7 +16,7 @@ Result calibrateFrom(const Result& start, const Dataset& data, const Settings& s
 /// them.
 void judge(Comparison& comparison);
 
-/// What is wrong, without the library's id before it and its remedy for programmers behind it.
+/// The fault alone, without the library's id and without the remedy, which is for programmers.
 std::string sentenceOf(const mtk::Error& error);
 
 }  // namespace slom::calibration

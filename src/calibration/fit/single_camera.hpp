@@ -20,7 +20,7 @@
 
 namespace slom::calibration {
 
-/// Of fits whose results others start from: five digits of the RMS.
+/// Tolerance of fits whose results are start values of others: five digits of the RMS.
 inline constexpr double rough_tolerance = 1e-6;
 /// How near to the solution fits end, in standard deviations: what is printed has no more digits.
 inline constexpr double enough_deviations = 1e-4;
@@ -83,7 +83,7 @@ SE3 poseResolvingAmbiguity(const Camera& camera, const PlaneView& plane, const S
   return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
 }
 
-/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is no better.
+/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is not better.
 template <class Camera>
 void fitIntrinsics(const CameraData& data, FitAlone<Camera>& fit, const Settings& settings) {
   Estimator est;
@@ -143,7 +143,7 @@ FitAlone<Camera> fitAloneFrom(const Camera& camera, const Pinhole& pinhole, cons
   return fit;
 }
 
-/// Of a model that has several minima, one start in the reach of each.
+/// Start values of the intrinsics: for a model with several minima, one in the basin of attraction of each.
 template <class Camera>
 std::vector<Camera> startsFrom(const Pinhole& pinhole) {
   if constexpr (requires { Camera::startsFromPinhole(pinhole); }) {

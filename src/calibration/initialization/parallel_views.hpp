@@ -14,8 +14,8 @@ namespace slom::calibration {
 ///   source   Zhang, "A flexible new technique for camera calibration", 2000, section 4 (degenerate configurations)
 double normalSpread(const std::vector<PlaneView>& views);
 
-/// A sentence when the boards that each of the cameras sees are parallel, within 2 degrees; empty otherwise. `views` by camera,
-/// of so many images.
+/// A sentence when the boards that each of the cameras sees are parallel, within 2 degrees; empty otherwise. `views`: by camera;
+/// `images`: the number of images.
 std::string parallelViews(const std::vector<std::vector<PlaneView>>& views, std::size_t images);
 
 }  // namespace slom::calibration

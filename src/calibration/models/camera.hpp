@@ -70,7 +70,7 @@ LensDerivatives<Camera<double>::DOF> differentiate(const Camera<double>& lens, c
   return d;
 }
 
-/// By the function of the model where it has one, whatever is included first.
+/// Derivatives of the projection, from the model's own function where it has one, whatever the order of includes.
 template <class Camera>
 auto derivativesOf(const Camera& lens, const Eigen::Vector3d& point) {
   return differentiate(lens, point);

@@ -22,7 +22,7 @@ struct ModelDefinition {
   std::string name;
   std::vector<std::string> parameters;
   std::vector<int> held_near_zero;  ///< parameters of the prior Settings::sigma_denominator
-  bool is_compared;                 ///< by comparedModels()
+  bool is_compared;                 ///< it is in comparedModels()
 
   Result (*calibrate)(const Dataset&, const Settings&, const Progress&);
   Result (*calibrate_from)(const Result& start, const Dataset&, const Settings&);

@@ -42,7 +42,7 @@ struct DoubleSphere : slom::detail::CentredLens<6, S> {
     return this->toPixels(x / w, y / w);
   }
 
-  /// Of the pinhole that it is near the axis.
+  /// The camera matrix of the pinhole that approximates it near the axis.
   Eigen::Matrix3d cameraMatrix() const {
     const double w = 1 + (*this)[4];
     return Pinhole{this->fx() / w, this->fy() / w, this->cx(), this->cy()}.matrix();

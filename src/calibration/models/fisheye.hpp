@@ -28,7 +28,7 @@ struct Fisheye : FisheyeIntrinsics<S> {
   std::optional<ForeignLens> forKalibr() const { return withPinhole(*this, "equidistant", 4); }
 };
 
-/// By hand; see docs/decisions/calibration_derivatives.md.
+/// Derivatives written by hand; see docs/decisions/calibration_derivatives.md.
 inline LensDerivatives<8> differentiate(const Fisheye<>& lens, const Eigen::Vector3d& point) {
   const double x = point.x(), y = point.y(), z = point.z(), r2 = x * x + y * y, R2 = r2 + z * z;
   const bool on_axis = z > 0 && r2 < 1e-15 * z * z;  // as FisheyeIntrinsics

@@ -118,7 +118,7 @@ struct Radial1 : mtk::vect<4, S> {
 
 namespace detail {
 
-/// Of opencv8, or of a model that has the first N of its parameters.
+/// Derivatives of opencv8, or of a model that has the first N of its parameters.
 template <int N>
 LensDerivatives<N> differentiateOpencv(const double* c, const Eigen::Vector3d& point) {
   const auto parameter = [&](int i) { return i < N ? c[i] : 0.0; };

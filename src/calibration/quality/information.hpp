@@ -66,11 +66,11 @@ class Information {
  public:
   explicit Information(const SharedColumns& columns);
   void add(const Information& images);
-  /// Of two disjoint sets of images of one rig.
+  /// Sets it to the sum of two disjoint sets of images of one rig.
   void setSum(const Information& a, const Information& b);
   /// The prior Settings::sigma_denominator, where the result has it.
   void addPrior(const FittedRig& rig);
-  /// Of the shared parameters; 0 for those that are not estimated.
+  /// The covariance of the shared parameters; 0 for those that are not estimated.
   Eigen::MatrixXd covariance() const;
 
  private:
@@ -80,7 +80,7 @@ class Information {
 
   std::vector<int> free_;
   int all_;                 // shared parameters, free or not
-  Eigen::MatrixXd shared_;  // of the free ones, sum of Lambda: the lower triangle
+  Eigen::MatrixXd shared_;  // sum of Lambda for the free parameters: the lower triangle
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_shared_;      // F, likewise
   Matrix6 motion_ = Matrix6::Zero(), noise_ = Matrix6::Zero();  // G, N
 };
@@ -109,7 +109,7 @@ struct Posterior {
   Matrix6 noise_root_;                                         // its square is G^-1 N G^-1
 };
 
-/// By image number.
+/// The observation of each image, by its number.
 std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& rig);
 
 }  // namespace slom::calibration

@@ -24,7 +24,7 @@ Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
 }  // namespace
 
 std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
-  constexpr double longest_leg = 0.06;  // of a walk [rad], about
+  constexpr double longest_leg = 0.06;  // approximate limit [rad]
   constexpr int most_steps = 8;
   PointProjection at = differentiateByPoint(ray);
   const vec2 start = at.pixel;

@@ -39,7 +39,7 @@ class Lens {
   std::optional<vec3> unproject(const vec2& pixel, vec3 from = vec3(0., 0., 1.)) const;
 
  protected:
-  double scale_ = 0;  ///< of the image about the optical axis [px/rad]
+  double scale_ = 0;  ///< scale of the image about the optical axis [px/rad]
 };
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera);

@@ -63,7 +63,7 @@ SE3 placed(const FittedRig& rig, std::size_t c, const Target& board, const vec3&
 /// as well where a distortion polynomial folds back.
 struct FieldOfView {
   ImageBox box;
-  double least_cosine = 1;  ///< of the angle of a ray of the image with the optical axis
+  double least_cosine = 1;  ///< cosine of the largest angle between a ray of the image and the optical axis
 
   bool holds(const Lens& lens, const vec3& point) const {
     if (!(point.z() > least_cosine * point.norm())) return false;
@@ -148,7 +148,7 @@ struct WorstPoint {
   DirectedPoint point{};
 };
 
-/// Of all points, or one whose standard deviation is not below `limit`.
+/// The point with the largest standard deviation; the search ends early at one whose standard deviation is not below `limit`.
 WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior& posterior, double limit) {
   WorstPoint worst;
   for (const ProjectedPoints& part : parts) {

@@ -12,7 +12,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Of two rows of pixels each; the directions in which they are largest.
+/// The standard deviation of each pixel in the direction in which it is largest. Columns 2i and 2i + 1 belong to u and v of pixel i.
 std::vector<double> largestStds(const Eigen::MatrixXd& whitened) {
   std::vector<double> result;
   for (Eigen::Index i = 0; i < whitened.cols(); i += 2) {

@@ -21,7 +21,7 @@ namespace slom::calibration {
 /// of its own, so that one point serves for several.
 struct ProjectedPoint {
   Eigen::Matrix<double, 2, Eigen::Dynamic> by_shared;  ///< the frame held
-  Eigen::Matrix<double, 2, 6> by_motion;               ///< of the frame: translation, rotation
+  Eigen::Matrix<double, 2, 6> by_motion;               ///< motion of the frame: translation, rotation
 
   /// 2 x 2 [px^2].
   Eigen::Matrix2d covariance(const Posterior& posterior) const;
@@ -56,18 +56,18 @@ class ProjectedPoints {
 class CameraPosterior {
  public:
   CameraPosterior(const FittedRig& rig, const Posterior& posterior, std::size_t c);
-  /// Of the pixel of distance * ray; the distance may be infinite.
+  /// The covariance of the pixel of distance * ray; the distance may be infinite.
   PixelCovariance covarianceAt(const vec3& ray, double distance_m) const {
     return spreadOf(ray).at(distance_m);
   }
-  /// Of the pixels of the rays that are there, at infinity [px].
+  /// Standard deviations of the pixels of the rays that are present, at infinity [px].
   std::vector<double> stdOfRays(const std::vector<std::optional<vec3>>& rays) const;
-  /// Over a grid, whose rays these are, at distances that may be infinite. Without summary figures where no node has a ray.
+  /// Maps over a grid, whose rays these are, at distances that may be infinite. Without summary figures where no node has a ray.
   std::vector<ProjectionUncertainty> maps(const ImageGrid& grid, const std::vector<std::optional<vec3>>& rays,
                                           const std::vector<double>& distances_m) const;
 
  private:
-  static constexpr int most = 12;  // parameters of a lens; of others the last columns are 0
+  static constexpr int most = 12;  // parameters of a lens; with fewer, the last columns are 0
   /// The covariance of a pixel, far + mixed / distance + near / distance^2 [px^2].
   struct Spread {
     Eigen::Matrix2d far, mixed, near;
@@ -77,7 +77,7 @@ class CameraPosterior {
 
   const Lens& lens_;
   Eigen::Matrix3d left2camera_;
-  using Column = std::array<Eigen::Array4d, (most + 6 + 3) / 4>;  // by four rows at once
+  using Column = std::array<Eigen::Array4d, (most + 6 + 3) / 4>;  // in groups of four rows
   std::array<Column, most + 6> root_;  // upper triangle whose square is the covariance of (t, s, p)
 };
 

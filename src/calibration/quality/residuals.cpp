@@ -6,9 +6,9 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double most_px = 1e6;  // of an assumed size
+constexpr double most_px = 1e6;  // limit of an assumed size
 
-/// Of cameras' images [px].
+/// Usual sizes of cameras' images [px].
 constexpr std::pair<int, int> usual_sizes[] = {
     {320, 240},   {640, 360},   {640, 400},   {640, 480},   {752, 480},   {800, 600},   {848, 480},
     {960, 540},   {1024, 768},  {1280, 720},  {1280, 800},  {1280, 960},  {1280, 1024}, {1440, 1080},

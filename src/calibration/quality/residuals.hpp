@@ -7,7 +7,7 @@
 
 namespace slom::calibration {
 
-/// Of all corners of a camera, by image.
+/// The residuals of all corners of a camera, by image.
 std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig& rig, std::size_t camera);
 
 /// The `count` corners of all cameras with the largest residuals, the worst first.

@@ -34,7 +34,7 @@ struct Half {
 /// A node that both halves have a ray for.
 struct Compared {
   int node;
-  vec3 ray;  ///< by the first half
+  vec3 ray;  ///< ray according to the first half
   vec2 difference;
   Lens::PointProjection at;  ///< in the second half
   double weight;
@@ -89,8 +89,8 @@ double expectedSquare(const std::vector<Compared>& nodes, const Lens& second,
   return sum / double(nodes.size());
 }
 
-/// Of a chi-square variable to be as large or larger (Wilson and Hilferty, "The distribution of chi-square",
-/// 1931).
+/// The probability that a chi-square variable is as large or larger (Wilson and Hilferty, "The distribution of
+/// chi-square", 1931).
 double probabilityOf(double chi2, int dof) {
   if (dof == 0) return 1;
   const double z = (std::cbrt(chi2 / dof) - (1 - 2 / (9.0 * dof))) / std::sqrt(2 / (9.0 * dof));

@@ -13,10 +13,11 @@ namespace slom::calibration {
 
 class VarianceBound {
  public:
-  /// Of a number, by its rows a and e; nearly its variance for images that know about as much as `knowledge`.
+  /// The bound for a number with rows a (`by_shared`) and e (`by_motion`); close to its variance for images that determine
+  /// the parameters about as well as `posterior`.
   VarianceBound(const Eigen::RowVectorXd& by_shared, const Eigen::Matrix<double, 1, 6>& by_motion,
                 const Posterior& posterior);
-  /// For what these images know.
+  /// The bound of the variance that these images give.
   double of(const Information& images) const;
 
  private:

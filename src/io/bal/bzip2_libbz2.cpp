@@ -87,7 +87,7 @@ class Decompressor {
   std::string_view rest_;
   std::size_t packed_, allowed_;  // sizes [bytes]
   std::string text_;
-  std::size_t size_ = 0;  // of what has been written into text_
+  std::size_t size_ = 0;  // characters written into text_
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace bal {
 namespace {
 
 constexpr double most_px = 1e6;                               // magnitude of a coordinate in an image [px]
-constexpr double least_focal_px = 1e-3, most_focal_px = 1e9;  // of a focal length [px]
+constexpr double least_focal_px = 1e-3, most_focal_px = 1e9;  // limits of a focal length [px]
 constexpr std::array<const char*, 9> camera_parts{
     "rotation x", "rotation y", "rotation z", "translation x", "translation y", "translation z",
     "f",          "k1",         "k2"};

@@ -50,7 +50,7 @@ class Lines {
   std::string_view tag_;
   const char* form_ = "";
   int line_number_ = 0;
-  int count_ = 0;  // of words that are expected
+  int count_ = 0;  // number of words expected
   int word_ = 0;   // number of the last one read, from 1
 };
 

@@ -24,8 +24,8 @@ struct FixedVertex {
 template <class Pose>
 struct RawGraph {
   PoseGraph<Pose> graph;            ///< its edges do not know their nodes yet
-  std::vector<Ends> edge_ends;      ///< of graph.edges
-  std::vector<Ends> sighting_ends;  ///< of graph.sightings
+  std::vector<Ends> edge_ends;      ///< ends of graph.edges
+  std::vector<Ends> sighting_ends;  ///< ends of graph.sightings
   std::vector<FixedVertex> fixed;
 
   template <class Value, class Read>

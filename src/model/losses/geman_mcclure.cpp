@@ -5,7 +5,7 @@ namespace slom {
 namespace {
 
 LossValue gemanMcClure(double t, double) {
-  const double root = 1 / (1 + t);  // of the weight
+  const double root = 1 / (1 + t);  // square root of the weight
   return {t * root, root * root, -2 * root * root * root};
 }
 

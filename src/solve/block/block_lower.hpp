@@ -38,7 +38,7 @@ class BlockLower {
  private:
   std::vector<int> dof_;
   std::vector<int> column_, row_;
-  std::vector<std::size_t> start_;  // of each block's values; one more for the end
+  std::vector<std::size_t> start_;  // first value of each block; one more for the end
   std::size_t diagonal_size_ = 0;
   dense::BigArray values_;
 };

@@ -20,11 +20,11 @@ namespace {
 
 /// The model that the choice of the method rests on.
 constexpr double kSecondsPerOperation = 5e-11;
-constexpr double kSecondsPerEntry = 2e-9;  // of H, in a product with it, which waits for memory
+constexpr double kSecondsPerEntry = 2e-9;  // entries of H in a product with it, which waits for memory
 constexpr double kReducedIterations = 100, kWholeIterations = 1000;
 constexpr double kWorthBeingInexact = 5;      // exact steps need fewer iterations of the fit
 constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
-constexpr double kMostPairs = 4e9;            // of blocks that meet in an eliminated one
+constexpr double kMostPairs = 4e9;            // pairs of blocks that meet in an eliminated one
 
 double entries(const BlockGraph& graph) {
   double sum = 0;
@@ -43,7 +43,7 @@ double entries(const Fronts& fronts) {
   return sum;
 }
 
-/// Of blocks that meet in an eliminated one.
+/// Number of pairs of neighbours that the eliminated blocks have.
 double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   double sum = 0;
   for (int b = 0; b < graph.size(); ++b) {
@@ -53,7 +53,7 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   return sum;
 }
 
-/// Of each block in the order of elimination: `first`, and after them `block`, at these positions of their own.
+/// Permutation: the blocks of `first`, then those of `block`, in the order of their `position`. The result is by block.
 std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block,
                                  const std::vector<int>& position) {
   std::vector<int> result(first.size() + block.size());
@@ -187,8 +187,8 @@ class Choice {
   const BlockSolverOptions& options_;
   NormalEquations& equations_;
   const BlockGraph graph_;
-  std::vector<char>
-      points_;  // of each block, whether it is eliminated with others that it never meets; empty: none
+  /// Whether each block is eliminated with others that it never meets; empty: none is.
+  std::vector<char> points_;
 };
 
 }  // namespace

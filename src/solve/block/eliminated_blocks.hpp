@@ -49,7 +49,7 @@ class EliminatedBlocks {
 
  private:
   int count_ = 0;
-  std::vector<std::size_t> start_;  // of each factor
+  std::vector<std::size_t> start_;  // first entry of each factor
   std::vector<double> factors_;
 };
 

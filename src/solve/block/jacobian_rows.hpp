@@ -52,7 +52,7 @@ class JacobianRows {
   struct Group {
     std::vector<int> row;  // first residual of each measurement; one more for the end
     std::vector<int> dof;
-    std::vector<std::size_t> start;  // of its J
+    std::vector<std::size_t> start;  // first entry of the J of each measurement
     std::vector<double> r, J;
   };
   template <class F>

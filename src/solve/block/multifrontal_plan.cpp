@@ -107,7 +107,7 @@ void MultifrontalCholesky::relate() {
   runs_.clear();
   relative_.clear();
   std::vector<int> local(fronts_.order.size(),
-                         0);  // of each position in the front at hand: its first row there
+                         0);  // first row of each position in the current front
   const auto dof = [&](int position) {
     return fronts_.offset[at(position) + 1] - fronts_.offset[at(position)];
   };

@@ -78,7 +78,7 @@ int MultifrontalQR::columnIn(int f, int position) const {
 /// memory than a few times its columns squared.
 class MultifrontalQR::Panel {
  public:
-  /// For so many rows in all, in parts of up to `largest`.
+  /// Reserves room for `rows` rows, in blocks of at most `largest`.
   Panel(Eigen::Index rows, Eigen::Index largest, Eigen::Index columns)
       : A_(MatrixXd::Zero(std::min(rows, std::max(kManyRows * columns, columns + largest)), columns)) {}
 

@@ -40,9 +40,9 @@ class MultifrontalQR {
 
   const BlockStructure* structure_ = nullptr;
   Fronts fronts_;
-  std::vector<int> row_column_;            // of each entry of Fronts::row: its first column in the front
-  std::vector<std::vector<int>> unknown_;  // of each front's columns
-  std::vector<std::vector<Measurement>> measurements_;  // that begin in each front
+  std::vector<int> row_column_;            // for each entry of Fronts::row, its first column in the front
+  std::vector<std::vector<int>> unknown_;  // unknowns of the columns of each front
+  std::vector<std::vector<Measurement>> measurements_;  // measurements that begin in each front
   std::vector<std::vector<int>> children_, levels_;  // the fronts of a level need those of the levels before
   std::vector<Eigen::MatrixXd> R_;                   // p x (p + u + 1), the right-hand side last
   std::vector<Eigen::MatrixXd> rest_;                // k x (u + 1), for the parent

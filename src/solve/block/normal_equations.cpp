@@ -49,8 +49,8 @@ void NormalEquations::findDestinations() {
   place_of_.assign(partitions_.empty() ? 0 : structure_->groups.size(), {});
   accumulators_.clear();
   accumulator_size_ = 0;
-  std::vector<signed char> met(at(count), -1), touched(at(blocks), -1);  // by which partition last
-  std::vector<int> place(at(count));                  // of each block met, in that partition
+  std::vector<signed char> met(at(count), -1), touched(at(blocks), -1);  // the last partition that did
+  std::vector<int> place(at(count));                  // place of each block met, in that partition
   std::unordered_map<int, int> accumulator_of_block;  // off the diagonal, the latest one
   const auto make_accumulator = [&](int block, int column, int size) {
     accumulators_.push_back({block, column, accumulator_size_});

@@ -30,13 +30,13 @@ class NormalEquations {
   std::span<const MeasurementPlace> partitions() const { return partitions_; }
 
   const BlockLower& H() const { return H_; }
-  /// By unknown, in the order of the structure; so are the others.
+  /// g = J^T r. As the other vectors, indexed by unknown in the order of the structure.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// Of H.
+  /// The diagonal of H.
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
   /// d^T H d
   double squaredNormOfJd(const Eigen::VectorXd& d) const;
-  /// Of a block of the structure, in the order of elimination.
+  /// The position of a block of the structure in the order of elimination.
   int position(int block) const { return place_[static_cast<std::size_t>(block)].column; }
   /// First unknown of each position.
   const std::vector<int>& offset() const { return offset_; }
@@ -56,7 +56,7 @@ class NormalEquations {
   /// A private accumulator of a partition: it is added to a block of H and, where that is on the diagonal, to its entries of g.
   struct Accumulator {
     int block, column;
-    std::size_t start;  ///< of its entries
+    std::size_t start;  ///< first of its entries
   };
   void findDestinations();
   void placeAccumulators();
@@ -71,13 +71,13 @@ class NormalEquations {
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<Place> place_;  // by block of the structure; after them those of accumulators
+  std::vector<Place> place_;  // place of each block of the structure; after these, those of accumulators
   std::vector<int> offset_;
-  std::vector<std::vector<Destination>> destination_;  // of each group: measurement x pairs (k < l)
+  std::vector<std::vector<Destination>> destination_;  // for each group: measurement x pairs (k < l)
   std::vector<MeasurementPlace> partitions_;           // where they begin; empty: there is only one
   std::vector<Accumulator>
       accumulators_;  // in the order of the partitions; destinations number them after the blocks of H
-  /// Of each group: measurement x arity, into place_. Empty where there are no accumulators: then places are blocks.
+  /// Indices into place_, for each group: measurement x arity. Empty where there are no accumulators: then places are blocks.
   std::vector<std::vector<int>> place_of_;
   dense::BigArray accumulator_values_;
   std::size_t accumulator_size_ = 0;

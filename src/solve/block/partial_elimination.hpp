@@ -48,10 +48,10 @@ class PartialElimination final : public Elimination {
   BlockLower S_;
   double flops_ = 0;
   std::vector<Column> columns_;
-  std::vector<int> dof_;           // of each column
-  std::vector<int> height_, row_;  // of the blocks below the diagonal ones; positions in H
-  std::vector<double*> target_;    // of the pairs (i, j <= i) of blocks below: a block of factor_ or S_
-  std::size_t diagonal_size_ = 0, below_size_ = 0;  // of what is eliminated
+  std::vector<int> dof_;           // degrees of freedom of each column
+  std::vector<int> height_, row_;  // heights of the blocks below the diagonal ones, and their positions in H
+  std::vector<double*> target_;    // for each pair (i, j <= i) of blocks below: a block of factor_ or S_
+  std::size_t diagonal_size_ = 0, below_size_ = 0;  // sizes of the eliminated part
   dense::BigArray factor_;
   std::vector<double> least_;  // pivots, by unknown in the order of elimination
 };

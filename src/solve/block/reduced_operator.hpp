@@ -39,7 +39,7 @@ class ReducedOperator {
 
  private:
   struct Neighbour {
-    int block, column;  // of H, left of the diagonal
+    int block, column;  // block of H left of the diagonal, and its column
   };
   int dof(int c) const {
     return start_[static_cast<std::size_t>(c) + 1] - start_[static_cast<std::size_t>(c)];
@@ -51,13 +51,13 @@ class ReducedOperator {
   const BlockLower* H_ = nullptr;
   Preconditioner preconditioner_ = Preconditioner::schur_jacobi;
   EliminatedBlocks eliminated_;
-  std::vector<int> start_;                     // of each block that is left
-  std::vector<int> first_;                     // of each block that is left, in neighbours_
+  std::vector<int> start_;                     // first unknown of each block that is left
+  std::vector<int> first_;                     // first neighbour of each block that is left
   std::vector<Neighbour> neighbours_;          // in its row of H
-  std::vector<std::size_t> eliminated_start_;  // of each eliminated block in images_
+  std::vector<std::size_t> eliminated_start_;  // start of each eliminated block in images_
   std::vector<double> images_;                 // -V^-1 W^T x
-  std::vector<Eigen::MatrixXd> diagonal_;      // of H_cc + damping
-  std::vector<Eigen::MatrixXd> inverse_;       // of the preconditioner's diagonal blocks
+  std::vector<Eigen::MatrixXd> diagonal_;      // diagonal blocks of H_cc + damping
+  std::vector<Eigen::MatrixXd> inverse_;       // inverses of the preconditioner's diagonal blocks
   Eigen::VectorXd term_, image_;
 };
 

@@ -80,7 +80,7 @@ class SchurComplement::Places {
     return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
   }
 
-  std::vector<int> count;  // of each block, and of those of the right-hand side
+  std::vector<int> count;  // pairs of each block, and of those of the right-hand side
   std::vector<int> found;  // blocks, of the pairs of a wave
 
  private:

@@ -37,7 +37,7 @@ class SchurComplement final : public Elimination {
   /// A block of S, or after all these one of the right-hand side, in a wave of eliminated blocks: what it takes from them.
   struct Meeting {
     int block;
-    int first;  ///< of its pairs
+    int first;  ///< first of its pairs
   };
   class Places;
   /// What the Schur terms of eliminated blocks are subtracted from: S and b, or a private accumulator that begins as 0.
@@ -63,18 +63,18 @@ class SchurComplement final : public Elimination {
   double flops_;
   int depth_ = 0;                   // columns of each block of Y
   std::vector<Meeting> meeting_;    // wave after wave, in each by block; one more for the end
-  std::vector<int> first_meeting_;  // of each wave; one more for the end
+  std::vector<int> first_meeting_;  // first meeting of each wave; one more for the end
   std::vector<dense::Pair> pair_;   // meeting after meeting
-  std::vector<int> column_;         // of each block of S
+  std::vector<int> column_;         // column of each block of S
   std::vector<int> copied_;         // block of H that each block of S starts from, -1: 0
-  std::vector<std::size_t>
-      reduced_;  // of each eliminated block: entries of both `halfReduce` of those before it
-  /// Of the waves, for threads: each but the first has a private accumulator. Their number does not depend on that of the threads.
+  /// For each eliminated block: entries of both `halfReduce` of the blocks before it.
+  std::vector<std::size_t> reduced_;
+  /// Partitions of the waves, for threads; each but the first has a private accumulator. Their number does not depend on that of the threads.
   int partitions_ = 1;
   std::vector<int> offset_;       // first unknown of each position of S; one more for the end
   std::size_t largest_ = 0;       // numbers of Y in a wave
-  dense::BigArray Y_;             // of each partition
-  dense::BigArray accumulators_;  // of each partition but the first: for S, for b
+  dense::BigArray Y_;             // Y of each partition
+  dense::BigArray accumulators_;  // accumulators of S and b, of each partition but the first
 };
 
 }  // namespace slom

@@ -12,7 +12,7 @@ SLOM_INLINE inline int factorizeUnit(int d, double* V, const double* least,
     double* const column = V + j * n;
     for (int k = 0; k < j; ++k) {
       const double scaled =
-          V[k * n + j] * V[k * n + k];  // of L D, as columns before are scaled when they are done with
+          V[k * n + j] * V[k * n + k];  // an entry of L D, as earlier columns are scaled when they are finished
       for (int i = j; i < n; ++i) column[i] -= V[k * n + i] * scaled;
     }
     if (!(column[j] > least[j])) {

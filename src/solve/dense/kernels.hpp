@@ -19,7 +19,7 @@ inline constexpr int kRowPadding = 4;
 constexpr int paddedRows(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 
 constexpr int stripesOf(int rows) { return (rows + kStripe - 1) / kStripe; }
-/// Entries of a vector of so many that kernels work on.
+/// Length to which kernels pad a vector of `rows` entries.
 constexpr int paddedToStripes(int rows) { return stripesOf(rows) * kStripe; }
 /// Where stripe s of U begins.
 constexpr std::size_t updateOffset(int s) {
@@ -67,7 +67,7 @@ struct Pair {
 inline constexpr int kMostEliminated = 6;
 
 struct Kernels {
-  const char* name;  ///< of the instruction set
+  const char* name;  ///< name of the instruction set
   /// D := its Cholesky factor, inverse[i] := 1 / its diagonal. Returns the first pivot that is not above least[i] and
   /// writes it to *pivot; p when there is none.
   int (*factorize)(double* D, int p, const double* least, double* inverse, double* pivot);

@@ -3,7 +3,7 @@
 namespace slom::dense {
 namespace {
 
-/// Up to three vectors of `count` numbers, 0 behind the last.
+/// Up to three vectors of `count` numbers, padded with 0.
 SLOM_INLINE inline void loadStripe(const double* x, int count, Vector (&rows)[3]) {
 #pragma GCC unroll 3
   for (int h = 0; h < 3; ++h) {

@@ -34,7 +34,7 @@ SLOM_INLINE inline Vector sums(Vector a, Vector b, Vector c, Vector d) {
 constexpr int padded(int k) { return (k + kRowPadding - 1) / kRowPadding * kRowPadding; }
 static_assert(kRowPadding == kLanes);
 
-/// The first `count` of four numbers, 0 behind them; count is known to the compiler.
+/// The first `count` of four numbers, padded with 0; count is known to the compiler.
 SLOM_INLINE inline Vector loadSome(const double* p, int count) {
   if (count == kLanes) return load(p);
   Vector x = all(0);
@@ -75,7 +75,7 @@ struct Column {
     x.narrow = all(0);
     return x;
   }
-  /// `rows` numbers, more than 4 (H - 1), and 0 behind them.
+  /// `rows` numbers, more than 4 (H - 1), padded with 0.
   SLOM_INLINE static Column loaded(const double* p, int rows = 4 * H) {
     Column x = {};
 #pragma GCC unroll 4
@@ -157,7 +157,7 @@ struct Column {
     for (int h = 0; h < H; ++h) x.v[h] = all(0);
     return x;
   }
-  /// `rows` numbers, more than 4 (H - 1), and 0 behind them.
+  /// `rows` numbers, more than 4 (H - 1), padded with 0.
   SLOM_INLINE static Column loaded(const double* p, int rows = 4 * H) {
     Column x;
 #pragma GCC unroll 4
@@ -195,7 +195,7 @@ SLOM_INLINE inline Column<H> columnOf(const Vector (&parts)[H]) {
 #endif
 
 #if defined(__AVX512F__)
-/// Nine numbers, as cameras have them: what is left beside a vector is no vector. Other functions as those of Column.
+/// Nine numbers, the size of a camera's block: a wide vector and a single number. Functions as those of Column.
 struct Nine {
   Wide wide;
   double last;
@@ -224,7 +224,7 @@ struct Nine {
 template <int K>
 using ColumnOf = std::conditional_t<K == 9, Nine, Column<padded(K) / kLanes>>;
 #else
-/// The K rows of a column, 0 behind the last.
+/// The K rows of a column, padded with 0.
 template <int K>
 using ColumnOf = Column<padded(K) / kLanes>;
 #endif

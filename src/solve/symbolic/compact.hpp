@@ -12,7 +12,7 @@ namespace slom {
 struct CompactStructure {
   BlockStructure structure;
   std::vector<int>
-      block;  ///< of each block of the whole structure, -1 where that is empty; none is empty: no entries
+      block;  ///< block that each block of the whole structure is here, -1 if that is empty; no entries if none is empty
 
   /// Blocks of H^-1 by the numbers of the whole structure.
   std::unique_ptr<InverseBlocks> renumbered(std::unique_ptr<InverseBlocks> blocks) const;

@@ -8,9 +8,9 @@
 namespace slom {
 
 struct BlockGraph {
-  std::vector<int> start;      ///< of each block's neighbours; one more entry for the end
+  std::vector<int> start;      ///< first neighbour of each block; one more entry for the end
   std::vector<int> neighbour;  ///< ascending, each once, without the block itself
-  std::vector<int> dof;        ///< of each block
+  std::vector<int> dof;        ///< degrees of freedom of each block
 
   int size() const { return static_cast<int>(dof.size()); }
   bool operator==(const BlockGraph&) const = default;
@@ -22,7 +22,7 @@ BlockGraph makeGraph(const BlockStructure& structure);
 /// had an eliminated one as neighbour.
 struct ReducedGraph {
   BlockGraph graph;
-  std::vector<int> block;  ///< of the full graph, of each node; ascending
+  std::vector<int> block;  ///< block of the full graph that each node is; ascending
 };
 
 }  // namespace slom

@@ -5,7 +5,7 @@ namespace slom {
 namespace {
 
 /// Nested dissection takes about 0.6 microseconds for each node and edge and saves perhaps 15 % of operations that take
-/// 0.04 ns each, in some ten factorisations: it pays from so many operations for each node and edge on.
+/// 0.04 ns each, in some ten factorisations: it pays above this number of operations per node and edge.
 constexpr double kOperationsWorthDissection = 1e4;
 
 }  // namespace

@@ -116,10 +116,10 @@ class Elimination {
   }
 
   const std::vector<int>& dof_;
-  std::vector<int> first_, count_, room_;  // of each block's neighbours; room -1: the block is gone
+  std::vector<int> first_, count_, room_;  // range of each block's neighbours; room -1: the block is gone
   std::vector<int> rows_;                  // degrees of freedom of each block's neighbours
-  std::vector<int> round_;                 // in which a neighbour was eliminated last
-  std::vector<int> place_;                 // of the neighbours of the block being eliminated: which of them
+  std::vector<int> round_;                 // the last one in which a neighbour was eliminated
+  std::vector<int> place_;                 // index of each neighbour of the block being eliminated
   std::vector<int> neighbour_;
   std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some have others by now
 };

@@ -11,8 +11,8 @@ namespace slom {
 /// What the elimination of some blocks leaves, and what it needs.
 struct PartialMinimumDegree {
   std::vector<int> order;  ///< the eliminated blocks, in this order
-  /// Of all blocks; of an eliminated one the neighbours that it has when it is eliminated, of the others what
-  /// they have at the end; in any order.
+  /// The neighbours of all blocks, in any order: those of an eliminated block at its elimination, those of the
+  /// others at the end.
   BlockGraph filled;
   ReducedGraph left;
 };

@@ -104,7 +104,7 @@ struct Node {
   int p = 0, u = 0;
   int parent = -1;
   bool is_merged = false;           // into its parent
-  int first_child = -1, next = -1;  // of its own children; the next child of its parent
+  int first_child = -1, next = -1;  // its first child; the next child of its parent
 };
 
 /// Fronts, and of each column the one that it belongs to.

@@ -25,11 +25,11 @@ struct Front {
 
 struct Fronts {
   std::vector<int> order;     ///< block at each position
-  std::vector<int> position;  ///< of each block
+  std::vector<int> position;  ///< position of each block
   std::vector<int> offset;    ///< first unknown of each position in the permuted system; one more for the end
   std::vector<Front> front;   ///< children before parents
   std::vector<int> row;       ///< positions, ascending for each front
-  double flops = 0;           ///< of one factorisation, additions and multiplications
+  double flops = 0;           ///< additions and multiplications of one factorisation
   const char* ordering = "given";
 };
 

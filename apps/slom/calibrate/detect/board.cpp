@@ -53,7 +53,7 @@ void requireSize(const Board& board, const std::string& text) {
                               board.rows,
                               is_chessboard                      ? "inner corners cannot be detected"
                               : board.kind == BoardKind::charuco ? "squares cannot be detected"
-                                                                 : "tags are no grid",
+                                                                 : "tags do not form a grid",
                               least));
 }
 

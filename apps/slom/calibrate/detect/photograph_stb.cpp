@@ -43,7 +43,7 @@ std::optional<Photograph> readShallow(std::FILE* stream) {
   return Photograph{size, {pixels.get(), pixels.get() + std::size_t(size.width) * size.height}};
 }
 
-constexpr const char* unreadable = "is no image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
+constexpr const char* unreadable = "is not an image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
 
 /// Twice what the largest sensors have. A pixel takes up to four bytes while a file is read.
 constexpr std::size_t most_pixels = 300'000'000;
@@ -54,7 +54,7 @@ InputStream openRegular(const std::string& file, std::string& reason) {
   InputStream stream(descriptor < 0 ? nullptr : ::fdopen(descriptor, "rb"));
   struct stat status {};
   if (!stream || ::fstat(descriptor, &status) != 0) return reason = "cannot be opened", nullptr;
-  if (!S_ISREG(status.st_mode)) return reason = "is no regular file", nullptr;
+  if (!S_ISREG(status.st_mode)) return reason = "is not a regular file", nullptr;
   return stream;
 }
 
