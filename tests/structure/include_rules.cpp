@@ -137,13 +137,12 @@ std::string partOf(const fs::path& path) {
 
 /// The rule of the command that the include breaks; empty when it breaks none.
 std::string brokenRuleOfCommand(const fs::path& root, const fs::path& file, const Include& include) {
-  if (!include.quoted) return "";
   if (startsWith(include.name, "slom/") || startsWith(include.name, "mtk/")) return "";
-  if (!fs::exists(root / kCommand / include.name)) {
-    return fs::exists(root / "src" / include.name)
-               ? "the command is a user of the library, whose src/ is its own"
-               : "no such file of the command; name it by its path from apps/slom";
-  }
+  const bool is_own = include.quoted && fs::exists(root / kCommand / include.name);
+  if (!is_own && fs::exists(root / "src" / include.name))
+    return "the command is a user of the library, whose src/ is its own";
+  if (!include.quoted) return "";
+  if (!is_own) return "no such file of the command; name it by its path from apps/slom";
   const std::string own = partOf(file), other = partOf(kCommand / include.name);
   if (own == other || other.empty() || file == kCommand / "main.cpp") return "";
   if (other == "fitting" && !own.empty()) return "";

@@ -154,7 +154,7 @@ TEST(IncludeRules, OfTheCommand) {
       root / "apps/slom/graph/graph.hpp",
       "#include \"fitting/options.hpp\"\n#include \"bundle/bundle.hpp\"\n#include \"base/words.hpp\"\n");
   writeFile(root / "apps/slom/graph/input/read.hpp",
-            "#include \"graph/graph.hpp\"\n#include \"read_more.hpp\"\n");
+            "#include \"graph/graph.hpp\"\n#include \"read_more.hpp\"\n#include <base/words.hpp>\n");
   writeFile(root / "apps/slom/bundle/bundle.hpp", "#include \"bundle/fit/fit.hpp\"\n");
   writeFile(root / "apps/slom/bundle/fit/fit.hpp", "#include \"bundle/output/write.hpp\"\n");
   writeFile(root / "apps/slom/bundle/output/write.hpp", "#include \"bundle/fit/fit.hpp\"\n");
@@ -165,6 +165,8 @@ TEST(IncludeRules, OfTheCommand) {
       "own\n"
       "apps/slom/graph/input/read.hpp:2: includes read_more.hpp: no such file of the command; name it by its path from "
       "apps/slom\n"
+      "apps/slom/graph/input/read.hpp:3: includes base/words.hpp: the command is a user of the library, whose src/ is "
+      "its own\n"
       "apps/slom/text.hpp:2: includes graph/graph.hpp: what subcommands share includes none of them\n"
       "folders include each other in a circle: apps/slom/bundle/fit -> apps/slom/bundle/output -> "
       "apps/slom/bundle/fit\n");
