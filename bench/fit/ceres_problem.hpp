@@ -22,7 +22,7 @@ class CeresProblem {
 
   ceres::Problem problem{sharedParts()};
   std::vector<double*> eliminated_first;           ///< none: Ceres finds an order
-  std::vector<std::vector<const double*>> blocks;  ///< of each pose or camera
+  std::vector<std::vector<const double*>> blocks;  ///< parameter blocks of each pose or camera
 
  protected:
   ceres::LossFunction* loss() const { return loss_.get(); }

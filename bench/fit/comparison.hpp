@@ -16,7 +16,7 @@ struct ProgramResult {
   std::string program;
   std::string failure;          ///< why there is no run; otherwise empty
   Run run;                      ///< the round with the median time
-  std::vector<double> seconds;  ///< of all rounds
+  std::vector<double> seconds;  ///< times of all rounds
   double memory_bytes = 0;      ///< most that a run had beside the problem as it was read
 };
 
@@ -34,8 +34,8 @@ struct ComparisonOptions {
   Limits limits;
   int rounds = 3;
   std::string only;                ///< program; empty: all
-  bool with_factorization = true;  ///< of graphs, alone
-  ChildLimits child;               ///< of each run
+  bool with_factorization = true;  ///< for graphs only
+  ChildLimits child;               ///< limits of each run
 };
 
 /// The programs take turns. Fits of less than half a second are run twice in their process, and the second run counts: the

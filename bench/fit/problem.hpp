@@ -27,7 +27,8 @@ struct Problem {
 struct ProblemOptions {
   std::string
       init;  ///< as `slom graph --init`, where odometry follows the order of the file; empty: the file's vertices, or a spanning tree where there are none
-  std::vector<double> deviations;  ///< of all edges of a graph, instead of their information; empty: none
+  std::vector<double>
+      deviations;  ///< standard deviations of all edges of a graph, instead of their information; empty: none
 };
 
 /// `source`: a file that `slom graph` or `slom bundle` reads; or a generated problem of about that many poses or

@@ -20,11 +20,11 @@ struct Run {
   bool converged = false;
   int iterations = 0;
   double build_seconds = 0;      ///< inserting variables and measurements
-  double seconds = 0;            ///< of the fit, setup included
+  double seconds = 0;            ///< time of the fit, setup included
   double setup_seconds = 0;      ///< ordering, symbolic work, layout; for Ceres its preprocessor
   double iteration_seconds = 0;  ///< median of the iterations whose step was taken
   double linearize_seconds = 0;  ///< residuals, derivatives, normal equations, over all iterations
-  double factor_seconds = 0;     ///< of all factorisations; for Ceres all of its linear solver
+  double factor_seconds = 0;     ///< time of all factorisations; for Ceres, of its whole linear solver
   double solve_seconds = 0;      ///< with the factors
   int factorizations = 0;
   std::vector<TracePoint> trace;

@@ -49,7 +49,7 @@ struct Chain {
   }
 };
 
-/// Of the processor, all threads: other programs on the machine do not count.
+/// Processor time of all threads [s]: other programs on the machine do not count.
 template <class F>
 double seconds(const F& f) {
   const std::clock_t start = std::clock();

@@ -8,7 +8,7 @@
 
 namespace slom::bench {
 
-inline constexpr int kMeasurements = 2048;  ///< of each kind
+inline constexpr int kMeasurements = 2048;  ///< measurements of each kind
 
 struct BalData {
   struct Observation {
@@ -37,7 +37,7 @@ struct StereoData {
   };
   StereoIntrinsics intrinsics;
   SE3 left2right;
-  std::vector<SE3> board2left;  ///< of each view
+  std::vector<SE3> board2left;  ///< pose of each view
   std::vector<Corner> corners;  ///< view after view
 };
 

@@ -11,13 +11,13 @@
 namespace slom::bench {
 
 struct Marginals {
-  double seconds = 0;  ///< of processor time, from the values: derivatives, order, factorisation, inversion
-  /// Of each pose or camera, in the tangent space of SLoM; empty for one that is held.
+  double seconds = 0;  ///< processor time, from the values: derivatives, order, factorisation, inversion
+  /// The covariance of each pose or camera, in the tangent space of SLoM; empty for a fixed one.
   std::vector<Eigen::MatrixXd> blocks;
 };
 
-/// Of a prior on each point of a scene, at its fitted value [units of the scene]: some points are seen along nearly one ray, and
-/// nothing else says how far away they are.
+/// Standard deviation of a prior on each point of a scene, at its fitted value [units of the scene]: some points are seen along nearly
+/// one ray, and nothing else determines their distance.
 inline constexpr double kPointSigma = 100;
 
 /// Fits on one thread, writes the values back, and computes the marginals of all variables. The best time of three.

@@ -26,7 +26,7 @@ struct Residual {
   }
 };
 
-constexpr int kMostParameters = 9;  // of all problems: derivatives in one pass
+constexpr int kMostParameters = 9;  // largest number in any problem: derivatives in one pass
 
 ceres::Solver::Options optionsFor(CeresMethod method, double initial_radius) {
   ceres::Solver::Options options;
@@ -46,7 +46,7 @@ ceres::Solver::Options optionsFor(CeresMethod method, double initial_radius) {
 Eigen::VectorXd deviations(ceres::Problem& problem, const double* b, Eigen::Index n, double variance) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
-  options.min_reciprocal_condition_number = 0;  // of columns in their own units, which says nothing
+  options.min_reciprocal_condition_number = 0;  // that of columns in their own units is meaningless
   ceres::Covariance covariance(options);
   if (!covariance.Compute(std::vector<const double*>{b}, &problem)) return {};
   Eigen::MatrixXd C(n, n);

@@ -30,7 +30,7 @@ struct Method {
   std::function<Fit(const Problem&, const Eigen::VectorXd&)> fit;
 };
 
-/// By SLoM, to the last digit.
+/// A fit by SLoM, to the last digit.
 template <class A>
 Method bySlom(std::string name, std::string what, const A& algorithm) {
   return {std::move(name), std::move(what),
@@ -85,7 +85,7 @@ struct Score {
 struct Row {
   const Problem* problem;
   int start;
-  std::vector<Score> scores;  ///< by method
+  std::vector<Score> scores;  ///< one per method
 };
 
 std::vector<Row> scoreAll(const std::vector<Problem>& problems, const std::vector<Method>& all) {
@@ -110,7 +110,7 @@ std::string text(const char* format, double a, double b, int n) {
   return buffer;
 }
 
-/// How many fits have at least so many digits of what `member` says.
+/// The number of fits whose `member` has at least `least` digits.
 int countFrom(const std::vector<Row>& rows, std::size_t method, double Score::*member, double least) {
   int count = 0;
   for (const Row& row : rows) count += row.scores[method].*member >= least;

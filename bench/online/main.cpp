@@ -23,7 +23,7 @@ constexpr int kCompared = 100;  // steps from one comparison to the next
 constexpr double kLeastRss = 1e-6;
 
 struct Result {
-  std::vector<double> milliseconds;  // of each step
+  std::vector<double> milliseconds;  // time of each step
   double rss = 0, largest_gap = 0;
   int by_optimize = 0;
 };

@@ -10,7 +10,7 @@ std::string compilerName();
 std::string compileFlags();
 /// The vector instructions that this build uses, as in `AVX2 FMA`.
 std::string instructionSet();
-/// The processor's name, empty where /proc/cpuinfo does not tell.
+/// The processor's name, empty where /proc/cpuinfo does not state it.
 std::string processorName();
 /// The library that provides BLAS to CHOLMOD, as in `libf77blas.so.3` (ATLAS) or `openblas-serial/libblas.so.3`; empty without
 /// one.

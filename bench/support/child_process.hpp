@@ -1,4 +1,4 @@
-/// Work in a process of its own, so that its peak memory can be told and a limit of time can be kept.
+/// Work in a process of its own, so that its peak memory can be measured and a time limit kept.
 #pragma once
 
 #include <functional>
@@ -8,13 +8,13 @@ namespace slom::bench {
 
 struct ChildLimits {
   double seconds = 0;       ///< 0: none
-  double memory_bytes = 0;  ///< of data, 0: none
+  double memory_bytes = 0;  ///< limit of data, 0: none
 };
 
 struct ChildOutcome {
   bool ok = false;
   std::string text;       ///< what the work returned; otherwise why there is nothing
-  double peak_bytes = 0;  ///< of resident memory, what was shared with this process included
+  double peak_bytes = 0;  ///< peak resident memory, including what was shared with this process
 };
 
 /// Runs `work` in a copy of this process, which must have no other thread, and waits for its end.

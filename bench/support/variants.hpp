@@ -24,7 +24,7 @@ struct Derivatives {
 /// One way to compute them.
 struct Variant {
   std::string name;
-  double tolerance = 0;                      ///< of the deviation from the reference, see `deviation`
+  double tolerance = 0;                      ///< largest deviation from the reference, see `deviation`
   std::function<void()> pass;                ///< computes all of them, keeps none; this is timed
   std::function<Derivatives()> derivatives;  ///< what it computes
 };

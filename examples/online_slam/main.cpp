@@ -28,7 +28,7 @@ int main() {
   slom::Estimator est;
   Pose truth;
   slom::VarID<Pose> pose = est.insertRV(truth, false, "start");
-  std::map<int, slom::VarID<Point>> landmarks;  // of the trees seen so far
+  std::map<int, slom::VarID<Point>> landmarks;  // the trees seen so far
   double largest_error = 0;
   for (int k = 1; k <= kSteps; ++k) {
     const Pose motion(Point(1, 0), mtk::SO2<>(k % kSide == 0 ? M_PI / 2 : 0));

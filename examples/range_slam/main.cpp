@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
   // The map has the place and the direction of the first true pose, so that both can be compared.
   std::vector<slom::VarID<Pose>> poses{
       est.insertRV(Pose(Point(truth[0][1], truth[0][2]), mtk::SO2<>(truth[0][3])), false, "start")};
-  const auto scale = est.insertRV(1.0, "scale");  // of ranges: these radios measure too long
+  const auto scale = est.insertRV(1.0, "scale");  // scale of the ranges: these radios measure too long
   est.insertMeasurement([](const auto& s) { return s - 1; }, scale, slom::StandardDeviation(0.1));
   struct Beacon {
     std::vector<std::pair<slom::VarID<Pose>, double>> ranges;  // until it can be located

@@ -48,7 +48,7 @@ int main() {
     window.add(pose);
     last = pose;
     if (k == 5)
-      est.optimizeRV(offset, true);  // enough poses to tell the offset from the heading: "un-fix" it
+      est.optimizeRV(offset, true);  // enough poses to distinguish the offset from the heading: "un-fix" it
 
     est.optimizeStep();
     window.forget(est);

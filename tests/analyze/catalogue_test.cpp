@@ -1,4 +1,4 @@
-// Broken problems that people bring, and what they are told, word for word. Free gauges, the scale of a monocular bundle adjustment,
+// Broken problems that people bring, and the messages about them, word for word. Free gauges, the scale of a monocular bundle adjustment,
 // sums and wrong sigmas are in diagnosis_test.cpp and outliers_test.cpp, NaN and wrong derivatives in preflight_test.cpp.
 #include <algorithm>
 #include <cmath>

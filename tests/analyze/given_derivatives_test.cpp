@@ -87,7 +87,7 @@ TEST(WrongDerivatives, AreFoundOncePerStructureAndSaidEachTime) {
   EXPECT_GT(evaluations, at_rest + 10) << "a new structure is checked";
 }
 
-/// By what turns R's given derivative into a wrong one.
+/// `Change` turns R's given derivative into a wrong one.
 template <class Change>
 struct Rotated {
   Eigen::Vector3d operator()(const mtk::SO3<>& R, const mtk::vect<3>& p, const mtk::vect<3>& z) const {

@@ -64,7 +64,7 @@ TEST(UncertaintyPage, Works) {
   const Eigen::MatrixXd between = est.covariance(tower, barn);
   const Eigen::VectorXd deviations = est.standardDeviation(tower);
   const Eigen::MatrixXd R = est.correlation(tower, barn);
-  const slom::Marginals all = est.marginals();               // of every variable at once, by selected inversion
+  const slom::Marginals all = est.marginals();               // those of all variables at once, by selected inversion
   const Eigen::VectorXd same = all.standardDeviation(tower);
   EXPECT_LT((same - deviations).norm(), 1e-12);
   EXPECT_NEAR(R(0, 1), between(0, 1) / std::sqrt(C(0, 0) * est.covariance(barn)(1, 1)), 1e-12);

@@ -87,7 +87,7 @@ const std::vector<std::vector<double>> lenses{fisheye,
                                               {300, 302, 322, 243, 0.2, 0.55},
                                               {300, 302, 322, 243, -0.3, 0.7}};
 
-/// Lenses with xi < 0 and with xi > 0 bend alike to a few thousandths of a pixel, and yet the truth is told from its double.
+/// Lenses with xi < 0 and with xi > 0 bend alike to a few thousandths of a pixel, and yet the truth is distinguished from its double.
 TEST(DoubleSphere, FindsTheTruthWithoutNoise) {
   testing::Scene scene;
   scene.nearest = 0.12;
@@ -123,7 +123,7 @@ TEST(DoubleSphere, FindsTheTruthWithNoiseWhereXiIsKnown) {
   }
 }
 
-/// At xi = 0 a change of xi does what changes of focal lengths and alpha do, so that nobody can tell them apart.
+/// At xi = 0 a change of xi does what changes of focal lengths and alpha do, so that they cannot be distinguished.
 TEST(DoubleSphere, SaysWhereXiIsOpen) {
   testing::Scene scene;
   scene.nearest = 0.12;
@@ -133,7 +133,7 @@ TEST(DoubleSphere, SaysWhereXiIsOpen) {
     const Parameter& xi = result.cameras[0].parameters.at(4);
     if (!result.undetermined.empty()) continue;
     EXPECT_LT(std::abs(xi.value), 4 * xi.std) << "seed " << seed;
-    EXPECT_GT(xi.std, 0.03) << "seed " << seed;  // of a number between -1 and 1
+    EXPECT_GT(xi.std, 0.03) << "seed " << seed;  // xi lies between -1 and 1
   }
 }
 
@@ -143,7 +143,7 @@ TEST(DoubleSphere, SeesAsTheTruthDoesWithNoise) {
   scene.nearest = 0.12;
   scene.images = 20;
   for (const std::vector<double>& truth : lenses) {
-    if (truth[4] == 0.1) continue;  // xi is too near to 0 to be told from it
+    if (truth[4] == 0.1) continue;  // xi is too near to 0 to be distinguished from it
     for (unsigned seed = 0; seed < 3; ++seed) {
       const Result result = calibrated(truth, scene, seed);
       ASSERT_TRUE(result.success()) << result.message << result.undetermined << " seed " << seed;

@@ -246,7 +246,7 @@ TEST(Comparison, ChoosesTheModelThatMadeTheData) {
     const Comparison comparison = compared(data);
     ASSERT_TRUE(comparison.chosen);
     EXPECT_EQ(comparison.chosenTrial().model, Model("opencv4")) << seed;
-    EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not told apart";
+    EXPECT_GT(comparison.standard_errors[0], 3) << "radial1 is not distinguished";
     too_large += comparison.standard_errors[1] > 2;
     // Prediction of corners with sigma 0.2 px by poses from half of them.
     EXPECT_NEAR(comparison.chosenTrial().heldOutRms(), 0.2 * std::sqrt(2), 0.03);

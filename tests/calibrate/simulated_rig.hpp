@@ -13,7 +13,7 @@ namespace slom::app::calib::testing {
 
 struct RigTruth {
   std::vector<Opencv5<>> cameras;
-  std::vector<SE3> left2camera;  ///< by camera; the first is the identity
+  std::vector<SE3> left2camera;  ///< one per camera; the first is the identity
   std::map<int, SE3> left2world;
   SO3 left2imu;
   vec3 acc_bias;
@@ -26,7 +26,7 @@ struct RigOptions {
   int columns = 8, rows = 6;  ///< corners of the board
   double square_m = 0.05;
   double sigma_px = 0.25, sigma_acc = 0.05;
-  double tilt = 0.5;    ///< of the line of observation against the vertical, at most [rad]
+  double tilt = 0.5;    ///< largest tilt of the line of observation against the vertical [rad]
   bool z_down = false;  ///< the board's z axis points away from the cameras
   bool distorted = true;
   double focal_length = 600;  ///< [px]

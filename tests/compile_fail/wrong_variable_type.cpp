@@ -1,5 +1,5 @@
 // expect: (cannot convert|no matching function|no matching constructor|no known conversion)
-// Handles are typed: a landmark's VarID is no pose's.
+// Handles are typed: a landmark's VarID is not a pose's.
 #include <slom/slom.hpp>
 
 typedef mtk::vect<2> vec2;

@@ -162,7 +162,7 @@ TEST_F(Images, WithoutABoardOrUnreadableAreListedAndLeftOut) {
   EXPECT_EQ(left["unused"][1], json({{"image", 8}, {"file", "left08.pgm"}, {"reason", "is empty"}}));
 }
 
-/// A PNG of so many pixels that are all black, packed by Python.
+/// Writes a PNG of width x height black pixels, packed by Python.
 void writeBlackPng(const std::filesystem::path& path, int width, int height) {
   const auto result =
       slom::testing::runCommand({"/usr/bin/python3", "-c",
@@ -456,7 +456,7 @@ TEST_F(Images, AnInterruptLeavesNoFileBehind) {
   }
 }
 
-/// Of the largest child so far [kB].
+/// Peak memory of the largest child so far [kB].
 long peakMemory() {
   rusage usage{};
   ::getrusage(RUSAGE_CHILDREN, &usage);

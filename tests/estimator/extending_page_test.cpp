@@ -52,7 +52,7 @@ class LineSearch final : public slom::Algorithm {
     outcome.status = evaluator.solveUndamped(full);
     outcome.kind = slom::StepOutcome::Kind::singular;
     if (!outcome.status.ok) return outcome;
-    const double slope = 2 * evaluator.solver().gradient().dot(full);  // of the RSS
+    const double slope = 2 * evaluator.solver().gradient().dot(full);  // slope of the RSS
     for (double length = 1; length > 1e-10 && !evaluator.mustStop(); length /= 2) {
       ++outcome.trials;
       outcome.step = length * full;
@@ -147,7 +147,7 @@ TEST(ExtendingPage, AManifold) {
   const auto report = mtk::testing::checkAxioms(start);
   EXPECT_TRUE(report.ok()) << report.text();
 
-  // Of distances that a tape with a wrong scale measured: the estimate is the mean of the logarithms.
+  // Distances measured by a tape with a wrong scale: the estimate is the mean of the logarithms.
   slom::Estimator est;
   const slom::VarID<Positive> scale = est.insertRV(start, "scale");
   double mean = 0;

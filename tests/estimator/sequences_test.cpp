@@ -36,7 +36,7 @@ struct Variable {
   slom::VarID<Pose> pose;
   bool is_optimized = true;
   std::vector<char> fixed;
-  std::vector<std::pair<double, double>> bounds;  // by component
+  std::vector<std::pair<double, double>> bounds;  // bounds of each component
   int uses = 0;
 
   int dof() const { return type == Type::number ? 1 : type == Type::point ? 2 : 3; }

@@ -12,7 +12,7 @@
 namespace slom::fuzz {
 
 struct Target {
-  const char* name;  ///< of its folder in tests/fuzz/cases
+  const char* name;  ///< name of its folder in tests/fuzz/cases
   void (*run)(std::string_view input);
 };
 

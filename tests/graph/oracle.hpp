@@ -51,7 +51,7 @@ double rssOf(const PoseGraph<Pose>& graph, bool quaternion = false) {
   return rss;
 }
 
-/// By how much the RSS can fall when one number of one vertex that is not held moves by `step`, relatively.
+/// The largest relative decrease of the RSS when one number of one vertex that is not fixed moves by `step`.
 template <class Pose>
 double possibleDecrease(PoseGraph<Pose> graph, double step, bool quaternion = false) {
   const double rss = rssOf(graph, quaternion);

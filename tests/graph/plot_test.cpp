@@ -87,7 +87,7 @@ TEST(GraphPlot, PageOfAGraphInThePlane) {
   const Json data = dataOf(plotted(square, "map.html"));
   EXPECT_EQ(data["name"], "map.g2o");
   EXPECT_EQ(data["flat"], true);
-  const long h = 70711;  // of 100000, which is half the diagonal
+  const long h = 70711;  // 100000 is half the diagonal
   EXPECT_EQ(data["poses"], (std::vector<long>{-h, -h, 0, h, -h, 0, h, h, 0, -h, h, 0}));
   EXPECT_EQ(data["path"], (std::vector<int>{0, 1, 1, 2, 2, 3}));
   EXPECT_EQ(data["closures"], (std::vector<int>{0, 3}));

@@ -16,7 +16,7 @@ TEST(IoPage, ReadsFitsAndWritesAGraph) {
   const std::string file = slom::testing::sourcePath("data/simulated_pose_graph/town.g2o").string();
   const std::string fitted = (folder / "fitted.g2o").string();
   slom::io::AnyPoseGraph any = slom::io::readPoseGraph(file);
-  auto& graph = std::get<slom::io::PoseGraph<slom::io::Pose2>>(any);  // of the plane
+  auto& graph = std::get<slom::io::PoseGraph<slom::io::Pose2>>(any);  // a graph in the plane
   if (!graph.has_fix_lines) graph.poses[0].fixed = true;
   if (!graph.has_vertices) slom::initialize::alongSpanningTree(graph);
 

@@ -69,7 +69,7 @@ void appendTypicalSizes(std::vector<double>& sizes, const X& x) {
 struct Alone {
   Eigen::VectorXd r, r_without_derivatives;
   Eigen::MatrixXd J;
-  double size = 0;  // of the numbers that the residual is a sum of: rounding is relative to it
+  double size = 0;  // size of the terms of the residual: rounding is relative to it
 };
 
 /// A formula as a function of one of its unknowns, which is moved by d; without a move for unknown = -1.
@@ -98,7 +98,7 @@ void checkKind(const Formula& formula, const std::vector<std::tuple<Z, X...>>& s
   static_assert(!Numeric::vectorized && Numeric::derivatives == DerivativeSource::numeric);
   constexpr int rows = Packed::residual_dim, columns = (mtk::DOF_v<X> + ...);
 
-  Estimator owner;  // of the variables
+  Estimator owner;  // owns the variables
   std::vector<Packed> packed;
   std::vector<Alone> alone;
   const auto check = [&](const Z& z, const X&... x) {

@@ -319,8 +319,8 @@ TEST(OnlineFit, DoesNoMoreAlongALongerChain) {
     linearized += update.measurements_linearized;
     fronts += update.fronts_solved;
   }
-  EXPECT_LT(linearized / count, 100);  // of up to 8000
-  EXPECT_LT(fronts / count, 30);       // of up to 500
+  EXPECT_LT(linearized / count, 100);  // out of up to 8000
+  EXPECT_LT(fronts / count, 30);       // out of up to 500
 }
 
 TEST(OnlineFit, NamesWhatNothingDetermines) {
@@ -480,7 +480,7 @@ TEST(OnlineFit, MovesTheOthersWhereOptimizeTakesOver) {
   }
 }
 
-/// Of odometry alone the RSS is that of rounding errors: nothing is to be gained, so nothing moves.
+/// With odometry alone the RSS consists of rounding errors: nothing can be gained, so nothing moves.
 TEST(OnlineFit, LeavesRoundingErrorsAlone) {
   Estimator est;
   std::mt19937 random(5);

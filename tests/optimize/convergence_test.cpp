@@ -380,7 +380,7 @@ TEST(Unseen, IsNoUnknownWhoseStartIsTiny) {
   }
 }
 
-/// Columns that are the same but for 1e-7: the normal equations lose what tells them apart, the data do not.
+/// Columns that are the same but for 1e-7: the normal equations lose their difference, the data do not.
 TEST(Rank, IsFoundByTheCarefulSolverWhereTheNormalEquationsLoseIt) {
   const auto make = [](slom::Estimator& est) {
     const auto x = est.insertRV(mtk::vect<2>(0, 0), "x");

@@ -33,7 +33,7 @@ struct Between {
     return mtk::vector(b[0] - a[0] - z[0], (b[1] - a[1] - z[1]) + 0.1 * sin(a[0] * b[1]));
   }
 };
-/// Of a length that is known at run time.
+/// A measurement whose length is known at run time.
 struct Scaled {
   Eigen::VectorXd operator()(const Point& a, double scale, const Point& b, int length) const {
     return Eigen::VectorXd::Constant(length, 0.3 * (scale * a[0] - b[1] - 1));
@@ -196,7 +196,7 @@ Eigen::VectorXd coordinatesOf(const Problem& problem) {
   return Eigen::Map<const Eigen::VectorXd>(all.data(), Eigen::Index(all.size()));
 }
 
-/// A fit, with all that it leaves behind.
+/// A fit with all its results.
 struct Fit {
   explicit Fit(Problem& p) : problem(p) { evaluator.setSolver(solver); }
 
@@ -311,7 +311,7 @@ TEST(Changes, AreSaidOneByOne) {
   problem.setBound(problem.indexOf(b), {1}, 0, 9);
   const auto [pool, i] = problem.locate(first);
   problem.removeMeasurement(*pool, i);
-  problem.setValue(a, Point(5, 6));  // is no change of the structure
+  problem.setValue(a, Point(5, 6));  // does not change the structure
   const std::vector<Change> expected{{Kind::variable_inserted, 1, -1},   {Kind::measurement_inserted, 0, 0},
                                      {Kind::measurement_inserted, 0, 1}, {Kind::measurement_inserted, 1, 0},
                                      {Kind::variable_freed, 1, -1},      {Kind::constraint, 0, -1},

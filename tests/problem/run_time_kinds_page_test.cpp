@@ -30,7 +30,7 @@ TEST(Documentation, ListOfVariables) {
   const auto scale = est.insertRV(2.0, "scale");
   for (const auto& id : {a, b}) est.prior(id, *id, 1.0);
   // clang-format off
-  std::vector<slom::AnyVarID> variables{scale, a, b};  // of any types, as many as you like
+  std::vector<slom::AnyVarID> variables{scale, a, b};  // any types, any number
 
   est.insertMeasurement(
       [](std::span<const slom::VariableView> x, double length) {

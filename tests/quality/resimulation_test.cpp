@@ -56,7 +56,7 @@ struct Probe {
   std::size_t camera;
   vec2 pixel;
   double distance_m;
-  vec3 ray = vec3(0., 0., 1.);  ///< by the true lens
+  vec3 ray = vec3(0., 0., 1.);  ///< ray according to the true lens
   double chi2 = 0;
 
   std::string name() const {

@@ -76,7 +76,7 @@ std::string saved(const Estimator& est) {
   return os.str();
 }
 
-/// Of the network, after it was saved and loaded.
+/// The text of the network after it was saved and loaded.
 std::string savedTwice() {
   std::istringstream text(saved(network()));
   StoredProblem problem = surveying().load(text);

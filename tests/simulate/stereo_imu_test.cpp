@@ -200,7 +200,7 @@ TEST(StereoImu, CornersFillBothImages) {
   const StereoImuOptions options{.images = 12, .sigma_px = 0};
   const StereoImuData data = simulateStereoImu(options);
   for (const auto* corners : {&data.left, &data.right}) {
-    std::set<std::pair<int, int>> cells;  // of a grid of 8 x 6 over the image
+    std::set<std::pair<int, int>> cells;  // cells of a grid of 8 x 6 over the image
     for (const SimulatedCorner& corner : *corners) {
       ASSERT_GE(corner.pixel.x(), 0);
       ASSERT_LE(corner.pixel.x(), 1279);

@@ -462,7 +462,7 @@ TEST(Solvers, TightenConjugateGradientsAsTheGradientVanishes) {
   slom::BlockSolver solver({.method = Options::Method::conjugate_gradients});
   EXPECT_EQ(solver.description(), "block solver that has solved nothing yet");
   solver.analyze(problem.structure);
-  const auto error = [&](double scale) {  // of the step when all residuals are multiplied by this
+  const auto error = [&](double scale) {  // error of the step when all residuals are multiplied by this
     RandomProblem scaled = problem;
     for (auto& batch : scaled.batches) {
       for (double& r : batch.r) r *= scale;

@@ -14,8 +14,8 @@ namespace slom::app::calib {
 /// `NAME=FILE` of --camera, or `NAME=PATTERN ...` of --images.
 struct CameraFile {
   std::string name;
-  std::string file;                     ///< of the corners; or the patterns, for people to read
-  std::vector<std::string> patterns{};  ///< of the photographs
+  std::string file;                     ///< the corner file; or the patterns, for people to read
+  std::vector<std::string> patterns{};  ///< patterns of the photographs
 };
 
 /// What --output writes.
@@ -33,7 +33,7 @@ struct CommandSettings : Settings {
   std::string corners_folder;  ///< for the corners that were found; empty: none
   std::string imu_file;        ///< empty: no IMU
   std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
-  std::vector<Model> compared;           ///< by --compare; empty: none
+  std::vector<Model> compared;           ///< models of --compare; empty: none
   bool model_is_given = true;            ///< otherwise it is the one that the comparison chooses
   std::string json_file;                 ///< empty: none
   std::string yaml_file;                 ///< empty: none

@@ -18,7 +18,7 @@ namespace slom::app {
 struct FitOptions {
   NamedAlgorithm algorithm = algorithms().front();
   NamedSolver solver = solvers().front();
-  Loss loss;        ///< of all measurements
+  Loss loss;        ///< loss of all measurements
   int threads = 0;  ///< 0: as many as the machine has
   int max_iterations = 100;
   double max_seconds = 0;  ///< 0: no limit

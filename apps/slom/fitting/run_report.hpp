@@ -28,7 +28,7 @@ struct RunReport {
       0;  ///< dimension of the gauge, which no measurement of this kind can determine; it adds to the redundancy
   double load_seconds = 0;   ///< reading, checking and starting
   double setup_seconds = 0;  ///< putting variables and measurements into the estimator
-  std::shared_ptr<const nlohmann::ordered_json> online;  ///< of an online run; null otherwise
+  std::shared_ptr<const nlohmann::ordered_json> online;  ///< figures of an online run; null otherwise
   double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it
 };
 

@@ -52,7 +52,7 @@ Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   return preparation;
 }
 
-/// Of fits within limits.
+/// The options of fits within limits.
 Options optionsOf(const Settings& settings, const Console& console) {
   Options options;
   options.max_iterations = settings.fit.max_iterations;

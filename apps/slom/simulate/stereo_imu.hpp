@@ -37,7 +37,7 @@ struct StereoImuTruth {
   mtk::SO3<> left2imu;
   mtk::vect<3> acc_bias;                           ///< [m/s^2]
   double gravity;                                  ///< [m/s^2]
-  std::vector<mtk::trafo<mtk::SO3<>>> left2world;  ///< of image 1, 2, ...
+  std::vector<mtk::trafo<mtk::SO3<>>> left2world;  ///< pose of image 1, 2, ...
 };
 
 struct SimulatedCorner {

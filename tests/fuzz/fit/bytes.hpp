@@ -1,4 +1,4 @@
-// Bytes as choices and numbers, most of them ordinary; behind the end all are 0.
+// Bytes as choices and numbers, most of them ordinary; after the end all are 0.
 #pragma once
 
 #include <cstddef>

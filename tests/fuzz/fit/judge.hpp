@@ -40,7 +40,7 @@ struct Judgement {
   bool is_smooth = true;     ///< the residuals have derivatives here, as numbers
   bool is_false = false;     ///< the linear model promises something
   long double rss = 0;       ///< robust
-  long double rounding = 0;  ///< of whitened residuals, from that of values and data
+  long double rounding = 0;  ///< rounding error of whitened residuals, from that of values and data
   std::string text;
 };
 
@@ -107,7 +107,7 @@ inline Judgement judge(const Problem& problem, const std::vector<Value>& values)
   }
   const Number size = all.norm();
   result.rounding = 64 * epsilon * (effect + size);
-  // What is held, and columns that rounding errors of doubles or their range hide, are no part of it.
+  // Fixed components, and columns that rounding errors of doubles or their range hide, are not part of it.
   int unknowns = 0;
   for (std::size_t v = 0; v < values.size(); ++v) {
     const Variable& variable = problem.variables[v];

@@ -37,7 +37,7 @@ enum class Kind {
   scalar,    ///< model(...) - z of numbers and vectors
   numeric,   ///< the same of two numbers, with derivatives by differences
   range,     ///< |b - a| - z
-  relative,  ///< of poses or rotations
+  relative,  ///< relative poses or rotations
   landmark,  ///< a^-1 b - z
 };
 
@@ -46,7 +46,7 @@ inline bool isScalar(Kind kind) { return kind == Kind::scalar || kind == Kind::n
 struct Measurement {
   Kind kind;
   int a, b;     ///< variables; b is a where there is one alone
-  int formula;  ///< of `model`
+  int formula;  ///< formula of `model`
   std::array<double, 3> c{};
   Value z{};
   double sigma = 1;

@@ -17,7 +17,7 @@ struct Classic {
   const char* name = "";
   std::vector<double> start;
   int residuals = 0;
-  std::vector<double> minima;  ///< of the RSS; with the local ones that the paper lists
+  std::vector<double> minima;  ///< minima of the RSS, with the local ones that the paper lists
 };
 
 inline const std::vector<Classic>& all() {

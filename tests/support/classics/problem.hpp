@@ -23,7 +23,7 @@ struct Problem {
   Curve curve = Curve::exponential;
   std::vector<double> start, t, y;
   int residuals = 0;
-  std::vector<double> minima;  ///< of the RSS, empty where they are not known
+  std::vector<double> minima;  ///< minima of the RSS, empty where they are not known
 };
 
 template <class T>
@@ -142,7 +142,7 @@ inline Problem randomCurve(std::uint64_t seed) {
   return problem;
 }
 
-/// Whether x is no stationary point, by long double: the cosine of residual and some column is above 1e-6,
+/// Whether x is not a stationary point, in long double: the cosine of residual and some column is above 1e-6,
 /// and the linear model promises a decrease of the RSS by more than a millionth, by a step that changes some
 /// digits.
 inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::string* why = nullptr) {
@@ -169,7 +169,7 @@ inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::
   Vector length = Vector::Zero(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Number norm_of_column = J.col(i).norm();
-    // Columns that rounding errors of doubles hide are no part of it.
+    // Columns that rounding errors of doubles hide are not part of it.
     if (!(norm_of_column * std::abs(x[i]) > 1e-15L * r.norm())) {
       J.col(i).setZero();
       continue;

@@ -55,7 +55,7 @@ inline Fit fitted(Estimator& est, const VarID<Eigen::VectorXd>& b, const Summary
   return fit;
 }
 
-/// By the library, to the last digit.
+/// A fit by the library, to the last digit.
 inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const Algorithm& algorithm,
                      const Options& options) {
   Estimator est;
@@ -67,7 +67,7 @@ inline Fit fitBySlom(const Problem& problem, const Eigen::VectorXd& start, const
   return fitted(est, b, est.optimize(options));
 }
 
-/// By the library with nothing chosen: neither algorithm nor solver nor options.
+/// A fit by the library with the default algorithm, solver and options.
 inline Fit fitAsItComes(const Problem& problem, const Eigen::VectorXd& start) {
   Estimator est;
   const auto b = insert(problem, start, est);
@@ -85,7 +85,7 @@ inline double digits(double x, double c) {
   return off > 0 ? std::min(kCertifiedDigits, -std::log10(off)) : kCertifiedDigits;
 }
 
-/// Of the component with the fewest.
+/// The digits of the component that has the fewest.
 inline double digits(const Eigen::VectorXd& x, const Eigen::VectorXd& c) {
   if (x.size() != c.size()) return 0;
   double fewest = kCertifiedDigits;

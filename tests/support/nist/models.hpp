@@ -38,7 +38,7 @@ enum class Model {
   thurber
 };
 
-/// By the name of the data set; none: no such data set.
+/// The model of the data set with this name; none: no such data set.
 inline std::optional<Model> modelOf(std::string_view name) {
   static constexpr std::pair<std::string_view, Model> all[] = {
       {"Bennett5", Model::bennett5}, {"BoxBOD", Model::boxbod},     {"Chwirut1", Model::chwirut},

@@ -1,6 +1,6 @@
 /// Problems of nonlinear regression with certified answers: NIST Statistical Reference Datasets, www.itl.nist.gov/div898/strd.
 ///
-/// A file tells in its first lines where its parts are, as in `Certified Values  (lines 41 to 48)`; they are
+/// The first lines of a file state where its parts are, as in `Certified Values  (lines 41 to 48)`; they are
 ///   a line for each parameter   b1 = 500  250  2.3894212918E+02  2.7070075241E+00
 ///                               (two starts, the certified value, its standard deviation)
 ///   the certified residual sum of squares, degrees of freedom and number of observations
@@ -33,7 +33,7 @@ struct Datum {
 
 struct Problem {
   std::string name;        ///< `Misra1a`
-  std::string difficulty;  ///< by NIST: `Lower`, `Average` or `Higher`
+  std::string difficulty;  ///< according to NIST: `Lower`, `Average` or `Higher`
   Model model{};
   std::array<Eigen::VectorXd, 2> starts;
   Eigen::VectorXd parameters, deviations;  ///< certified, 11 digits

@@ -21,7 +21,7 @@ bool shows(const Board& board, const std::string& file) {
     return photo && showsChessboard(board, *photo);
   } catch (const UserError&) {
     throw;
-  } catch (const std::exception&) {  // of OpenCV: what it cannot search shows no board
+  } catch (const std::exception&) {  // thrown by OpenCV: an image that it cannot search shows no board
     return false;
   }
 }

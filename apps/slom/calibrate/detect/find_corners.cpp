@@ -39,7 +39,7 @@ Seen look(const Board& board, const std::string& file) {
     seen.corners = findBoard(board, *photo);
   } catch (const UserError&) {
     throw;
-  } catch (const std::exception&) {  // of OpenCV, whose texts are for programmers
+  } catch (const std::exception&) {  // thrown by OpenCV, whose texts are for programmers
     seen.reason = "cannot be searched for the board by OpenCV";
     return seen;
   }

@@ -15,7 +15,7 @@ struct Photo {
 
 struct CameraPhotos {
   std::string name;
-  std::vector<Photo> photos;  ///< by rising number
+  std::vector<Photo> photos;  ///< sorted by number
 };
 
 /// The last number in a file's name, folders and extension left aside: 7 of `run2/left07.jpg`. It is text,

@@ -118,7 +118,7 @@ function viridisAt(t) {
 }
 const rgb = colour => "rgb(" + colour.join(",") + ")";
 
-/// Round levels about all values, as many as can be told apart.
+/// Round levels about all values, as many as can be distinguished.
 function levelsFor(values) {
   const all = values.filter(v => v !== null && v > 0);
   if (all.length === 0) return [0.1, 1];

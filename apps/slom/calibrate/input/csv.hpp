@@ -59,7 +59,7 @@ class CsvTable {
   std::string file_;
   std::vector<std::string> columns_;
   std::string text_;
-  std::vector<std::string_view> fields_;  // of all rows, in text_
+  std::vector<std::string_view> fields_;  // fields of all rows, in text_
   std::vector<CsvRow> rows_;
   std::vector<CsvComment> comments_;
 };

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t compared_each = 100;  // updates
 constexpr double least_rss = 1e-6;          // below are rounding errors, as before a loop closes
 constexpr std::size_t progress_lines = 20;
-constexpr double most_places = 5e5, most_frames = 100;  // of a page
+constexpr double most_places = 5e5, most_frames = 100;  // limits of a page
 
 constexpr double not_compared = std::numeric_limits<double>::quiet_NaN();
 

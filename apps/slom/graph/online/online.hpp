@@ -35,9 +35,9 @@ struct Update {
 /// Updates in the order of the poses' ids.
 struct OnlineRun {
   std::vector<Update> updates;
-  std::vector<Sketch::Frame> frames;  ///< of the map over time; some of the updates
+  std::vector<Sketch::Frame> frames;  ///< the map over time, after some of the updates
   double final_rss = 0;               ///< after the last update
-  double batch_rss = 0;               ///< of the batch fit from there
+  double batch_rss = 0;               ///< RSS of the batch fit from there
 
   /// Compares the last update with the batch fit.
   void finish(double batch);

@@ -21,9 +21,9 @@ struct Sketch {
     std::vector<Place> landmarks;
   };
 
-  std::string name;            ///< of the graph's file, without its folder
+  std::string name;            ///< name of the graph's file, without its folder
   bool is_flat = true;         ///< in the plane: the third coordinate is 0
-  std::vector<Place> poses;    ///< by rising id
+  std::vector<Place> poses;    ///< sorted by id
   std::vector<Line> path;      ///< edges between poses that follow each other
   std::vector<Line> closures;  ///< all other edges
   std::vector<Place> landmarks;
