@@ -82,17 +82,17 @@ const LossKind& detail::ownKind(const char* name, LossValue (*evaluate)(double t
   return it->second;
 }
 
-std::string detail::faultOf(const Loss& loss) {
-  if (!(loss.scale() >= 1 / kLargestScale && loss.scale() <= kLargestScale)) {
-    return "has scale " + number(loss.scale(), 6) +
+std::string Loss::fault() const {
+  if (!(scale_ >= 1 / kLargestScale && scale_ <= kLargestScale)) {
+    return "has scale " + number(scale_, 6) +
            "; pass a positive finite number, in standard deviations of the residual";
   }
-  if (!(loss.shape() <= 2)) {
-    return "has shape " + number(loss.shape(), 6) +
+  if (!(shape_ <= 2)) {
+    return "has shape " + number(shape_, 6) +
            "; pass a number up to 2: 2 is least squares, 1 PseudoHuber, 0 Cauchy, -2 GemanMcClure";
   }
-  const bool is_own = loss.kind() != nullptr && loss.kind()->stored_name == nullptr;
-  return is_own ? faultOfFunction(*loss.kind()) : "";
+  const bool is_own = kind_ != nullptr && kind_->stored_name == nullptr;
+  return is_own ? faultOfFunction(*kind_) : "";
 }
 
 void detail::raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement) {

@@ -78,7 +78,7 @@ Loss parseLoss(const std::string& text) {
   const std::size_t count = known->has_shape ? 2 : 1;
   if (numbers.size() == count && words.size() == count + 1) {
     const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
-    if (detail::faultOf(loss).empty()) return loss;
+    if (loss.fault().empty()) return loss;
   }
   throw UserError(fmt::format("--robust {}: write {}:SCALE, {}SCALE a positive number of standard deviations",
                               text, formOf(*known), known->has_shape ? "ALPHA not above 2 and " : ""));

@@ -85,6 +85,8 @@ class Loss {
   LossValue evaluate(double s, double graduation = 1) const;
   /// `Huber(1.345)`, `Barron(-2, 1.5)`, `none`.
   std::string text() const;
+  /// What is wrong with its numbers, `has scale -1; pass ...`; empty when nothing is.
+  std::string fault() const;
 
   auto operator<=>(const Loss&) const = default;
 
@@ -109,8 +111,6 @@ SLOM_LOSSES(SLOM_SCALED_LOSS, SLOM_SHAPED_LOSS)
 namespace detail {
 /// The kind of a program's own loss: one for each name and function. The name is copied.
 const LossKind& ownKind(const char* name, LossValue (*evaluate)(double t, double shape));
-/// What is wrong with the loss's numbers, `has scale -1; pass ...`; empty when nothing is.
-std::string faultOf(const Loss& loss);
 [[noreturn]] void raiseLossError(const Loss& loss, const std::string& fault, const std::string& measurement);
 }  // namespace detail
 
@@ -134,8 +134,7 @@ concept IsLoss = std::is_base_of_v<Loss, T>;
 /// Throws [slom.bad-loss], naming `subject()`, which is called only then.
 template <class Subject>
 void checkLoss(const Loss& loss, Subject&& subject) {
-  if (const std::string fault = detail::faultOf(loss); !fault.empty())
-    detail::raiseLossError(loss, fault, subject());
+  if (const std::string fault = loss.fault(); !fault.empty()) detail::raiseLossError(loss, fault, subject());
 }
 
 }  // namespace slom
