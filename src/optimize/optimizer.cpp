@@ -204,7 +204,7 @@ class Run {
     }
   }
 
-  /// Whether a stage that stopped for this reason is the last one, though its losses are still widened.
+  /// Whether a stage that stopped for this reason is the last one, though the graduation parameter of its losses is above 1.
   bool endsTheFit(StopReason reason) const {
     if (reason == StopReason::max_iterations) return summary_.iterations >= most_iterations_;
     return reason == StopReason::rank_deficient || reason == StopReason::not_finite ||

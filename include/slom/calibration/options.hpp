@@ -12,7 +12,7 @@
 
 namespace slom::calibration {
 
-/// A parameter of one camera or of all that is held at a value (lower == upper) or kept between two.
+/// A parameter of one camera or of all that is fixed at a value (lower == upper) or kept between two.
 struct LensConstraint {
   std::string camera;     ///< its name; empty: all cameras
   std::string parameter;  ///< its name in the model: "k3"

@@ -26,7 +26,7 @@ namespace slom::initialize {
 template <class Value>
 struct Node {
   Value value = Value();
-  bool held = false;  ///< it keeps its value, so that the map cannot float
+  bool held = false;  ///< it is fixed at its value, so that the map cannot float
 };
 
 template <class Datum>
@@ -50,7 +50,7 @@ struct PoseGraph {
   std::vector<Edge<Pose>> edges;
   std::vector<Edge<Landmark>> sightings;
 
-  /// Returns its index. Where no pose is held, the first one keeps its value.
+  /// Returns its index. Where no pose is fixed, the first one keeps its value.
   int addPose(const Pose& value = Pose(), bool held = false) {
     poses.push_back({value, held});
     return static_cast<int>(poses.size()) - 1;

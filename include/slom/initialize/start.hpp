@@ -9,7 +9,7 @@ namespace slom::initialize {
 enum class Start {
   given,          ///< the values that are there
   odometry,       ///< edges between poses i and i + 1, one after the other
-  spanning_tree,  ///< the fewest edges from the held poses
+  spanning_tree,  ///< the fewest edges from the fixed poses
   chordal,        ///< all edges at once, rotations first
   build_up        ///< pose by pose, with short fits on the way
 };

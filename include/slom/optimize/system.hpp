@@ -25,7 +25,7 @@ class System {
   void setSolver(LinearSolver& solver);
 
   const ProblemStructure& structure();
-  /// The solver, analysed for the structure, for others to fill: what it held is lost.
+  /// The solver, analysed for the structure, for others to fill: its content is lost.
   LinearSolver& lendSolver();
   /// Changes whenever the solver gets other numbers.
   std::uint64_t contentOfSolver() const { return content_of_solver_; }

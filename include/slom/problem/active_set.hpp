@@ -1,4 +1,4 @@
-/// The one owner of what does not move: fixed variables, fixed components, and components that are held at a bound because the
+/// The one owner of what does not move: fixed variables, fixed components, and components at an active bound because the
 /// RSS falls beyond it. Variables are known by their index in the problem's table.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace slom {
 struct ComponentBound {
   int component;
   double lower, upper;
-  bool is_active = false;  ///< it is at a limit and held there, because the RSS falls beyond
+  bool is_active = false;  ///< it is at a limit and stays there, because the RSS falls beyond
 };
 
 class ActiveSet {
@@ -34,7 +34,7 @@ class ActiveSet {
   bool isFixed(int variable, int component) const {
     return isConstrained(variable) && of(variable).isFixed(component);
   }
-  /// Whether the component is fixed by itself or held at a bound.
+  /// Whether the component is fixed by itself or at an active bound.
   bool isHeld(int variable, int component) const {
     return isConstrained(variable) && of(variable).isHeld(component);
   }
