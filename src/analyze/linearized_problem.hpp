@@ -32,7 +32,7 @@ class LinearizedProblem {
 
   const Problem& problem() const { return problem_; }
   const ProblemStructure& structure() const { return structure_; }
-  /// With the bounds that are active at this point.
+  /// The active set, with the bounds that are active at this point.
   const ActiveSet& activeSet() const;
   /// Number of unknowns that are neither fixed nor at an active bound.
   int freeUnknowns() const;

@@ -29,8 +29,8 @@ struct NearNullSpace {
 /// Below this |J d| of a direction, in scaled unknowns, a hint is due.
 inline constexpr double kWeakInfluence = 1e-6;
 
-/// At the least the directions whose influence is below `limit`, by inverse iteration with the factor of J^T J or, where that has no
-/// full rank, of J^T J + tiny damping; their influence itself is computed from J, so that it does not suffer from the squared condition number.
+/// Finds at least the directions with |J d| below `limit`, by inverse iteration with the factor of J^T J or, where that has no
+/// full rank, of J^T J + tiny damping; |J d| itself is computed from J, so that it does not suffer from the squared condition number.
 ///   source   Golub and Van Loan, "Matrix computations", 2013, section 8.2 (subspace iteration)
 NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limit);
 

@@ -271,7 +271,7 @@ void Linearizer::clearHeld(const Problem& problem, const ActiveSet& active, cons
   }
 }
 
-/// With the lengths of the columns that were cleared, so that scales stay what they are.
+/// Sends them with the lengths of the columns that were cleared, so that scales stay the same.
 void Linearizer::sendHeld(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;

@@ -127,7 +127,7 @@ class Run {
       record({}, gradient);
       return std::nullopt;
     }
-    // What earlier steps taught may be what holds it, or that the algorithm took small promises for none.
+    // The algorithm's state from earlier steps may block it, or it took a small predicted decrease for none.
     if (is_fresh_) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
     algorithm_->reset();
     step_limits_.decrease_tolerance = step_limits_.deviation_tolerance = 0;

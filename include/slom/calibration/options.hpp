@@ -31,7 +31,7 @@ struct Fixed {
 /// What ends work early, with the best values reached. Results name the limit that was met.
 struct Limits {
   double max_seconds = 0;  ///< 0: no limit
-  /// From when the time counts. Nothing: each call counts from its own beginning.
+  /// The beginning of the time that counts. Without a value each call counts from its own beginning.
   std::optional<std::chrono::steady_clock::time_point> since;
   std::function<bool()> should_stop;  ///< asked often; may be empty
 };

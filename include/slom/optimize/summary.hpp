@@ -77,8 +77,8 @@ class Observer {
   std::function<FitControl(const IterationRecord&)> call_;
 };
 
-/// A fit has converged when one of the first three tests holds, and the fourth with it. All look at what the linear model
-/// promises without damping: a short step is not convergence.
+/// A fit has converged when one of the first three tests holds, and the fourth with it. All use the decrease that the linear
+/// model predicts without damping: a short step is not convergence.
 struct Options {
   /// Cosine of the angle between the residual and each column of J: max_i |g_i| / (|J_i| |r|). More, Garbow and
   /// Hillstrom, "User guide for MINPACK-1", 1980, `gtol`.

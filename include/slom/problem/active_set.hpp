@@ -39,9 +39,9 @@ class ActiveSet {
     return isConstrained(variable) && of(variable).isHeld(component);
   }
   bool hasFixed(int variable) const { return isConstrained(variable) && !of(variable).fixed.empty(); }
-  /// At most one for each component, by component.
+  /// The bounds of a variable, at most one for each component, sorted by component.
   const std::vector<ComponentBound>& bounds(int variable) const;
-  /// Null without one.
+  /// The bound of a component, or null.
   const ComponentBound* boundOf(int variable, int component) const {
     return isConstrained(variable) ? of(variable).boundOf(component) : nullptr;
   }
@@ -78,7 +78,7 @@ class ActiveSet {
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Constraints& of(int variable) const { return constraints_[at(place_[at(variable)])]; }
-  /// Those of the variable, made if there are none.
+  /// The constraints of the variable, made if there are none.
   Constraints& make(int variable);
   /// Removes empty constraints and indexes the others.
   void tidy(int variable);
