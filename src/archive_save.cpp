@@ -15,7 +15,7 @@ using archive_text::inQuotes, archive_text::isAtEnd;
 
 namespace {
 
-/// With all digits.
+/// The number with all its digits.
 std::string exact(double x) { return number(x, std::numeric_limits<double>::max_digits10); }
 
 /// Writes one thing and makes sure that it can be read again.

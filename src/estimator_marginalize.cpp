@@ -39,7 +39,7 @@ std::vector<MeasID<GaussianPrior>> insertPriors(Estimator& estimator, const Prob
 
 void removeEliminated(Problem& problem, const std::vector<MeasurementIndex>& measurements,
                       const std::vector<int>& variables) {
-  // From the last one on, as the last one of a pool takes the place of one that is removed.
+  // Starts with the last one, as the last one of a pool takes the place of a removed one.
   for (auto m = measurements.rbegin(); m != measurements.rend(); ++m) {
     problem.removeMeasurement(*problem.pools()[static_cast<std::size_t>(m->first)], m->second);
   }

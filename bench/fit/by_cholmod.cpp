@@ -19,7 +19,7 @@ namespace {
 constexpr double kMostSimplicialFlops = 1e10;
 
 Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
-  ceres::Problem::EvaluateOptions options;  // without the columns of what is fixed
+  ceres::Problem::EvaluateOptions options;  // without the columns of fixed variables
   problem.problem.GetParameterBlocks(&options.parameter_blocks);
   std::erase_if(options.parameter_blocks,
                 [&](const double* block) { return problem.problem.IsParameterBlockConstant(block); });

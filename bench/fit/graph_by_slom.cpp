@@ -11,7 +11,7 @@ namespace slom::bench {
 
 namespace {
 
-/// The blocks of all poses and landmarks that are not held, and which of them meet.
+/// The blocks of all poses and landmarks that are not fixed, and which of them meet.
 template <class Pose>
 BlockStructure structureOf(const io::PoseGraph<Pose>& graph) {
   BlockStructure structure;

@@ -59,7 +59,7 @@ ceres::Covariance::Options options() {
   return options;
 }
 
-/// `steps`: of each variable, empty for one that is held.
+/// `steps`: the step of each variable, empty for a fixed one.
 Marginals marginalsOf(CeresProblem& problem, const std::vector<MatrixXd>& steps) {
   std::vector<std::pair<const double*, const double*>> pairs;
   for (std::size_t i = 0; i < steps.size(); ++i) {

@@ -23,14 +23,14 @@ inline constexpr double kPointSigma = 100;
 /// Fits on one thread, writes the values back, and computes the marginals of all variables. The best time of three.
 template <class Pose>
 Marginals marginalsBySlom(io::PoseGraph<Pose>& graph);
-/// The same with camera 0 and point 0 held, as nothing else says where the scene is and how large.
+/// The same with camera 0 and point 0 fixed, as nothing else determines the place and scale of the scene.
 Marginals marginalsBySlom(io::Scene& scene);
 
 #ifdef SLOM_BENCH_CERES
 /// ceres::Covariance by SPARSE_QR on one thread, at the values of the graph: the blocks of all poses.
 template <class Pose>
 Marginals marginalsByCeres(const io::PoseGraph<Pose>& graph);
-/// The blocks of all cameras, with the same ones held.
+/// The blocks of all cameras, with the same ones fixed.
 Marginals marginalsByCeres(const io::Scene& scene);
 #endif
 

@@ -108,7 +108,7 @@ class SparseDual {
   SparseDual(const T& constant)
       : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
-  /// With the partial derivatives that make() returns, which are not copied.
+  /// A number with the partial derivatives that make() returns, which are not copied.
   template <class Make>
     requires requires(const Make& make) {
       { make() } -> std::same_as<Partials>;

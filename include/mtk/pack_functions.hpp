@@ -190,7 +190,7 @@ template <int W>
 Pack<W> pow(const Pack<W>& x, const Pack<W>& y) {
   return detail::laneByLane(x, y, [](double a, double b) { return std::pow(a, b); });
 }
-// With a number that is the same for all lanes.
+// Functions of a pack and a number that is the same for all lanes.
 #define MTK_PACK_AND_NUMBER(name)              \
   template <int W, class T>                    \
     requires std::is_arithmetic_v<T>           \

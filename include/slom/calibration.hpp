@@ -1,7 +1,7 @@
 /// Calibration of cameras, and of an IMU on their rig, from corners of a flat board: data in memory -> start values -> fit ->
 /// result with uncertainty, quality and verdict. docs/calibration_library.md shows it at work. Library slom::calibration.
 ///   dataset.hpp     what was measured
-///   options.hpp     what is assumed, held fixed, and when to give up; models.hpp: the camera models
+///   options.hpp     what is assumed and fixed, and when to give up; models.hpp: the camera models
 ///   calibrate.hpp   the fit: calibrate(data, settings)
 ///   result.hpp      what it found, with standard deviations
 ///   assess.hpp      how far it can be trusted, assess(data, settings, result), in figures (quality.hpp) and in a sentence

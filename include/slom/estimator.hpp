@@ -303,7 +303,7 @@ class Estimator {
   /// Number of scalar residuals.
   int getM() const;
   /// Number of unknowns: degrees of freedom of all optimised variables but for fixed components. A component at a bound counts;
-  /// Summary::unknowns leaves those out that a fit held there.
+  /// Summary::unknowns leaves out those whose bound is active after a fit.
   int getN() const;
 
   /// The residual of a measurement in its own units, f(Y) [-] z.

@@ -1,4 +1,4 @@
-/// What is known of some variables, without the measurements that it is known from: the place to try measurements that nobody has
+/// The posterior of some variables, without the measurements that it comes from: the place to try measurements that have not been
 /// made yet.
 ///
 ///     auto [what_if, ids] = slom::posterior(est, tower, oak);

@@ -53,7 +53,7 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
   return classes;
 }
 
-/// What motions of the world do to the scaled unknowns of the class.
+/// The gauge generators on the scaled unknowns of the class.
 MatrixXd gaugeGeneratorsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
                            const VectorXd& scale) {
   MatrixXd all(own.rows, kGaugeGenerators);
@@ -89,7 +89,7 @@ MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
   return A * svd.matrixV().rightCols(A.cols() - rank);
 }
 
-/// The rows of unknowns that no motion of the world changes.
+/// The rows of unknowns that no gauge generator changes.
 MatrixXd rowsElsewhere(const Problem& problem, const Part& part, const MatrixXd& null_space) {
   std::vector<int> rows;
   int row = 0;
@@ -105,8 +105,8 @@ MatrixXd rowsElsewhere(const Problem& problem, const Part& part, const MatrixXd&
   return null_space(rows, Eigen::all);
 }
 
-/// The motions of the world that, on this class, lie in the null space.
-/// `elsewhere`: the rows of the null space that no motion of the world changes, as those of focal lengths.
+/// The combinations of gauge generators that, on this class, lie in the null space.
+/// `elsewhere`: the rows of the null space that no gauge generator changes, as those of focal lengths.
 Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space,
                     const MatrixXd& elsewhere) {
   Gauge result;

@@ -19,10 +19,11 @@ struct Part {
 /// The connected parts of a structure, in the order of their first blocks.
 std::vector<Part> connectedParts(const BlockStructure& structure);
 
-/// World motions in a null space.
+/// The gauge generators that lie in a null space.
 struct Gauge {
-  Eigen::MatrixXd motions;  ///< kGaugeGenerators x count: motions of the world, each row times `length`
-  Eigen::VectorXd length;   ///< distance that scaled unknowns move with each unit motion of the world
+  Eigen::MatrixXd
+      motions;  ///< kGaugeGenerators x count: combinations of gauge generators, each row times `length`
+  Eigen::VectorXd length;  ///< norm of each gauge generator in scaled unknowns
   Eigen::MatrixXd
       directions;  ///< unknowns of the part x count: what they do to the scaled unknowns, orthonormal
   bool has_translation = false, has_rotation = false, has_scale = false;

@@ -129,7 +129,7 @@ double LinearizedProblem::orthogonality() const {
   return Evaluator::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
-/// With these rows in it.
+/// The solver, which has these rows.
 LinearSolver& LinearizedProblem::solver() const {
   linearize();
   Results& own = *results_;

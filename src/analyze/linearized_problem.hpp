@@ -32,13 +32,13 @@ class LinearizedProblem {
 
   const Problem& problem() const { return problem_; }
   const ProblemStructure& structure() const { return structure_; }
-  /// With the bounds that are active at this point.
+  /// The active set, with the bounds that are active at this point.
   const ActiveSet& activeSet() const;
-  /// Number of unknowns that are not held.
+  /// Number of unknowns that are neither fixed nor at an active bound.
   int freeUnknowns() const;
 
   double rss() const;
-  /// Reweighted by losses; the columns of what is held are 0.
+  /// Reweighted by losses; the columns of components that are fixed or at an active bound are 0.
   const JacobianRows& rows() const;
   /// The rows before losses reweighted them, of groups with losses only.
   const JacobianRows& unweightedRows() const;

@@ -9,7 +9,7 @@ namespace slom {
 
 namespace {
 
-/// That of the library's losses; users' own come after them.
+/// The place of one of the library's losses in their table; users' own come after them.
 std::ptrdiff_t placeInTable(const Loss& loss) {
   const std::span<const LossKind* const> all = losses();
   return std::find(all.begin(), all.end(), loss.kind()) - all.begin();

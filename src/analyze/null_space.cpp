@@ -21,8 +21,8 @@ constexpr int kIterations = 6;
 /// The iteration separates directions whose squared influences |J d|^2 differ by more than the damping: a long chain has many that are
 /// nearly free.
 constexpr double kSeparated = 3e-5;
-/// All is determined when the square of the least influence falls by less than this factor from one iteration to the next, and is this
-/// many times above that of what is looked for.
+/// The null space is empty when the square of the smallest influence |J d| falls by less than kSettled from one iteration to the next,
+/// and exceeds the square of the limit kFarAbove times.
 constexpr double kSettled = 1.1, kFarAbove = 10;
 constexpr Index kFirstCount = 4, kMostCount = 192;
 /// Limit of unknowns x directions^2, to which the time is proportional: some ten seconds.
@@ -42,7 +42,7 @@ VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   return diagonal;
 }
 
-/// Numbers that look random and are the same in every run, 0 for unobserved unknowns.
+/// Numbers that look random and are the same in every run, 0 for unobservable unknowns, on which no residual depends.
 MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   MatrixXd start(diagonal.size(), count);
   double x = 0.5;
@@ -150,7 +150,7 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
   for (Index count = std::min(kFirstCount, dimension);;) {
     result.direction = startVectors(diagonal, count);
     orthonormalize(result.direction);
-    double gain = 0;  // 1 / (square of the least influence so far + shift)
+    double gain = 0;  // 1 / (smallest |J d|^2 so far + shift)
     bool all_determined = false;
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;

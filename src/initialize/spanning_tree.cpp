@@ -49,7 +49,7 @@ void requireReached(const std::vector<char>& is_reached) {
   }
 }
 
-/// The held poses, or the first one where there is none.
+/// The fixed poses, or the first one where there is none.
 std::vector<int> roots(const std::vector<char>& is_fixed) {
   std::vector<int> result;
   for (std::size_t p = 0; p < is_fixed.size(); ++p) {

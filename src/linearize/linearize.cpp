@@ -275,7 +275,7 @@ void Linearizer::clearConstrained(const Problem& problem, const ActiveSet& activ
   }
 }
 
-/// With the lengths of the columns that were cleared, so that scales stay what they are.
+/// Sends them with the lengths of the columns that were cleared, so that scales stay the same.
 void Linearizer::sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;

@@ -120,7 +120,7 @@ class Update {
     result_.measurements = true;
   }
 
-  /// Before the group of what is held, if there is one.
+  /// Inserts them before the group of components that are fixed or at an active bound, if there is one.
   void addPools() {
     const auto end = structure_.system.groups.begin() + structure_.pools;
     std::vector<MeasurementGroup> added;

@@ -1,4 +1,4 @@
-/// From an unknown to the variable that it is of.
+/// The variable that an unknown belongs to.
 #pragma once
 
 #include <algorithm>

@@ -108,8 +108,8 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
   return moves_;
 }
 
-/// d of the front's pivots, given that of its rows, unless it promises next to nothing. Children follow whose rows have moved, or in
-/// whose subtrees something is left.
+/// Computes d of the front's pivots, given that of its rows, unless its predicted decrease is negligible. Goes on to children whose rows have
+/// moved, or in whose subtrees some decrease is left.
 void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();

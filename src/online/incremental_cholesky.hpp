@@ -2,13 +2,13 @@
 ///
 ///   matrix     H = sum of A_e^T A_e over elements (linearised measurements), in blocks (variables)
 ///   gradient   g = sum of g_e
-///   factor     of each front (see symbolic/supernodes.hpp) its columns of L and its update matrix, which live on
-///   step       d = -H^-1 g; |L^-1 g|^2 = g^T H^-1 g is the decrease of the RSS that it promises
+///   factor     for each front (see symbolic/supernodes.hpp) its columns of L and its update matrix, which are kept
+///   step       d = -H^-1 g; |L^-1 g|^2 = g^T H^-1 g is its predicted decrease of the RSS
 ///
 /// A new or removed element changes the fronts from its first eliminated block up to the root. These are dissolved: their blocks are
-/// ordered anew, the newest ones last, and the subtrees below them hang on with their update matrices as they are. An
-/// element with other numbers leaves the fronts as they are, and those above it are factorised again. With another gradient alone, only
-/// vectors go up.
+/// reordered, the newest ones last, and the subtrees below them are attached again with their update matrices as they are. An
+/// element with other numbers leaves the fronts as they are, and those above it are factorised again. If only the gradient changes, only
+/// vectors are passed up the tree.
 ///   source   Kaess et al., "iSAM2: Incremental smoothing and mapping using the Bayes tree", IJRR 2012 (the affected part is the
 ///            top of the tree; here with update matrices of a multifrontal Cholesky factorisation instead of QR factors); Liu,
 ///            "The multifrontal method for sparse matrix solution", 1992
@@ -61,11 +61,11 @@ class IncrementalCholesky {
     int block;
     const double* d;  ///< valid until the next call of anything here
   };
-  /// The blocks that d moves. Fronts whose own motion promises less than `threshold` are left where they are; so is what earlier
-  /// solutions have left, unless it is to be looked for `everywhere`.
+  /// The blocks that d moves. Fronts whose own predicted decrease is below `threshold` stay where they are; so does what earlier
+  /// solutions have left, unless the search goes `everywhere`.
   const std::vector<Move>& solve(double threshold, bool everywhere = true);
 
-  /// Unknowns (block, component) that nothing determines, given those eliminated before: they stay where they are. Of all fronts.
+  /// Unknowns (block, component) of all fronts that nothing determines, given those eliminated before: they stay where they are.
   const std::set<std::pair<int, int>>& undetermined() const { return undetermined_; }
 
   /// The block of H^-1 with the rows of a and the columns of b, column-major: by the fronts from b up to the root, and from there down to

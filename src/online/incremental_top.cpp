@@ -1,4 +1,4 @@
-/// The top of the tree: what is dissolved and ordered anew.
+/// The top of the tree: the fronts that are dissolved and reordered.
 #include <algorithm>
 #include <iterator>
 #include <numeric>
@@ -11,7 +11,7 @@ namespace slom {
 
 namespace {
 
-/// From here on nested dissection beats minimum degree: the tree stays shallow.
+/// From this number of blocks on nested dissection beats minimum degree: the tree stays shallow.
 constexpr int kManyBlocks = 50;
 constexpr double kNearlyAsGood = 1.2;  // ratio of operations
 

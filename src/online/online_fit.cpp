@@ -11,13 +11,13 @@ namespace slom {
 namespace {
 
 /// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
-/// step has decreased the RSS by less than half of what was promised.
+/// step has achieved less than the share kKeptOnline of its predicted decrease.
 constexpr double kStaleOnline = 3e-4, kSlightlyStale = 1e-4;
 constexpr double kKeptOnline = 0.5;
-/// What a subtree must promise to be moved, relative to what may be left in all. What hundreds of subtrees leave adds up, and another step
-/// costs more than moving some that need not move.
+/// Least predicted decrease at which a subtree is moved, relative to the decrease that may be left in total. What hundreds of subtrees leave
+/// adds up, and another step costs more than moving some that need not move.
 constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
-/// The promise is that of a model; this part of what is allowed is aimed at.
+/// Share of the allowed decrease that is aimed at, as the predicted decrease is that of a model.
 constexpr double kAimedAt = 0.5;
 constexpr double kSlowest = 0.99;  // ratio of the predicted decreases of two steps
 constexpr double kNoiseOfRss = 1e-13;
@@ -25,12 +25,12 @@ constexpr double kNoiseOfRss = 1e-13;
 constexpr double kMostRoundingOnline = 1e-4;
 /// After this number of steps, values may have another size than where their measurements were inserted.
 constexpr int kManySteps = 3;
-/// Nearly all of the RSS is promised to go: the optimum is far off, and which valley is reached is left to optimize().
+/// Share of the RSS above which a predicted decrease shows that the optimum is far off: which minimum is reached is left to optimize().
 constexpr double kFarOff = 0.5;
 bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
 /// A step whose decrease exceeds this multiple of the predicted one is lengthened by at most this factor.
 constexpr double kStretched = 1.5, kLongest = 8;
-/// A step that goes uphill is shortened, by this factor, down to that.
+/// A step that goes uphill is shortened by the first factor, down to the second share of its length.
 constexpr double kShorterOnline = 0.5, kShortestOnline = 0.1;
 
 }  // namespace
@@ -73,7 +73,7 @@ bool OnlineFit::isBelow(double most) {
   }
 }
 
-/// Takes the step, a part of it or more, such that the RSS falls. Where it does not, the values stay, and the factor gets their Jacobians.
+/// Takes the step, a part of it or more, so that the RSS falls. Where it does not, the values stay, and the factor gets their Jacobians.
 bool OnlineFit::go(double promised) {
   const double before = rss(), most = before + kNoiseOfRss * before;
   moveBy(1);
@@ -92,9 +92,9 @@ bool OnlineFit::go(double promised) {
   return false;
 }
 
-/// Goes on along a step that has decreased the RSS by more than was promised, as where losses make the curvature smaller than it is in the
-/// factor, or back where it was less, as where large residuals make it larger: to the minimum of the parabola through the promise
-/// and the decrease.
+/// Goes on along a step that has decreased the RSS by more than was predicted, as where losses make the curvature smaller than it is in
+/// the factor, or back where it was less, as where large residuals make it larger: to the minimum of the parabola through the
+/// predicted and the actual decrease.
 void OnlineFit::stretch(double before, double promised) {
   const double after = rss(), ratio = (before - after) / promised;
   if (ratio > kKeptOnline && ratio < kStretched) return;
@@ -122,13 +122,13 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   follow();
   factor_.refactor();
   double share = kShareOnline;
-  // What all further steps together promise, relative to the next one: more than 1 where each leaves much to the others.
+  // Predicted decrease of all further steps together, relative to that of the next one: above 1 where convergence is slow.
   double slowness = 1;
   bool is_fresh = false;  // the Jacobians in the factor are those of the current values, where it last moved
   for (int steps = 0;; ++steps) {
     sumAgain();
     const double before = rss(), promised = factor_.promise();
-    // Beside the measurements' rounding errors there is no optimum to be found.
+    // Below the measurements' rounding errors no optimum can be found.
     const double allowed = std::max({options.tolerance * before, std::min(rounding_, kMostRoundingOnline),
                                      std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;

@@ -2,7 +2,7 @@
 ///
 /// Every measurement has its residual and Jacobian at the current values, for the gradient, and the Jacobian that is in the factor, which
 /// may be that of earlier values. A step d = -H^-1 g is thus a quasi-Newton step towards the optimum of the problem itself, and its
-/// promise, g^T H^-1 g, does not suffer from old linearisation points. The factor gets a new Jacobian where the old one differs so much
+/// predicted decrease, g^T H^-1 g, does not suffer from old linearisation points. The factor gets a new Jacobian where the old one differs so much
 /// that steps converge slowly.
 ///   source   Nocedal and Wright, "Numerical optimization", 2006, section 11.1 (chord method); for what iSAM2 does instead, Kaess et
 ///            al., "iSAM2", IJRR 2012 (fluid relinearisation, by thresholds of coordinates)

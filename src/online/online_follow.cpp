@@ -56,7 +56,8 @@ void OnlineFit::startAgain() {
   value_revision_ = problem_.valueRevision();
 }
 
-/// Blocks for the variables that are free now and were not, none for those that were. Their measurements become elements anew.
+/// Inserts blocks for variables that have become free and removes those of variables that no longer are. Makes new elements of their
+/// measurements.
 void OnlineFit::followVariables() {
   std::sort(touched_variables_.begin(), touched_variables_.end());
   touched_variables_.erase(std::unique(touched_variables_.begin(), touched_variables_.end()),

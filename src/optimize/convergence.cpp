@@ -6,11 +6,11 @@
 namespace slom {
 
 namespace {
-/// A promise that rounding does not let the values keep may be this part of a variance.
+/// Largest predicted decrease, as a share of a variance, that rounding may make unachievable.
 constexpr double kMostRounding = 1e-4;
-/// An RSS that is rounding error, where the first one was not.
+/// An RSS below these limits, absolute and relative to the first one, is rounding error.
 constexpr double kPerfect = 1e-30, kLittleOfTheFirst = 1e-20;
-/// Part of the RSS that rounding the values may change where rank is lost, and from which on the RSS is rounding itself.
+/// Largest share of the RSS that rounding of the values may change where rank is lost, and share above which the RSS is rounding itself.
 constexpr double kMostHidden = 1e-10, kIsRounding = 1e-2;
 /// Where residuals have no scale, the cosine of residual and columns below which a small decrease by a damped
 /// step is the end.
@@ -20,7 +20,7 @@ constexpr double kFlat = 1e-2;
 constexpr double kNumericGradient = 1e-8;
 }  // namespace
 
-/// That of residuals of unit weight. Where nobody has stated it, the residuals may show that it is smaller
+/// The variance of residuals of unit weight. Where it is not stated, the residuals may show that it is smaller
 /// than 1.
 double Convergence::variance(double rss) const {
   if (!sigma_is_estimated_ && is_stated_) return 1;
@@ -53,7 +53,7 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   const double perfect = std::max(kPerfect, decrease_tolerance * decrease_tolerance);
   if (outcome.rss_after <= perfect && outcome.rss_after <= kLittleOfTheFirst * first_rss_)
     return StopReason::decrease;
-  if (!outcome.status.ok) return std::nullopt;  // without full rank promises are not known
+  if (!outcome.status.ok) return std::nullopt;  // without full rank the predicted decrease is not known
   const double little = decrease_tolerance * outcome.rss_before;
   const bool has_gradient = gradient <= options_.gradient_tolerance;
   bool has_decrease =
@@ -65,7 +65,7 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   }
   double promised = outcome.predicted_decrease;
   if (!evaluator_.solver().isExact()) promised = std::max(promised, gradient * gradient * outcome.rss_before);
-  // Without a scale for residuals it is as peers do: a step that was not refused, and its decrease.
+  // Residuals without a scale are judged as other libraries do: by the decrease of a step that was not refused.
   const bool is_relative = std::isinf(options_.deviation_tolerance);
   if (is_relative && has_decrease && outcome.trials == 1 && gradient <= kFlat) return StopReason::decrease;
   if (!outcome.is_undamped) {

@@ -1,5 +1,5 @@
-/// When a fit has converged. All tests look at what the linear model promises without damping: that a short
-/// step was refused, or promises little, says nothing.
+/// When a fit has converged. All tests look at the decrease that the linear model predicts without damping: a short step that
+/// was refused, or whose predicted decrease is small, says nothing.
 #pragma once
 
 #include <limits>
@@ -21,14 +21,14 @@ class Convergence {
 
   /// `rss` is that of the start.
   void begin(double rss) { first_rss_ = rss; }
-  /// After a step that was taken from where Evaluator::orthogonality() was `gradient`.
+  /// The test after a step that was taken from where Evaluator::orthogonality() was `gradient`.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
-  /// Whether many steps one after the other have changed the RSS by rounding alone, and the promise hardly. To be asked after each
+  /// Whether many successive steps have changed the RSS only by rounding, and the predicted decrease hardly. To be called after each
   /// step that was taken and is not the last.
   bool creeps(const StepOutcome& outcome);
-  /// Where no step was taken. Without `has_rank`, as the algorithm has found it, the gradient alone decides.
+  /// The test where no step was taken. Without `has_rank`, as the algorithm has found it, only the gradient decides.
   std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance, bool has_rank = true);
-  /// Whether what is promised where no step helps, even from a fresh start of the algorithm, is hidden by
+  /// Whether the decrease that is predicted where no step helps, even from a fresh start of the algorithm, is hidden by
   /// rounding errors of the RSS and small beside a standard deviation.
   bool isHidden();
   /// Whether whenStuck has found no reason to stop but a step of its own, and taken it.

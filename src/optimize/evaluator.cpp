@@ -225,7 +225,7 @@ double Evaluator::digitsOfDerivatives(const Problem& problem) {
   return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
 }
 
-/// Components that are held do not move by what rounding leaves of their equations.
+/// Components that are fixed or at an active bound do not move by what rounding leaves of their equations.
 void Evaluator::clearConstrained(Eigen::VectorXd& d) const {
   for (const int v : problem_.activeSet().constrained()) {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];

@@ -20,7 +20,7 @@ class Graduation {
   /// The next stage: scales the losses.
   void advance();
   bool isLast() const { return mu_ == 1; }
-  /// For the steps of this stage, which begins after `iterations` of at most `most`.
+  /// The options of this stage, which begins after `iterations` of at most `most`.
   Options limits(int iterations, int most) const;
 
  private:

@@ -144,7 +144,7 @@ class Run {
       record({}, gradient);
       return std::nullopt;
     }
-    // What earlier steps taught may be what holds it, or that the algorithm took small promises for none.
+    // The algorithm's state from earlier steps may block it, or it took a small predicted decrease for none.
     if (is_fresh_) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
     algorithm_->reset();
     step_limits_.decrease_tolerance = step_limits_.deviation_tolerance = 0;
@@ -221,7 +221,7 @@ class Run {
     }
   }
 
-  /// Whether a stage that stopped for this reason is the last one, though its losses are still widened.
+  /// Whether a stage that stopped for this reason is the last one, though the graduation parameter of its losses is above 1.
   bool endsTheFit(StopReason reason) const {
     if (reason == StopReason::max_iterations) return summary_.iterations >= most_iterations_;
     return reason == StopReason::rank_deficient || reason == StopReason::not_finite ||

@@ -1,4 +1,4 @@
-// What the linear model promises without damping, and whether it can be believed.
+// The decrease that the linear model predicts without damping, and whether it can be trusted.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,7 +40,7 @@ Evaluator::Promise Evaluator::promise(bool carefully) {
     result.decrease = promised(damping, result.step);
     if (!std::isfinite(result.decrease)) continue;
     const std::vector<int> out_of_sight = unseen;
-    // A promise that damping makes smaller is larger without.
+    // A predicted decrease that more damping makes smaller would be larger without damping.
     constexpr double more = 100, similar = 1.1;
     Eigen::VectorXd ignored;
     const bool is_similar =
@@ -53,9 +53,9 @@ Evaluator::Promise Evaluator::promise(bool carefully) {
   return result;
 }
 
-/// What the linear model promises along columns so nearly dependent that J^T J shows nothing of them: by factorising J
-/// itself, with as little damping as keeps out what is rounding. Taken over where it is a part of the RSS that
-/// rounding cannot be.
+/// The decrease that the linear model predicts along columns so nearly dependent that J^T J does not show it: by factorising J
+/// itself, with the least damping that suppresses rounding errors. It replaces `promise` where it is a larger share of the RSS than
+/// rounding can be.
 void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
   constexpr double of_the_digits = 0.1, least_pivot = 1e-15, most_rounding = 1e-5;
   if (mustStop()) return;

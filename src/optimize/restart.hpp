@@ -22,7 +22,7 @@ class Restart {
   static bool isCalledFor(StopReason reason, const Summary& summary);
   /// Keeps the end of the first attempt and goes back to the start.
   void begin(StopReason reason, const Summary& summary);
-  /// For the steps of the second attempt: Levenberg-Marquardt with a large first damping.
+  /// The algorithm of the second attempt: Levenberg-Marquardt with a large first damping.
   Algorithm& algorithm() { return cautious_; }
   /// Whether the second attempt has converged to a minimum with full rank that is not worse than where the first attempt ended. Linearises there.
   bool hasSucceeded(StopReason second, double rss);

@@ -11,7 +11,7 @@ namespace slom {
 
 /// Large problems far from their solution, as graphs of poses are from odometry, need full steps that lead
 /// uphill for a moment: there the RSS must fall below that of the last good values within a few steps only,
-/// else those come back and Levenberg-Marquardt goes on. After steps of its that do what the model promises,
+/// else those come back and Levenberg-Marquardt goes on. After steps of its that achieve the predicted decrease,
 /// a full step is tried again; each one refused doubles the number of such steps that must come first.
 ///   source   Chamberlain, Powell, Lemarechal and Pedersen, "The watchdog technique for forcing convergence
 ///   in algorithms for

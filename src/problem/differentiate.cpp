@@ -46,7 +46,7 @@ class Redirected {
   }
 
   const void* original() const { return original_; }
-  /// To the original value [+] d.
+  /// Sets the copy to the original value [+] d.
   void move(const double* d) {
     store_.assign(moved(), original_);
     store_.boxplus(moved(), d);

@@ -5,7 +5,7 @@
 
 namespace slom {
 
-/// Measurements that depend on each variable. Handles of removed measurements stay until somebody asks, or until they are more than
+/// Measurements that depend on each variable. Handles of removed measurements stay until the next query, or until they are more than
 /// those that are left.
 struct Problem::Uses {
   struct OfVariable {

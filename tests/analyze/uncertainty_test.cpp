@@ -150,7 +150,7 @@ TEST(Uncertainty, OfAFreeNetworkIsThePseudoInverse) {
     EXPECT_LT((marginals.covariance(points[std::size_t(i)]) - C.block(2 * i, 2 * i, 2, 2)).norm(), 1e-9);
     EXPECT_LT((est.covariance(points[std::size_t(i)], points[2]) - C.block(2 * i, 4, 2, 2)).norm(), 1e-9);
   }
-  // What does not depend on the gauge is the same as with two points held as far as it takes.
+  // What does not depend on the gauge is the same as with two points fixed as far as it takes.
   const double free = est.propagate(distance, points[1], points[3]).standardDeviation()[0];
   est.setFreeGauge(slom::FreeGauge::error);
   est.fix(points[0]);
@@ -316,7 +316,7 @@ TEST(Profile, EndsAtBounds) {
                         {12, 0, 10, 12 - std::sqrt(4 + q * q), 10},  // at the upper one
                         {-1, 0, inf, 0, -1 + std::sqrt(1 + q * q)},  // no other
                         {-1, 0, 0.5, 0, 0.5},                        // at one, cut at the other
-                        {3, 4, 4, 4, 4}};                            // held by both
+                        {3, 4, 4, 4, 4}};                            // both are active
   for (const Case& c : cases) {
     slom::Estimator est;
     const auto x = est.insertRV(std::clamp(5.0, c.lower, c.upper), "x"), y = est.insertRV(0.0, "y");

@@ -28,7 +28,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class Type { number, point, pose };
 
-/// What a variable is to be: its handle in the estimator under test, its value there, and how it is held.
+/// What a variable is to be: its handle in the estimator under test, its value there, and how it is fixed or bounded.
 struct Variable {
   Type type;
   slom::VarID<double> number;

@@ -26,7 +26,7 @@ V randomTangent(std::mt19937_64& random, double position, double rotation, int d
 }
 
 /// `count` poses on a ring with random orientations, edges from each to the next two, landmarks that three
-/// poses see; the first pose is held at the identity. Noise in the units of the map [and rad]; information
+/// poses see; the first pose is fixed at the identity. Noise in the units of the map [and rad]; information
 /// with weights that differ.
 template <class Pose>
 Map<Pose> ring(int count, double noise, std::uint64_t seed) {
@@ -64,7 +64,7 @@ Map<Pose> ring(int count, double noise, std::uint64_t seed) {
   return map;
 }
 
-/// The same map with values that mean nothing where nothing is held.
+/// The same map with meaningless values of all nodes that are not fixed.
 template <class M>
 M scrambled(M map) {
   std::mt19937_64 random(99);

@@ -33,7 +33,7 @@ SE3 readSpacePose(std::istream& is) {
   return {SO3(qw, qx, qy, qz), Vec3(x, y, z)};
 }
 
-/// Fits the file with the first pose held, from its vertices, or from the edges between i and i + 1 where it
+/// Fits the file with the first pose fixed, from its vertices, or from the edges between i and i + 1 where it
 /// has none.
 template <class Pose>
 double fittedRss(const std::filesystem::path& path, const std::string& vertex, const std::string& edge,

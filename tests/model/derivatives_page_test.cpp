@@ -20,7 +20,7 @@ struct SimpleCameraOf {
 };
 using SimpleCamera = SimpleCameraOf<double>;
 
-struct Sight {
+struct Observation {
   Vec3 operator()(const mtk::SO3<>& R, const Vec3& direction) const { return R * direction; }
   void jacobian(const mtk::SO3<>& R, const Vec3& direction, auto& by_R) const {
     Eigen::Matrix3d cross;
@@ -29,9 +29,9 @@ struct Sight {
   }
 };
 
-struct WrongSight : Sight {
+struct WrongObservation : Observation {
   void jacobian(const mtk::SO3<>& R, const Vec3& direction, auto& by_R) const {
-    Sight::jacobian(R, direction, by_R);
+    Observation::jacobian(R, direction, by_R);
     by_R = -by_R;
   }
 };
@@ -54,7 +54,7 @@ TEST(PageOfDerivatives, SaysWhatHappens) {
       camera, point, Vec2(310, 155), slom::StandardDeviation(0.25), slom::named("reprojection"));
   est.insertMeasurement(slom::vectorized([](const auto& a, const auto& b) { return a.inverse() * b; }), from, to,
                         slom::measured(odometry), slom::StandardDeviation(0.1));
-  est.insertMeasurement(Sight(), R, Vec3(1, 2, 3));
+  est.insertMeasurement(Observation(), R, Vec3(1, 2, 3));
   const slom::DerivativeCheck check = est.checkDerivatives();
   EXPECT_TRUE(check.ok()) << check;
   ASSERT_EQ(check.groups.size(), 3u);
@@ -66,9 +66,9 @@ TEST(PageOfDerivatives, SaysWhatHappens) {
 TEST(PageOfDerivatives, ShowsWhatTheCheckPrints) {
   slom::Estimator est;
   const auto R = est.insertRV(mtk::SO3<>::exp(Vec3(0.3, -0.8, 0.4)), "R");
-  est.insertMeasurement(WrongSight(), R, Vec3(1, 2, 3), slom::named("sight"));
+  est.insertMeasurement(WrongObservation(), R, Vec3(1, 2, 3), slom::named("observation"));
   EXPECT_EQ(est.checkDerivatives().text(),
-            "sight: given derivatives of 1 measurement do NOT agree with differences; worst: d residual[1] / d R.x of sight #1 "
+            "observation: given derivatives of 1 measurement do NOT agree with differences; worst: d residual[1] / d R.x of observation #1 "
             "is 3.46384, by differences -3.46384\n  guess: the sign is wrong\n");
 }
 

@@ -1,7 +1,6 @@
 // Online landmark SLAM on public data: after each pose the optimum of the batch fit.
 #include "initialize/landmark_files.hpp"
 
-
 #include <gtest/gtest.h>
 
 #include <slom/initialize/growing_map.hpp>

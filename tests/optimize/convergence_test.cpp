@@ -1,5 +1,5 @@
 // "Converged" is a promise: starts and data that make it hard to keep, limits of time, and steps that must
-// not move what is held.
+// not move fixed components.
 #include <chrono>
 #include <thread>
 

@@ -1,4 +1,4 @@
-// The information of the images, added up, is that of the joint fit: same standard deviations, which the fit
+// The information of the images, added up, is that of the fit of the rig: same standard deviations, which the fit
 // has from its own factor.
 #include "calibration/quality/information.hpp"
 

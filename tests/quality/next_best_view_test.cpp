@@ -1,4 +1,4 @@
-// The gain that is predicted of a further view is what a fit with such a view has.
+// The predicted gain of a next best view is what a fit with such a view has.
 #include "calibration/quality/next_best_view.hpp"
 
 #include <gtest/gtest.h>

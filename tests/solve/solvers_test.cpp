@@ -46,7 +46,7 @@ std::vector<std::unique_ptr<slom::LinearSolver>> allSolvers() {
   return solvers;
 }
 
-/// What dense QR finds, which itself is held against the normal equations.
+/// What dense QR finds, which itself is compared with the normal equations.
 struct Oracle {
   slom::DenseQR dense;
   std::vector<VectorXd> dampings, steps;

@@ -35,8 +35,7 @@ struct MeasurementCheck {
   int dof = 0;             ///< rank of Q
   double probability = 1;  ///< that a good measurement has such a T or a larger one
   double effect =
-      0;  ///< how far the fit moves without it, in standard deviations: sqrt(d^T C^-1 d) = sqrt(p D) with Cook's distance D and p
-          ///< unknowns; C as Sigma says
+      0;  ///< root of Cook's distance (not divided by the unknowns): how far the fit moves without it, sqrt(d^T C^-1 d), C as Sigma says
   bool is_suspect = false;
 };
 

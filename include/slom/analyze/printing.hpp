@@ -11,7 +11,7 @@
 #define SLOM_TEXT(x) SLOM_TEXT_(x)
 
 namespace slom::detail {
-/// A program may have defined another format; then its files compile what they print, and this names a type that nobody does.
+/// A program may have defined another format; then its files compile what they print, and this names a type that nothing prints.
 inline constexpr bool has_eigens_format =
     std::string_view(SLOM_TEXT(EIGEN_DEFAULT_IO_FORMAT)) == "Eigen::IOFormat()";
 template <class X>

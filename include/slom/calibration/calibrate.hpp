@@ -9,7 +9,7 @@
 
 namespace slom::calibration {
 
-/// What happened with one camera before the joint fit.
+/// What happened with a single camera before the fit of the rig.
 struct SingleCameraReport {
   const CameraData* camera;
   std::string start;  ///< how the intrinsics were found
@@ -24,7 +24,7 @@ struct Progress {
   std::function<void(const IterationRecord&)> iteration;
 };
 
-/// Start values, each camera alone, then all together. DataError when settings or data
+/// Start values, fits of single cameras, then the fit of the rig. DataError when settings or data
 /// make no sense or cannot determine the model; a fit that did not converge is a result that says so.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
 

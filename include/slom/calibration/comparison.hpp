@@ -2,7 +2,7 @@
 ///
 /// A model with more parameters always fits better; whether it also predicts better is seen on images that it
 /// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
-/// the images of the others, and held. In each image of the fold the pose of the board is fitted to every
+/// the images of the others, and fixed. In each image of the fold the pose of the board is fitted to every
 /// other corner, and the remaining corners are predicted; then the other way round. So every corner is
 /// predicted once, by values that it had no part in. The IMU is left out.
 #pragma once

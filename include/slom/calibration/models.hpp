@@ -29,7 +29,7 @@ class Model {
   /// Names of the parameters, in the model's order.
   const std::vector<std::string>& parameters() const;
   /// The parameters that numerator and denominator of the model let run off together where the data leave them open, so that
-  /// they are held near 0 then (Settings::sigma_denominator); none in most models.
+  /// a prior keeps them near 0 then (Settings::sigma_denominator); none in most models.
   std::vector<std::string> heldNearZero() const;
   /// The description of a lens with these parameters, in the model's order; nothing where the program has no such model.
   std::optional<ForeignLens> forOpencv(const std::vector<double>& parameters) const;

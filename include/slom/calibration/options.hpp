@@ -12,7 +12,7 @@
 
 namespace slom::calibration {
 
-/// A parameter of one camera or of all that is held at a value (lower == upper) or kept between two.
+/// A parameter of one camera or of all that is fixed at a value (lower == upper) or kept between two.
 struct LensConstraint {
   std::string camera;     ///< its name; empty: all cameras
   std::string parameter;  ///< its name in the model: "k3"
@@ -31,7 +31,7 @@ struct Fixed {
 /// What ends work early, with the best values reached. Results name the limit that was met.
 struct Limits {
   double max_seconds = 0;  ///< 0: no limit
-  /// From when the time counts. Nothing: each call counts from its own beginning.
+  /// The beginning of the time that counts. Without a value each call counts from its own beginning.
   std::optional<std::chrono::steady_clock::time_point> since;
   std::function<bool()> should_stop;  ///< asked often; may be empty
 };

@@ -93,7 +93,7 @@ struct ImageResult {
 struct Stray {
   std::string camera;
   int image = 0;
-  double error_px = 0;  ///< root mean square distance of its corners before the joint fit
+  double error_px = 0;  ///< root mean square distance of its corners before the fit of the rig
   std::string photo{};  ///< where it is known
 };
 

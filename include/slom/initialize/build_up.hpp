@@ -43,7 +43,7 @@ class WholeMap {
       model.insertSighting(est_, pose(sighting.from), landmarks_[static_cast<std::size_t>(sighting.to)],
                            sighting);
   }
-  /// At the values that the graph has now.
+  /// The RSS at the current values of the graph.
   double rss() {
     for (std::size_t p = 0; p < poses_.size(); ++p) est_.reinitRV(poses_[p], graph_.poses[p].value);
     for (std::size_t l = 0; l < landmarks_.size(); ++l)

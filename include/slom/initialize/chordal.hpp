@@ -106,7 +106,7 @@ void relaxPositions(Graph& graph, const std::vector<char>& fixed) {
 
 /// First the rotations: min sum w |R_j - R_i Z_ij|_F^2 over matrices R that need not be rotations, which is
 /// linear; then each matrix is replaced by the rotation nearest to it. Then the positions of poses and
-/// landmarks: min sum w |t_j - t_i - R_i t_ij|^2. w is the mean of the diagonal of the information. Held
+/// landmarks: min sum w |t_j - t_i - R_i t_ij|^2. w is the mean of the diagonal of the information. Fixed
 /// poses and landmarks keep their values. Throws Unreached, [slom.bad-information],
 /// [slom.undetermined-start].
 ///   source   Carlone, Tron, Daniilidis and Dellaert, "Initialization techniques for 3D SLAM: a survey on

@@ -76,10 +76,10 @@ class GrowingMap {
     }
     return has_closed;
   }
-  /// The same at startOf(p), held as the graph says.
+  /// The same at startOf(p), fixed as the graph says.
   bool add(int p) { return add(p, startOf(p), graph_.poses[index(p)].fixed); }
 
-  /// Where the edge from the pose that came last puts pose p. The pose of the graph where it is held, or where no edge leads to it from
+  /// Where the edge from the pose that came last puts pose p. The pose of the graph where it is fixed, or where no edge leads to it from
   /// poses that are there.
   Pose startOf(int p) const {
     const auto& node = graph_.poses[index(p)];

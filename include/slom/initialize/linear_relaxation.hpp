@@ -6,7 +6,7 @@
 namespace slom::initialize {
 
 /// Finds the blocks X_k, each rows x columns, that minimise sum w |X_j - M X_i - C|^2, with orthogonal M;
-/// blocks that are held keep their value. The columns share one factorisation, by slom::BlockSolver. Matrices
+/// fixed blocks keep their value. The columns share one factorisation, by slom::BlockSolver. Matrices
 /// are column-major.
 class LinearRelaxation {
  public:

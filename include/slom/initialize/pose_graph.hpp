@@ -7,7 +7,7 @@
 ///     graph.addSighting(b, l, l_in_b);
 ///
 /// The functions of this folder find start values for it (slom/initialize.hpp). They take any structure with
-/// these members: `poses` and `landmarks`, whose elements have `value` and `held`; `edges` and `sightings`,
+/// these members: `poses` and `landmarks`, whose elements have `value` and `fixed`; `edges` and `sightings`,
 /// whose elements have `from`, `to`, `measured` and `information`.
 ///
 /// A pose is world_T_body: the datum of an edge is a^-1 b, that of a sighting a^-1 l. A pose type offers `a *
@@ -26,7 +26,7 @@ namespace slom::initialize {
 template <class Value>
 struct Node {
   Value value = Value();
-  bool fixed = false;  ///< it keeps its value, so that the map cannot float
+  bool fixed = false;  ///< it is fixed at its value, so that the map cannot float
 };
 
 template <class Datum>
@@ -50,7 +50,7 @@ struct PoseGraph {
   std::vector<Edge<Pose>> edges;
   std::vector<Edge<Landmark>> sightings;
 
-  /// Returns its index. Where no pose is held, the first one keeps its value.
+  /// Returns its index. Where no pose is fixed, the first one keeps its value.
   int addPose(const Pose& value = Pose(), bool fixed = false) {
     poses.push_back({value, fixed});
     return static_cast<int>(poses.size()) - 1;

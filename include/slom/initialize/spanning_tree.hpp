@@ -30,7 +30,7 @@ struct TreeStep {
   bool is_forward = true;     ///< parent is where the edge comes from
 };
 
-/// Breadth first from all held poses (from pose 0 if there is none), so that as few edges as possible lead to
+/// Breadth first from all fixed poses (from pose 0 if there is none), so that as few edges as possible lead to
 /// each pose. Throws Unreached.
 std::vector<TreeStep> spanningTree(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
 /// The same along edges between i and i + 1 alone.
@@ -61,7 +61,7 @@ std::vector<Ends> edgesOf(const Graph& graph) {
   return edges;
 }
 
-/// Which poses keep their value: the first one where none is held.
+/// Which poses keep their value: the first one where none is fixed.
 template <class Graph>
 std::vector<char> fixedPoses(const Graph& graph) {
   std::vector<char> fixed;
@@ -104,7 +104,7 @@ void placeLandmarks(Graph& graph) {
   }
 }
 
-/// All poses along the fewest edges from the held ones, then the landmarks. Throws Unreached.
+/// All poses along the fewest edges from the fixed ones, then the landmarks. Throws Unreached.
 template <class Graph>
 void alongSpanningTree(Graph& graph) {
   detail::compose(graph, spanningTree(detail::fixedPoses(graph), detail::edgesOf(graph)));

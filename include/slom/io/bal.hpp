@@ -19,7 +19,7 @@ Scene parseScene(const std::string& file, std::string_view text);
 /// The text of a file of BAL: numbers with all digits; rotation vectors of a length up to pi.
 std::string toBal(const Scene& scene);
 
-/// What `content` held before bzip2 compressed it. Throws [slom.io.damaged] and [slom.io.no-bzip2], which name `file`.
+/// What `content` was before bzip2 compressed it. Throws [slom.io.damaged] and [slom.io.no-bzip2], which name `file`.
 std::string bzip2Decompressed(const std::string& file, std::string_view content);
 
 /// Whether this library was built with libbz2.

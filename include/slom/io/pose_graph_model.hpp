@@ -106,9 +106,9 @@ struct PoseGraphVariables {
   }
 };
 
-/// Inserts all poses and landmarks with their values, named by their ids (`pose 17`, `landmark 3`), fixed where they are held, and all
+/// Inserts all poses and landmarks with their values, named by their ids (`pose 17`, `landmark 3`), fixed where `fixed` says so, and all
 /// edges and sightings. Throws the errors of Estimator::insertMeasurement, such as that of an information that is not positive
-/// definite. Where nothing is held, the map can float: hold a pose, `graph.poses[0].held = true`.
+/// definite. Where nothing is fixed, the map can float: fix a pose, `graph.poses[0].fixed = true`.
 template <class Pose, class Model = PoseGraphModel>
 PoseGraphVariables<Pose> insert(Estimator& est, const PoseGraph<Pose>& graph, const Model& model = {}) {
   PoseGraphVariables<Pose> ids{detail::insertNodes(est, graph.poses, "pose "),

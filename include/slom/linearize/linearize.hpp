@@ -28,13 +28,13 @@ class Linearizer {
   double rss(const Problem& problem);
   /// The same for each pool.
   std::vector<double> rssPerPool(const Problem& problem);
-  /// max |W r|^2 / c^2 over the measurements with a loss of scale c (not widened); -1 when there are none.
+  /// max |W r|^2 / c^2 over the measurements with a loss of scale c, as given (mu = 1); -1 when there are none.
   double largestLossArgument(const Problem& problem);
   /// Writes all whitened residuals, pool after pool, without losses.
   void residuals(const Problem& problem, double* r);
 
-  /// Sends all linearised measurements to `sink`; returns the RSS. What `active` holds does not move, whatever the problem's own
-  /// active set says. Throws [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
+  /// Sends all linearised measurements to `sink`; returns the RSS. What is fixed or at an active bound in `active` does not move, whatever the
+  /// problem's own active set says. Throws [slom.not-finite] or [slom.measurement-threw], naming the measurement, its variables and their values.
   double linearize(const Problem& problem, const ActiveSet& active, JacobianSink& sink);
   /// One measurement of a pool, as linearize() sends it; the batch is valid until the next call of anything here. Throws as linearize()
   /// does. `cost`: what the measurements add to the RSS.
@@ -46,7 +46,7 @@ class Linearizer {
                               double* cost = nullptr);
   /// Throws [slom.overflow], naming the measurement with the largest residual.
   [[noreturn]] void raiseOverflow(const Problem& problem);
-  /// (J^T r)_c, of the last linearize, for a component that is held; 0 for others.
+  /// (J^T r)_c, of the last linearize, for a component that is fixed or at an active bound; 0 for others.
   double gradientOfConstrained(int variable, int component) const;
   /// |r|^2 of what the last linearize sent; the RSS when there are no losses.
   double squaredNormSent() const { return squared_norm_sent_; }
@@ -90,10 +90,10 @@ class Linearizer {
                       Chunk& chunk) const;
   /// Throws what went wrong in it.
   static void requireGood(const Problem& problem, const Chunk& chunk);
-  /// Makes the columns of held components 0, in r and J of the chunk; appends what they were to `held`, where given.
+  /// Makes the columns of components that are fixed or at an active bound 0, in r and J of the chunk; appends what they were to `constrained`, where given.
   static void clearConstrained(const Problem& problem, const ActiveSet& active, const Chunk& chunk,
                                const double* r, double* J, std::vector<ConstrainedColumn>* constrained);
-  /// Sends the group of equations that fix the held components.
+  /// Sends the group of equations by which components that are fixed or at an active bound do not move.
   void sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const;
   [[noreturn]] static void raiseNotFinite(const Problem& problem, int group, int measurement);
 

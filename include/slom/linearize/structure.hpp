@@ -55,8 +55,8 @@ struct StructureChanges {
 };
 
 /// The structure of a problem. A block has the index of its variable in the problem's table, for life; blocks of fixed and of removed
-/// variables are empty. Components that are held keep their place among the unknowns: their columns of J are 0, and a group after
-/// those of the pools, with a "measurement" for each variable that has fixed components or bounds, says which do not move.
+/// variables are empty. Components that are fixed or at an active bound keep their place among the unknowns: their columns of J are 0, and a group
+/// after those of the pools, with a "measurement" for each variable that has fixed components or bounds, says which do not move.
 struct ProblemStructure {
   BlockStructure system;
   int pools = 0;      ///< number of groups that are pools

@@ -100,7 +100,7 @@ class GaugeGeneratorWriter {
 
 }  // namespace detail
 
-/// Writes how x moves with each motion of the world, dof(x) x kGaugeGenerators, column-major, 0 for parts that are of no known
+/// Writes how x moves with each gauge generator, dof(x) x kGaugeGenerators, column-major, 0 for parts that are of no known
 /// geometric kind.
 template <class X>
 void gaugeGenerators(const X& x, WorldRole role, double* out) {

@@ -40,7 +40,7 @@ struct LossKind {
   const char*
       stored_name;  ///< `geman-mcclure`, in archives and options of the command; null: a program's own
   bool has_shape;
-  /// At scale 1, where s = t: phi(t), phi'(t), phi''(t).
+  /// phi(t), phi'(t), phi''(t) at scale 1, where s = t.
   LossValue (*evaluate)(double t, double shape);
 };
 
@@ -68,20 +68,20 @@ std::span<const LossKind* const> losses();
 /// The library's loss of this stored name; null: there is none.
 const LossKind* lossNamed(std::string_view stored_name);
 
-/// Which loss, with its numbers. `Loss()` is none: rho(s) = s.
+/// A loss with its parameters. `Loss()` is none: rho(s) = s.
 class Loss {
  public:
   constexpr Loss() = default;
   constexpr Loss(const LossKind& kind, double scale, double shape = 0)
       : kind_(&kind), scale_(scale), shape_(shape) {}
 
-  /// Null: none.
+  /// The kind; null for no loss.
   const LossKind* kind() const { return kind_; }
   double scale() const { return scale_; }
   /// Barron's alpha; 0 for the others.
   double shape() const { return shape_; }
 
-  /// At s >= 0, finite, with the scale c sqrt(graduation).
+  /// rho and its derivatives at s >= 0, finite, with the scale c sqrt(graduation).
   LossValue evaluate(double s, double graduation = 1) const;
   /// `Huber(1.345)`, `Barron(-2, 1.5)`, `none`.
   std::string text() const;

@@ -8,15 +8,15 @@
 namespace slom {
 
 struct UpdateOptions {
-  /// Steps are taken until another one promises to decrease the RSS by no more than this part of it, or by no more than the rounding
+  /// Steps are taken until the predicted decrease of the RSS for another one is at most this share of it, or at most the rounding
   /// errors of the residuals. Between 0 and 1.
   double tolerance = 1e-6;
-  /// Steps at most. What is left is done by the next call.
+  /// Largest number of steps. The next call continues.
   int max_steps = 100;
 };
 
 struct UpdateSummary {
-  bool converged = false;  ///< the promise is within the tolerance
+  bool converged = false;  ///< `promise` is within the tolerance
   std::string message;     ///< why it ended, in a sentence
   double rss = 0;          ///< at the end
   /// The decrease of the RSS that the linear model predicts for another step: g^T H^-1 g. NaN where there are bounds.
@@ -27,7 +27,7 @@ struct UpdateSummary {
   int fronts_factorized = 0;        ///< parts of the factor that were computed again
   int fronts_solved = 0;   ///< parts of the factor that a gradient went up through, counted each time
   double flops = 0;        ///< operations of their factorisation
-  bool reordered = false;  ///< all variables were ordered anew
+  bool reordered = false;  ///< all variables were reordered
   /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
   bool used_optimize = false;
   /// Names of components that no measurement determines, given those of other variables; they keep their values until one does.

@@ -25,7 +25,7 @@ class Evaluator {
   void setSolver(LinearSolver& solver);
 
   const ProblemStructure& structure();
-  /// The solver, analysed for the structure, for others to fill: what it held is lost.
+  /// The solver, analysed for the structure, for others to fill: its content is lost.
   LinearSolver& lendSolver();
   /// Changes whenever the solver gets other numbers.
   std::uint64_t contentOfSolver() const { return content_of_solver_; }
@@ -40,8 +40,8 @@ class Evaluator {
   double tryStep(const Eigen::VectorXd& d);
   /// The same for a step that is likely to stay: linearises there at once where derivatives cost little.
   double tryLikelyStep(const Eigen::VectorXd& d);
-  /// Whether the last step led closer to the solution, found out without the RSS: linearises there, and looks whether the step
-  /// that the solver finds with this damping promises less than `promised`, a predictedDecrease from before. Throws as
+  /// Whether the last step led closer to the solution, judged without the RSS: linearises there, and checks whether the decrease
+  /// predicted for the solver's step with this damping is below `promised`, the predictedDecrease from before. Throws as
   /// linearize, with the step taken back.
   bool cameCloser(const Eigen::VectorXd& damping, double promised);
   /// `d`, shortened in each component that it would take beyond a bound.
@@ -63,28 +63,28 @@ class Evaluator {
   /// The same of g = J^T r, the diagonal of J^T J and |r|^2.
   static double orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
                               double squared_norm);
-  /// max_i g_i^2 / H_ii: what the best step of a single unknown promises, no more than that of all.
+  /// max_i g_i^2 / H_ii: the predicted decrease for the best step of a single unknown, a lower bound of that for all.
   double promiseOfOneUnknown() const;
   /// max_i |d_i| |J_i|
   double stepInDeviations(const Eigen::VectorXd& d) const;
   /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
   bool isNegligible(const Eigen::VectorXd& d, double tolerance);
-  /// What the linear model promises without damping. Where the solver finds no unique solution, with as little damping as makes it
-  /// one: a direction in which no residual changes promises nothing.
+  /// The step and the decrease that the linear model predicts without damping. Where the solver finds no unique solution, with the least
+  /// damping that makes it unique: a direction in which no residual changes contributes nothing.
   struct Promise {
     bool is_known = false;
     bool has_full_rank = false;
-    double decrease = 0;  ///< of the RSS: g^T H^-1 g
+    double decrease = 0;  ///< predicted decrease of the RSS: g^T H^-1 g
     Eigen::VectorXd step;
   };
-  /// `carefully`: by the careful solver, where the other finds no rank.
+  /// `carefully`: also tries the careful solver where the other finds no full rank.
   Promise promise(bool carefully = true);
-  /// Takes the step of a promise where the RSS falls by at least a quarter of what it says. Returns whether it has.
+  /// Takes the step of a promise if the RSS falls by at least a quarter of the predicted decrease. Returns whether it has.
   bool advance(const Promise& promise);
-  /// What of a column of J, relative to its length, is more than errors of the derivatives and rounding in long chains of unknowns.
+  /// The share of the length of a column of J above which it is more than errors of the derivatives and rounding in long chains of unknowns.
   static double digitsOfDerivatives(const Problem& problem);
   static constexpr double kExactDigits = 1e-10, kNumericDigits = 1e-8;
-  /// What rounding the values themselves does to the residuals, squared: a promise below it cannot be kept.
+  /// The squared change of the residuals by rounding of the values: a predicted decrease below it cannot be achieved.
   double roundingOfPromises();
 
   /// Whether the last solution without damping was unique, for the structure as it is now; false where none was asked for, or
@@ -114,7 +114,7 @@ class Evaluator {
   static constexpr double kNoise = 1e-13;  ///< rounding error of a difference of two sums, relative to them
   static constexpr double kNothing =
       1e-30;  ///< least predicted decrease, relative to the RSS, of a step worth a trial
-  /// Whether a step nearly without damping promises so little that it is for Convergence to judge, not for shorter steps.
+  /// Whether the predicted decrease for a step nearly without damping is so small that Convergence decides, not shorter steps.
   bool isNearlyNothing(double promised, const Options& options) const {
     return promised <= std::min(std::max(options.decrease_tolerance, kRounding) * rss_,
                                 options.deviation_tolerance * options.deviation_tolerance);

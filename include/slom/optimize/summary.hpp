@@ -33,7 +33,7 @@ struct IterationRecord {
   int iteration = 0;      ///< 0 is the start
   std::string algorithm;  ///< that made the step
   double rss = 0;         ///< after the step: sum of squared whitened residuals, with losses the robust cost;
-                          ///< while graduating that of the stage's widened losses
+                          ///< while graduating that of the losses scaled for the stage
   double relative_decrease = 0;  ///< (old - new) / old; negative when the RSS grew
   double gradient = 0;           ///< max_i |g_i| / (|J_i| |r|), where the step started
   double step = 0;     ///< max_i |d_i| |J_i|: the longest way, in standard deviations of that unknown alone
@@ -77,8 +77,8 @@ class Observer {
   std::function<FitControl(const IterationRecord&)> call_;
 };
 
-/// A fit has converged when one of the first three tests holds, and the fourth with it. All look at what the linear model
-/// promises without damping: a short step is not convergence.
+/// A fit has converged when one of the first three tests holds, and the fourth with it. All use the decrease that the linear
+/// model predicts without damping: a short step is not convergence.
 struct Options {
   /// Cosine of the angle between the residual and each column of J: max_i |g_i| / (|J_i| |r|). More, Garbow and
   /// Hillstrom, "User guide for MINPACK-1", 1980, `gtol`.
@@ -101,7 +101,7 @@ struct Options {
   std::function<bool()> should_stop{};
   /// Where Gauss-Newton steps lead uphill, take them back, go on with Levenberg-Marquardt, and return when its steps succeed.
   bool fall_back = true;
-  /// For bad starts and gross outliers: fits first with all losses widened, c sqrt(mu) for c, so that they are nearly
+  /// For bad starts and gross outliers: fits first with the scales of all losses multiplied by sqrt(mu), so that they are nearly
   /// squares for all residuals and the start hardly matters, then in stages of smaller and smaller mu, each from the
   /// last one's values, until mu = 1; only that last stage must converge. Without losses there is nothing to graduate,
   /// and a warning of the summary says so. All stages count towards max_iterations.
@@ -171,7 +171,7 @@ struct Summary {
   int stages = 0;                   ///< begun, of graduated non-convexity; 0: not graduated
   int variables = 0;                ///< optimised ones
   int measurements = 0;             ///< number of scalar residuals
-  int unknowns = 0;                 ///< those constrained at a bound are none
+  int unknowns = 0;                 ///< without those at an active bound
   int free_directions = 0;          ///< which no measurement determines; counted up to kMostCounted unknowns
   int redundancy = 0;               ///< measurements - unknowns + free_directions
   bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()

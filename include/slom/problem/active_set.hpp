@@ -1,4 +1,4 @@
-/// The one owner of what does not move: fixed variables, fixed components, and components that are held at a bound because the
+/// The one owner of what does not move: fixed variables, fixed components, and components at an active bound because the
 /// RSS falls beyond it. Variables are known by their index in the problem's table.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace slom {
 struct ComponentBound {
   int component;
   double lower, upper;
-  bool is_active = false;  ///< it is at a limit and constrained there, because the RSS falls beyond
+  bool is_active = false;  ///< it is at a limit and stays there, because the RSS falls beyond
 };
 
 class ActiveSet {
@@ -34,14 +34,14 @@ class ActiveSet {
   bool isFixed(int variable, int component) const {
     return isConstrained(variable) && of(variable).isFixed(component);
   }
-  /// Whether the component is fixed by itself or held at a bound.
+  /// Whether the component is fixed by itself or at an active bound.
   bool isFixedOrActive(int variable, int component) const {
     return isConstrained(variable) && of(variable).isFixedOrActive(component);
   }
   bool hasFixed(int variable) const { return isConstrained(variable) && !of(variable).fixed.empty(); }
-  /// At most one for each component, by component.
+  /// The bounds of a variable, at most one for each component, sorted by component.
   const std::vector<ComponentBound>& bounds(int variable) const;
-  /// Null without one.
+  /// The bound of a component, or null.
   const ComponentBound* boundOf(int variable, int component) const {
     return isConstrained(variable) ? of(variable).boundOf(component) : nullptr;
   }
@@ -78,7 +78,7 @@ class ActiveSet {
   };
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Constraints& of(int variable) const { return constraints_[at(place_[at(variable)])]; }
-  /// Those of the variable, made if there are none.
+  /// The constraints of the variable, made if there are none.
   Constraints& make(int variable);
   /// Removes empty constraints and indexes the others.
   void tidy(int variable);

@@ -1,4 +1,4 @@
-/// What has happened to a problem, in order, so that whoever keeps something made of it follows in time proportional to what has changed.
+/// What has happened to a problem, in order, so that code that keeps something derived from it can follow in time proportional to what has changed.
 #pragma once
 
 #include <algorithm>

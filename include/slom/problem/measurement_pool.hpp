@@ -181,7 +181,7 @@ class MeasurementPool {
   std::size_t appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind);
   /// Where the pool keeps this loss, null for none. Throws [slom.bad-loss].
   const Loss* keepLoss(const Loss& loss);
-  /// Books a measurement that has just been appended.
+  /// Registers a measurement that has just been appended.
   SlotRef append(const int* variables, WhiteningKind kind, std::size_t noise_at, const Loss* loss);
   void compact();
   void compactNoise();

@@ -55,9 +55,9 @@ class Problem {
   void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
   /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
-  /// What does not move.
+  /// The variables and components that do not move.
   const ActiveSet& activeSet() const { return active_; }
-  /// For activating bounds.
+  /// The same, for activating bounds.
   ActiveSet& activeSet() { return active_; }
   /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
   int freeCount() const;

@@ -18,7 +18,7 @@ struct NamedSolver {
   const char* missing = nullptr;            ///< what this build lacks, so that make() throws; null: nothing
 };
 
-/// Those that this build can make. The first one is the default of the Estimator.
+/// The solvers that this build can make. The first one is the default of the Estimator.
 std::span<const NamedSolver> solvers();
 /// Also one that this build cannot make, whose `missing` says why. Null: there is none of this name.
 const NamedSolver* solverNamed(std::string_view name);

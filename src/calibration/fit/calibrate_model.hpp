@@ -67,7 +67,7 @@ inline bool hasOpenFocalLength(const Result& result) {
   });
 }
 
-/// Each camera alone, then the rig from these.
+/// Fits of single cameras, then start values of the rig from these.
 template <class Camera>
 struct ModelStart {
   std::vector<Camera> cameras;
@@ -137,7 +137,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
 }
 
 /// Numerator and denominator of opencv8 can do the same, and then k4, k5, k6 run off together with k1, k2, k3 on the way to
-/// nowhere: they are held near 0 then, by a prior.
+/// nowhere: then a prior keeps them near 0.
 inline constexpr double sigma_of_denominator = 1;
 
 template <class Camera>

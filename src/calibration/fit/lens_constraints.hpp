@@ -44,7 +44,7 @@ void constrain(Estimator& estimator, const VarID<Camera>& id, const std::string&
   }
 }
 
-/// Whether a model can trade some of its parameters against others, so that these run off together: they are then held near 0.
+/// Whether a model can trade some of its parameters against others, so that these run off together: a prior then keeps them near 0.
 template <class Camera>
 inline constexpr bool has_prior = requires { Camera::held_near_zero; };
 

@@ -1,4 +1,4 @@
-// The joint fit from values that are known already, and what models are tried by.
+// The fit of the rig from known values, and what models are compared by.
 #pragma once
 
 #include "mtk/error.hpp"
@@ -7,7 +7,7 @@
 
 namespace slom::calibration {
 
-/// The joint fit alone, of images that are among those of an earlier result, from the values found there. An IMU is left
+/// Only the fit of the rig, of images that are among those of an earlier result, from the values found there. An IMU is left
 /// out.
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings);
 

@@ -133,7 +133,7 @@ FitAlone<Camera> fitAloneFrom(const Camera& camera, const Pinhole& pinhole, cons
   const bool is_determined = 2 * data.cornerCount() >= std::size_t(Camera::DOF) + 6 * data.views.size();
   try {
     if (is_determined) fitIntrinsics(data, fit, settings);
-  } catch (const slom::Error&) {  // not determined by this camera alone; the others may help
+  } catch (const slom::Error&) {  // not determined by a single camera; the others may help
   }
   if (std::isfinite(fit.rms_px)) return fit;
   for (const View& view : data.views) {

@@ -31,7 +31,7 @@ struct ImuStart {
 /// magnitude as the mean of the readings'. What is fixed keeps its value.
 ImuStart startImu(const std::vector<TiltPair>& pairs, const Fixed& fixed, double sigma_acc);
 
-/// How well the pairs determine the IMU, poses taken as known, with `fixed` held; infinite where they do not.
+/// How well the pairs determine the IMU, with known poses and with `fixed` not estimated; infinite where they do not.
 ImuPrecision imuPrecision(const std::vector<TiltPair>& pairs, const ImuStart& at, const Fixed& fixed,
                           double sigma_acc);
 

@@ -8,7 +8,7 @@
 
 namespace slom::calibration {
 
-/// World to camera by image number, from that camera alone.
+/// World to camera by image number, from a single camera.
 using ViewPoses = std::map<int, SE3>;
 
 struct RigStart {

@@ -12,7 +12,7 @@
 namespace slom::calibration {
 
 /// The sum of u u^T + v v^T over rows u, v of Jacobians, its lower triangle by blocks of four rows. Sizes and
-/// loops are known to the compiler: hundreds of candidates for further views have a hundred points each.
+/// loops are known to the compiler: hundreds of candidates for the next best view have a hundred points each.
 template <int N>
 class SumOfSquares {
   static constexpr int blocks = (N + 3) / 4;

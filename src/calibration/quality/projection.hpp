@@ -20,7 +20,7 @@ namespace slom::calibration {
 /// The point of the image at a pixel and how its projection moves with the shared parameters and with the frame. It has no posterior
 /// of its own, so that one point serves for several.
 struct ProjectedPoint {
-  Eigen::Matrix<double, 2, Eigen::Dynamic> by_shared;  ///< the frame held
+  Eigen::Matrix<double, 2, Eigen::Dynamic> by_shared;  ///< with the frame fixed
   Eigen::Matrix<double, 2, 6> by_motion;               ///< motion of the frame: translation, rotation
 
   /// 2 x 2 [px^2].

@@ -1,4 +1,4 @@
-// From ids to nodes: which vertices there are, and which of them each edge connects.
+// Resolves ids to nodes: the vertices, and those that each edge connects.
 #include <algorithm>
 #include <unordered_map>
 

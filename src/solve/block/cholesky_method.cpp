@@ -69,7 +69,7 @@ SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
   return status;
 }
 
-/// For the right-hand side that is in the fronts, and in x where blocks are eliminated.
+/// Solves for the right-hand side that is in the fronts, and in x where blocks are eliminated.
 void CholeskyMethod::backSolve(VectorXd& x) {
   if (!elimination_) {
     x = factor_.backSolve();

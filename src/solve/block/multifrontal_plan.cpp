@@ -185,7 +185,7 @@ void MultifrontalCholesky::cutIntoSubtrees() {
   const double most = std::max(all * kLargestSubtree, kSmallestTask);
   subtree_of_.assign(at(n), -1);
   subtree_.clear();
-  // From the roots down: a subtree's number is given at its root.
+  // Goes from the roots down: a subtree gets its number at its root.
   double filled = most;
   for (int f = n - 1; f >= 0; --f) {
     const int parent = fronts_.front[at(f)].parent;

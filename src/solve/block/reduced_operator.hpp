@@ -25,7 +25,7 @@ class ReducedOperator {
   int size() const { return start_.back(); }
   const EliminatedBlocks& eliminated() const { return eliminated_; }
 
-  /// For these numbers of H, which must stay as they are until the last product. Vectors by unknown; offset: first
+  /// Prepares products for these numbers of H, which must stay as they are until the last one. Vectors by unknown; offset: first
   /// unknown of each position of H. A pivot below the share `tolerance` of its diagonal entry ends it.
   SolveStatus prepare(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
                       double tolerance);

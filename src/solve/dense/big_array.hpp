@@ -21,7 +21,7 @@ class BigArray {
   BigArray(BigArray&&) = default;
   BigArray& operator=(BigArray&&) = default;
 
-  /// Forgets what it held.
+  /// Discards its content.
   void resize(std::size_t size) {
     if (size <= capacity_) return;
     numbers_.reset();

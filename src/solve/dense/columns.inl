@@ -48,7 +48,7 @@ void forwardColumnOf(int d, int count, const int* height, const double* V, const
 
 constexpr int kMostThrees = 8;
 
-/// Blocks of 3 x 3 alone.
+/// Eliminates a column of blocks that are all 3 x 3.
 int eliminateThrees(int count, double* V, double* W, double* const* target, const double* least, double* pivot, double* x,
                     double* const* below) {
   const int done = factorizeUnit<3>(3, V, least, pivot);

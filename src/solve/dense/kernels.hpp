@@ -116,7 +116,7 @@ struct Kernels {
                          const double* const* below, double* x);
 };
 
-/// For this processor.
+/// The kernels for this processor.
 const Kernels& kernels();
 
 }  // namespace slom::dense

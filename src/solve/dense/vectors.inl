@@ -202,7 +202,7 @@ struct Nine {
 
   SLOM_INLINE static Nine zero() { return {allWide(0), 0}; }
   SLOM_INLINE static Nine loaded(const double* p, int = 9) { return {loadWide(p), p[8]}; }
-  /// To 9 rows or to 12, with 0 in the last three.
+  /// Stores 9 rows, or 12 with 0 in the last three.
   SLOM_INLINE void storeTo(double* p, int rows = 12) const {
     storeWide(p, wide);
     rows == 9 ? void(p[8] = last) : store(p + 8, Vector{last, 0, 0, 0});

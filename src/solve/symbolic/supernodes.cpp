@@ -21,7 +21,7 @@ double cost(double p, double u) {
   return 350 + 20 * p + 0.5 * panel + 0.9 * update + 0.045 * p * (p * p / 3 + p * padded + u * padded);
 }
 
-/// For each node the next one on the way to the root; -1 for roots.
+/// The parent of each node in the elimination tree; -1 for roots.
 ///   source   Liu 1990, algorithm 4.2: path compression by `ancestor`
 std::vector<int> eliminationTree(const BlockGraph& graph, const std::vector<int>& order,
                                  const std::vector<int>& position) {

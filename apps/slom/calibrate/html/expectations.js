@@ -1,4 +1,4 @@
-// The sections that say what is to be expected of the calibration: projection uncertainty, cross-validation, further views,
+// The sections that say what is to be expected of the calibration: projection uncertainty, cross-validation, next best views,
 // correlations.
 
 function mapFigure(row, camera, title, caption, name, values, levels) {

@@ -9,7 +9,7 @@
 namespace slom::app::calib {
 
 /// Each one a sentence or two: views that repeat others, residuals that do not fit the stated sigmas, cameras
-/// that fit worse together than alone, what the data hardly determine, a sign of gravity that is open.
+/// that fit worse as a rig than as single cameras, what the data hardly determine, a sign of gravity that is open.
 std::vector<std::string> notes(const Result& result);
 
 }  // namespace slom::app::calib
