@@ -1,11 +1,12 @@
-// Marginalisation: variables and their measurements are replaced by priors on the variables that those measurements share with them.
+// Marginalisation: variables and their measurements are replaced by priors on the variables that those measurements share with them;
+// and these priors by themselves.
 #include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "estimator_state.hpp"
 #include "linearize/marginal_information.hpp"
-#include "slom/measurements/gaussian_prior.hpp"
+#include "slom/conditional.hpp"
 
 namespace slom {
 
@@ -19,22 +20,30 @@ std::vector<int> indicesOf(const Problem& problem, const std::vector<AnyVarID>& 
   return variables;
 }
 
-/// A prior for each factor; all of them or, where that throws, none.
-std::vector<MeasID<GaussianPrior>> insertPriors(Estimator& estimator, const Problem& problem,
-                                                const std::vector<InformationFactor>& factors) {
-  std::vector<MeasID<GaussianPrior>> priors;
-  priors.reserve(factors.size());
-  try {
-    for (const InformationFactor& factor : factors) {
-      std::vector<AnyVarID> left;
-      for (const int v : factor.variables) left.emplace_back(problem.handleOf(v));
-      priors.push_back(estimator.insertMeasurement(GaussianPrior(std::move(left), factor.R, factor.b)));
-    }
-  } catch (...) {  // memory is short
-    for (const MeasID<GaussianPrior>& id : priors) estimator.removeMeasurement(id);
-    throw;
+/// What is left of the measurements when the variables are eliminated.
+std::vector<GaussianPrior> priorsOf(const Problem& problem, Linearizer& linearizer,
+                                    const std::vector<MeasurementIndex>& measurements,
+                                    const std::vector<int>& variables) {
+  std::vector<GaussianPrior> priors;
+  for (const InformationFactor& factor : marginalInformation(problem, linearizer, measurements, variables)) {
+    std::vector<AnyVarID> left;
+    for (const int v : factor.variables) left.emplace_back(problem.handleOf(v));
+    priors.emplace_back(std::move(left), factor.R, factor.b);
   }
   return priors;
+}
+
+/// Inserts all of them or, where that throws, none.
+std::vector<MeasID<GaussianPrior>> insertAll(Estimator& estimator, std::vector<GaussianPrior> priors) {
+  std::vector<MeasID<GaussianPrior>> ids;
+  ids.reserve(priors.size());
+  try {
+    for (GaussianPrior& prior : priors) ids.push_back(estimator.insertMeasurement(std::move(prior)));
+  } catch (...) {  // memory is short
+    for (const MeasID<GaussianPrior>& id : ids) estimator.removeMeasurement(id);
+    throw;
+  }
+  return ids;
 }
 
 void removeEliminated(Problem& problem, const std::vector<MeasurementIndex>& measurements,
@@ -51,11 +60,17 @@ std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyV
   Problem& all = problem();
   const std::vector<int> variables = indicesOf(all, ids);
   const std::vector<MeasurementIndex> measurements = measurementsOf(all, variables);
-  const std::vector<InformationFactor> factors =
-      state_->run([&] { return marginalInformation(all, state_->linearizer, measurements, variables); });
-  std::vector<MeasID<GaussianPrior>> priors = insertPriors(*this, all, factors);
+  std::vector<MeasID<GaussianPrior>> priors = insertAll(
+      *this, state_->run([&] { return priorsOf(all, state_->linearizer, measurements, variables); }));
   removeEliminated(all, measurements, variables);
   return priors;
+}
+
+std::vector<GaussianPrior> conditional(const Estimator& est, const std::vector<AnyVarID>& ids) {
+  const Problem& all = est.table();
+  const std::vector<int> variables = indicesOf(all, ids);
+  Linearizer linearizer;
+  return priorsOf(all, linearizer, measurementsOf(all, variables), variables);
 }
 
 }  // namespace slom
