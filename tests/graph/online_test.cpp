@@ -74,6 +74,20 @@ TEST(GraphOnline, NeedsNoVertices) {
   EXPECT_EQ(json["online"]["trace"][0]["rss"], 0);
 }
 
+/// The map begins at pose 0, which only pose 3 connects with 1 and 2.
+TEST(GraphOnline, PosesWaitForWhatConnectsThem) {
+  const Json json =
+      fitted("EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2 0 3 5 0 0" + unit3 + "EDGE_SE2 3 2 -2 0 0" + unit3,
+             {"--online"});
+  std::vector<long> order;
+  for (const Json& update : json["online"]["trace"]) {
+    order.push_back(update["pose"]);
+    EXPECT_EQ(update["undetermined"], 0);
+  }
+  EXPECT_EQ(order, (std::vector<long>{0, 3, 2, 1}));
+  EXPECT_NEAR(json["final_rss"].get<double>(), 0, 1e-12);
+}
+
 TEST(GraphOnline, SaysHowItWent) {
   const TemporaryFolder folder;
   const auto result = runIn(

@@ -63,12 +63,16 @@ Options optionsOf(const Settings& settings, const Console& console) {
   return options;
 }
 
-/// Returns the map over time, where that is wanted.
-template <class Pose>
-std::vector<Sketch::Frame> fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console,
-                               RunReport& report) {
-  const FitLimits limits(settings.fit.max_seconds);
+/// The map over time, where that is wanted, and the order in which its poses came; empty: not pose by pose.
+struct Film {
   std::vector<Sketch::Frame> frames;
+  std::vector<int> order;
+};
+
+template <class Pose>
+Film fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console, RunReport& report) {
+  const FitLimits limits(settings.fit.max_seconds);
+  Film film;
   if (settings.online == Online::no) {
     const Stopwatch setup;
     GraphFit<Pose> fit(graph, settings.model());
@@ -82,21 +86,21 @@ std::vector<Sketch::Frame> fit(PoseGraph<Pose>& graph, const Settings& settings,
     fit.run().finish(report.summary.final_rss);
     console.print(onlineText(fit.run()));
     report.online = std::make_shared<nlohmann::ordered_json>(onlineJson(fit.run()));
-    frames = std::move(fit.run().frames);
+    film = {std::move(fit.run().frames), fit.order()};
     fit.writeTo(graph);
   }
   FitLimits::nameIn(report.summary);
-  return frames;
+  return film;
 }
 
 template <class Pose>
-void writeFiles(const PoseGraph<Pose>& graph, std::vector<Sketch::Frame> frames, const RunReport& report,
-                const Settings& settings, const Console& console) {
+void writeFiles(const PoseGraph<Pose>& graph, Film film, const RunReport& report, const Settings& settings,
+                const Console& console) {
   ResultFiles files(report, settings.report);
   files.add(settings.output_file, [&] { return io::toG2o(graph); });
   files.add(settings.plot_file, [&] {
-    Sketch sketch = sketchOf(graph);
-    sketch.frames = std::move(frames);
+    Sketch sketch = sketchOf(graph, std::move(film.order));
+    sketch.frames = std::move(film.frames);
     return settings.plot_file.ends_with(".svg") ? toSvg(sketch) : toHtml(sketch);
   });
   files.finish(console);
@@ -114,11 +118,11 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   report.threads = threadsOf(settings.fit);
   report.load_seconds = total.seconds();
   console.print(graphText(graph, preparation));
-  std::vector<Sketch::Frame> frames = fit(graph, settings, console, report);
+  Film film = fit(graph, settings, console, report);
   report.total_seconds = total.seconds();
   console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
-  writeFiles(graph, std::move(frames), report, settings, console);
+  writeFiles(graph, std::move(film), report, settings, console);
   const StopReason reason = report.summary.stop_reason;
   const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;
   const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal && !was_cut_short &&

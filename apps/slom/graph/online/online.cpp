@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/run_report.hpp"
+#include "graph/online/feeding_order.hpp"
 
 namespace slom::app::graph {
 
@@ -72,11 +72,7 @@ struct OnlineFit<Pose>::Feed {
   using Map = initialize::GrowingMap<PoseGraph<Pose>, GraphModel>;
 
   Feed(Estimator& estimator, const PoseGraph<Pose>& graph_, const GraphModel& model)
-      : est(estimator), graph(graph_), map(est, graph, model), order(graph.poses.size()) {
-    std::iota(order.begin(), order.end(), 0);
-    const auto id = [&](int p) { return graph.poses[std::size_t(p)].id; };
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return id(a) < id(b); });
-  }
+      : est(estimator), graph(graph_), map(est, graph, model), order(feedingOrder(graph)) {}
 
   Update add(int p) {
     Update update{graph.poses[std::size_t(p)].id, 0, {}, not_compared};
@@ -127,6 +123,11 @@ OnlineFit<Pose>::OnlineFit(const PoseGraph<Pose>& graph, const GraphModel& model
 
 template <class Pose>
 OnlineFit<Pose>::~OnlineFit() = default;
+
+template <class Pose>
+const std::vector<int>& OnlineFit<Pose>::order() const {
+  return feed_->order;
+}
 
 template <class Pose>
 void OnlineFit<Pose>::writeTo(PoseGraph<Pose>& graph) const {

@@ -32,7 +32,7 @@ struct Update {
   double gap = 0;  ///< RSS / batch RSS - 1; NaN: not compared
 };
 
-/// Updates in the order of the poses' ids.
+/// One update after each pose.
 struct OnlineRun {
   std::vector<Update> updates;
   std::vector<Sketch::Frame> frames;  ///< the map over time, after some of the updates
@@ -55,6 +55,8 @@ class OnlineFit {
   ~OnlineFit();
 
   OnlineRun& run() { return run_; }
+  /// Indices of the poses in the order in which they are fed.
+  const std::vector<int>& order() const;
   /// A batch fit from where the updates have led.
   Summary optimize(const Options& options) { return est_.optimize(options); }
   void writeTo(PoseGraph<Pose>& graph) const;

@@ -40,11 +40,11 @@ std::pair<Sketch::Place, Sketch::Place> Sketch::bounds() const {
 }
 
 template <class Pose>
-Sketch sketchOf(const PoseGraph<Pose>& graph) {
+Sketch sketchOf(const PoseGraph<Pose>& graph, std::vector<int> order) {
   Sketch sketch;
   sketch.name = std::filesystem::path(graph.file).filename().string();
   sketch.is_flat = dim<Pose> == 2;
-  const std::vector<int> order = orderOf(graph);
+  if (order.empty()) order = orderOf(graph);
   std::vector<int> rank(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const auto& pose = graph.poses[std::size_t(order[i])];
@@ -62,7 +62,7 @@ Sketch sketchOf(const PoseGraph<Pose>& graph) {
   return sketch;
 }
 
-template Sketch sketchOf(const PoseGraph<Pose2>&);
-template Sketch sketchOf(const PoseGraph<Pose3>&);
+template Sketch sketchOf(const PoseGraph<Pose2>&, std::vector<int>);
+template Sketch sketchOf(const PoseGraph<Pose3>&, std::vector<int>);
 
 }  // namespace slom::app::graph

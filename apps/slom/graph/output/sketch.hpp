@@ -23,7 +23,7 @@ struct Sketch {
 
   std::string name;            ///< name of the graph's file, without its folder
   bool is_flat = true;         ///< in the plane: the third coordinate is 0
-  std::vector<Place> poses;    ///< sorted by id
+  std::vector<Place> poses;    ///< sorted by id, or as they were fed
   std::vector<Line> path;      ///< edges between poses that follow each other
   std::vector<Line> closures;  ///< all other edges
   std::vector<Place> landmarks;
@@ -41,7 +41,8 @@ Sketch::Place placeOf(const mtk::vect<N>& position) {
   return place;
 }
 
+/// `order`: the indices of the poses as they follow each other; empty: by rising id.
 template <class Pose>
-Sketch sketchOf(const PoseGraph<Pose>& graph);
+Sketch sketchOf(const PoseGraph<Pose>& graph, std::vector<int> order = {});
 
 }  // namespace slom::app::graph
