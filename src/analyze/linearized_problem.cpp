@@ -126,6 +126,7 @@ const Eigen::VectorXd& LinearizedProblem::diagonal() const {
 MatrixXd LinearizedProblem::times(const MatrixXd& V) const { return rows().times(V); }
 
 double LinearizedProblem::orthogonality() const {
+  linearize();
   return Evaluator::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
