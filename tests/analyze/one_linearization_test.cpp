@@ -110,6 +110,45 @@ TEST_P(OneLinearization, LeavesTheFitAsItWouldBe) {
 
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutLosses, OneLinearization, ::testing::Bool());
 
+int differentiated = 0;
+
+struct Between {
+  template <class V>
+  auto operator()(const V& a, const V& b) const {
+    if constexpr (!std::is_same_v<V, vec2>) ++differentiated;
+    return b - a;
+  }
+};
+
+TEST(FreeGauge, IsServedByOneLinearization) {
+  slom::Estimator est;
+  est.setThreads(1);
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  std::vector<slom::VarID<vec2>> points;
+  for (int i = 0; i < 5; ++i) points.push_back(est.insertRV(vec2(i, 0)));
+  for (int i = 1; i < 5; ++i) {
+    est.insertMeasurement(Between(), points[std::size_t(i - 1)], points[std::size_t(i)],
+                          slom::measured(vec2(1.1, 0.1)), slom::StandardDeviation(0.1));
+  }
+  est.insertMeasurement(Between(), points[0], points[4], slom::measured(vec2(4, 0)),
+                        slom::StandardDeviation(0.1));
+  ASSERT_TRUE(est.optimize().converged);
+  est.reinitRV(points[0], *points[0]);
+  const auto ask = [&] {
+    differentiated = 0;
+    static_cast<void>(est.covariance(points[1]));
+    static_cast<void>(est.standardDeviation(points[2]));
+    static_cast<void>(est.jointCovariance(points[0], points[3]));
+    static_cast<void>(est.marginals());
+    static_cast<void>(est.diagnose());
+    static_cast<void>(est.outliers());
+    return differentiated;
+  };
+  EXPECT_EQ(ask(), 5);
+  EXPECT_EQ(ask(), 0);
+}
+
 /// Looking at a component at its bound does not say that the fit holds it there.
 TEST(ConstQueries, LeaveTheActiveSetAsItIs) {
   const auto make = [](slom::Estimator& est) {

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <slom/measurements/gaussian_prior.hpp>
 #include <slom/optimize/evaluator.hpp>
 #include <slom/optimize/optimizer.hpp>
 #include <slom/slom.hpp>
@@ -115,16 +116,41 @@ class Play {
     const slom::NoiseView noise = slom::viewNoise(deviation);
     const VarID<Point> a = anyPoint(), b = anyPoint();
     const std::string label = below(8) == 0 ? "other" : "";
-    const int kind = below(7);
+    const slom::Loss loss = below(4) == 0   ? slom::Loss(slom::Huber(0.5 + below(2)))
+                            : below(6) == 0 ? slom::Loss(slom::Cauchy(1))
+                                            : slom::Loss();
+    const int kind = below(8);
     if (kind < 2)
-      at_.push_back(problem.insertMeasurement(AtPoint(At(), a, randomPoint()), noise, label));
+      at_.push_back(problem.insertMeasurement(AtPoint(At(), a, randomPoint()), noise, label, loss));
     else if (kind < 6)
       between_.push_back(
-          problem.insertMeasurement(BetweenPoints(Between(), a, b, randomPoint()), noise, label));
+          problem.insertMeasurement(BetweenPoints(Between(), a, b, randomPoint()), noise, label, loss));
+    else if (kind == 6)
+      insertPrior(label);
     else
       scaled_.push_back(problem.insertMeasurement(
           ScaledPoints(Scaled(), a, numbers_[std::size_t(below(numbers_.size()))], b, 1 + below(3)), noise,
           label));
+  }
+  /// Over a number of variables that is known at run time; one may be there twice.
+  void insertPrior(const std::string& label) {
+    std::vector<slom::AnyVarID> ids;
+    int dof = 0;
+    for (int k = below(3); k >= 0; --k) {
+      const bool is_number = below(3) == 0;
+      if (is_number) {
+        ids.emplace_back(numbers_[std::size_t(below(numbers_.size()))]);
+      } else {
+        ids.emplace_back(anyPoint());
+      }
+      dof += is_number ? 1 : 2;
+    }
+    Eigen::MatrixXd R(1 + below(4), dof);
+    for (double& x : R.reshaped()) x = random();
+    Eigen::VectorXd b(R.rows());
+    for (double& x : b) x = random();
+    priors_.push_back(
+        problem.insertMeasurement(slom::GaussianPrior(ids, R, b), slom::NoiseView(), label, slom::Loss()));
   }
   template <class M>
   void removeOne(std::vector<MeasID<M>>& all) {
@@ -135,9 +161,11 @@ class Play {
     all.erase(which);
   }
   void removeMeasurement() {
-    const int kind = below(4);
+    const int kind = below(5);
     if (kind == 0)
       removeOne(at_);
+    else if (kind == 4)
+      removeOne(priors_);
     else if (kind == 1)
       removeOne(scaled_);
     else
@@ -175,6 +203,7 @@ class Play {
   std::vector<MeasID<AtPoint>> at_;
   std::vector<MeasID<BetweenPoints>> between_;
   std::vector<MeasID<ScaledPoints>> scaled_;
+  std::vector<MeasID<slom::GaussianPrior>> priors_;
 };
 
 /// Equal to the last bit, NaN included.
