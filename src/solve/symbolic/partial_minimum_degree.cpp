@@ -12,8 +12,8 @@ namespace slom {
 namespace {
 
 /// Fewer, or a smaller share of all blocks, are left to the ordering.
-constexpr int kFewestEliminated = 16;
-constexpr double kLeastShareEliminated = 0.2;
+constexpr int kFewestOfMinimumDegree = 16;
+constexpr double kLeastShareOfMinimumDegree = 0.2;
 /// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
 /// eliminated.
 constexpr int kMostNeighbours = 48;
@@ -131,7 +131,7 @@ PartialMinimumDegree eliminateByMinimumDegree(const BlockGraph& graph) {
   Elimination elimination(graph);
   result.order = elimination.run();
   const int n = graph.size(), count = static_cast<int>(result.order.size());
-  if (count < kFewestEliminated || count < kLeastShareEliminated * n) return {};
+  if (count < kFewestOfMinimumDegree || count < kLeastShareOfMinimumDegree * n) return {};
   BlockGraph& filled = result.filled;
   BlockGraph& left = result.left.graph;
   filled.dof = graph.dof;
