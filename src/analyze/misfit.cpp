@@ -9,8 +9,8 @@
 namespace slom {
 
 namespace {
-constexpr double kFar = 10;        // times what is expected
-constexpr double kNoNoise = 1e-9;  // times it: data that were simulated without noise
+constexpr double kFar = 10;                // times what is expected
+constexpr double kMisfitOfNoNoise = 1e-9;  // times it: data that were simulated without noise
 constexpr double kLeastRedundancy = 5, kFarOfFew = 100;
 constexpr int kLeastMeasurements = 5;
 constexpr double kNearlyAll = 0.9;
@@ -19,7 +19,7 @@ constexpr double kNearlyAll = 0.9;
 bool isFar(double chi2, double least, double most) {
   if (!(most > 0)) return false;
   if (chi2 > most * (most < kLeastRedundancy ? kFarOfFew : kFar)) return true;
-  return least >= kLeastRedundancy && chi2 < least / kFar && chi2 > least * kNoNoise;
+  return least >= kLeastRedundancy && chi2 < least / kFar && chi2 > least * kMisfitOfNoNoise;
 }
 
 std::string sentence(const std::string& what, double ratio) {

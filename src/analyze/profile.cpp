@@ -14,7 +14,7 @@ namespace slom {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// One coordinate of a variable, moved along while everything else is fitted again.
 class Profile {
@@ -48,7 +48,7 @@ class Profile {
       return {value(), value(), value()};
     const ComponentBound* const found = active.boundOf(variable_, component_);
     const ComponentBound bound =
-        found == nullptr ? ComponentBound{component_, -kInfinity, kInfinity} : *found;
+        found == nullptr ? ComponentBound{component_, -kUnlimited, kUnlimited} : *found;
     best_ = fit_.rss();
     rise_ = factor_ * chiSquareCritical(1 - probability, 1);
     ValueSnapshot start(problem_);
@@ -72,7 +72,7 @@ class Profile {
 
   ProfileInterval search(const ComponentBound& bound, bool is_bounded, ValueSnapshot& start) {
     // Its own covariance, though it is at the bound.
-    if (is_bounded) problem_.setBound(variable_, components_, -kInfinity, kInfinity);
+    if (is_bounded) problem_.setBound(variable_, components_, -kUnlimited, kUnlimited);
     std::vector<double> C(at(record_.dof * record_.dof));
     fit_.covariance(C.data());
     guess_ = std::sqrt(rise_ / factor_ * C[at(component_ * (record_.dof + 1))]);

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Less than this of the length that a column had before anything was eliminated is rounding error.
-constexpr double kRankTolerance = 1e-12;
+constexpr double kMarginalRankTolerance = 1e-12;
 
 /// Rows [J r] over some variables.
 struct Rows {
@@ -128,7 +128,8 @@ class Elimination {
 
   static Index rankOf(const PivotedQR& qr) {
     Index rank = 0;
-    while (rank < qr.matrixQR().diagonalSize() && std::abs(qr.matrixQR()(rank, rank)) > kRankTolerance)
+    while (rank < qr.matrixQR().diagonalSize() &&
+           std::abs(qr.matrixQR()(rank, rank)) > kMarginalRankTolerance)
       ++rank;
     return rank;
   }

@@ -12,7 +12,7 @@ namespace {
 
 /// Columns after which what is fetched is needed, where the factor is larger than [numbers] caches are.
 constexpr int kColumnsAhead = 3;
-constexpr std::size_t kLarge = 1 << 16;
+constexpr std::size_t kLargeFactor = 1 << 16;
 
 static_assert(kMostColumns <= dense::kMostEliminated);
 
@@ -102,7 +102,7 @@ SolveStatus PartialElimination::reduce(const BlockLower& H, const std::vector<in
   const dense::Kernels& kernel = dense::kernels();
   least = least_.data();
   Below below;
-  const bool is_large = diagonal_size_ + below_size_ > kLarge;
+  const bool is_large = diagonal_size_ + below_size_ > kLargeFactor;
   for (int e = 0; e < count(); ++e) {
     const Column& column = columns_[at(e)];
     const int d = dof_[at(e)];

@@ -16,7 +16,7 @@ using Part = Eigen::Map<VectorXd>;
 using ConstPart = Eigen::Map<const VectorXd>;
 
 constexpr int kPowerSeriesTerms = 3;
-constexpr int kPerTask = 256;
+constexpr int kColumnsPerTask = 256;
 
 }  // namespace
 
@@ -86,8 +86,8 @@ void ReducedOperator::prepareRow(int c, const std::vector<int>& offset, const Ve
 void ReducedOperator::multiply(const VectorXd& x, VectorXd& y) {
   const int count = eliminated_.count();
   const auto part = [&](int j) { return ConstPart(x.data() + start_[at(j - count)], H_->dof(j)); };
-  detail::forEachIndex((count + kPerTask - 1) / kPerTask, [&](int task) {
-    for (int e = task * kPerTask; e < std::min(count, (task + 1) * kPerTask); ++e) {
+  detail::forEachIndex((count + kColumnsPerTask - 1) / kColumnsPerTask, [&](int task) {
+    for (int e = task * kColumnsPerTask; e < std::min(count, (task + 1) * kColumnsPerTask); ++e) {
       const int d = H_->dof(e);
       Part t(images_.data() + eliminated_start_[at(e)], d);
       t.setZero();
