@@ -79,6 +79,12 @@ void FitLimits::nameIn(Summary& summary) {
   summary.message = limitReached(current->max_seconds_);
 }
 
+void FitLimits::sayIn(Summary& summary) {
+  summary.converged = false;
+  summary.stop_reason = wasInterrupted() ? StopReason::interrupted : StopReason::time_limit;
+  summary.message = reasonToEnd();
+}
+
 std::string FitLimits::reasonToEnd() {
   if (current == nullptr) return {};
   if (was_interrupted != 0) return "interrupted";

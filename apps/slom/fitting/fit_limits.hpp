@@ -51,6 +51,8 @@ class FitLimits {
   static void applyTo(Options& options);
   /// Puts the limit that the user gave into the message of such a fit, which names the time that was left instead.
   static void nameIn(Summary& summary);
+  /// Makes the summary that of a fit which a limit has ended, whatever else it says.
+  static void sayIn(Summary& summary);
   /// `time limit of 5 s reached` or `interrupted`; empty while the work may go on.
   static std::string reasonToEnd();
   /// Throws RunEnded when there is a reason to end.

@@ -83,6 +83,7 @@ Film fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& consol
     OnlineFit<Pose> fit(graph, settings.model(), settings.online, settings.plot_file.ends_with(".html"),
                         console);
     report.summary = fit.optimize(optionsOf(settings, console));
+    if (!fit.isComplete()) FitLimits::sayIn(report.summary);
     fit.run().finish(report.summary.final_rss);
     console.print(onlineText(fit.run()));
     report.online = std::make_shared<nlohmann::ordered_json>(onlineJson(fit.run()));

@@ -55,6 +55,8 @@ class OnlineFit {
   ~OnlineFit();
 
   OnlineRun& run() { return run_; }
+  /// Whether all poses were fed.
+  bool isComplete() const { return run_.updates.size() == order().size(); }
   /// Indices of the poses in the order in which they are fed.
   const std::vector<int>& order() const;
   /// A batch fit from where the updates have led.
