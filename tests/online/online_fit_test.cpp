@@ -346,7 +346,8 @@ TEST(OnlineFit, HasCovariancesBetweenUpdates) {
       const UpdateSummary update = walk.est.update();
       ASSERT_TRUE(update.converged);
       if (i % 3 != 0 || !update.undetermined.empty()) continue;  // a landmark that nobody has seen yet
-      walk.expectCovariances(2e-3);
+      walk.expectCovariances(
+          1e-2);  // Jacobians in the factor differ by up to 3e-4, in sums over the whole walk
       ++compared;
     }
   }
