@@ -366,7 +366,8 @@ class Estimator {
   }
   /// The same between updates, in time proportional to the path from the variables to the root of the elimination tree: little for new
   /// ones, however large the problem. Jacobians may be those of slightly earlier values, as they are in the factor of update(), so that
-  /// it agrees with covariance() to about a hundredth. Throws [slom.not-updated] where something has changed since the last update(),
+  /// it agrees with covariance() to about a hundredth. With Sigma::estimated the variance factor
+  /// takes a linearisation of everything. Throws [slom.not-updated] where something has changed since the last update(),
   /// or optimize() took over in it, and [slom.rank-deficient].
   template <class T>
   Eigen::MatrixXd updatedCovariance(const VarID<T>& id) const {
