@@ -283,7 +283,7 @@ class Examination {
   /// Compares the residuals of each group with its stated standard deviations. Residuals are evidence of these only at a minimum, and only
   /// when the data contain noise.
   void judgeSigmas() {
-    if (!(linearized_.orthogonality() < kAtMinimum)) return;
+    if (!(linearized_.orthogonality() < kAtMinimum) || !linearized_.hasInverse()) return;
     for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {
       if (group.has_losses || !(group.redundancy > 0)) continue;
       const double factor = std::sqrt(group.chi2 / group.redundancy);

@@ -11,6 +11,7 @@
 #include "optimize/active_bounds.hpp"
 #include "optimize/lengths.hpp"
 #include "optimize/second_look.hpp"
+#include "slom/solve/block_solver.hpp"
 
 namespace slom {
 
@@ -46,7 +47,8 @@ struct LinearizedProblem::Results {
   double rss = 0, squared_norm = 0;
   bool is_linearized = false;
 
-  std::unique_ptr<LinearSolver> careful;  // instead of the lent solver, which found no rank
+  std::unique_ptr<LinearSolver> exact;    // instead of the lent solver, which iterates
+  std::unique_ptr<LinearSolver> careful;  // instead of the one before it, which found no rank
   bool careful_failed = false;
   SolveStatus careful_status;
   std::uint64_t content = ~std::uint64_t{0};  // Evaluator::contentOfSolver() once these rows are in it
@@ -130,16 +132,27 @@ double LinearizedProblem::orthogonality() const {
   return Evaluator::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
-/// The solver, which has these rows.
+/// The solver, which has these rows. Iterations do not notice what is hardly determined, and end with variances that are far too small:
+/// where the estimator's solver iterates, one that factorises takes its place, if the factor is not too large.
 LinearSolver& LinearizedProblem::solver() const {
   linearize();
   Results& own = *results_;
   if (own.careful != nullptr) return *own.careful;
-  if (own.content != evaluator_.contentOfSolver()) {
-    own.kept.rows.sendTo(evaluator_.lendSolver());
-    own.content = evaluator_.contentOfSolver();
+  if (own.exact != nullptr) return *own.exact;
+  if (own.content == evaluator_.contentOfSolver()) return evaluator_.solver();
+  LinearSolver& lent = evaluator_.lendSolver();
+  if (!lent.isExact()) {
+    auto exact = std::make_unique<BlockSolver>();
+    exact->analyze(structure_.system);
+    if (exact->isExact()) {
+      own.kept.rows.sendTo(*exact);
+      own.exact = std::move(exact);
+      return *own.exact;
+    }
   }
-  return evaluator_.solver();
+  own.kept.rows.sendTo(lent);
+  own.content = evaluator_.contentOfSolver();
+  return lent;
 }
 
 bool LinearizedProblem::isExact() const { return solver().isExact(); }
@@ -149,7 +162,7 @@ SolveStatus LinearizedProblem::lookAgain(SolveStatus status, bool& has_changed) 
   has_changed = false;
   if (status.ok || own.careful != nullptr) return status;
   if (own.careful_failed) return own.careful_status;
-  SecondLook look = slom::lookAgain(problem_, structure_, evaluator_.solver(), status, digitsOfDerivatives(),
+  SecondLook look = slom::lookAgain(problem_, structure_, solver(), status, digitsOfDerivatives(),
                                     [&](LinearSolver& careful) { own.kept.rows.sendTo(careful); });
   own.careful = std::move(look.solver);
   has_changed = own.careful != nullptr;
@@ -210,16 +223,29 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
   return columns;
 }
 
-const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
-  if (gauge == FreeGauge::inner_constraints) return freeNetwork();
+const InverseBlocks* LinearizedProblem::findInverse(SolveStatus& status) const {
   std::unique_ptr<InverseBlocks>& inverse = results_->inverse;
-  if (inverse != nullptr) return *inverse;
+  status = {};
+  if (inverse != nullptr) return inverse.get();
   bool has_changed = false;
-  SolveStatus status = lookAgain(solver().invertBlocks(structure_.system, inverse), has_changed);
+  status = lookAgain(solver().invertBlocks(structure_.system, inverse), has_changed);
   if (has_changed) status = solver().invertBlocks(structure_.system, inverse);
-  if (!status.ok) throw undetermined(status);
+  if (!status.ok) return nullptr;
   if (largestInflation(*inverse) > kMostInflation && becomeCareful())
     static_cast<void>(solver().invertBlocks(structure_.system, inverse));
+  return inverse.get();
+}
+
+bool LinearizedProblem::hasInverse() const {
+  SolveStatus ignored;
+  return findInverse(ignored) != nullptr;
+}
+
+const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
+  if (gauge == FreeGauge::inner_constraints) return freeNetwork();
+  SolveStatus status;
+  const InverseBlocks* const inverse = findInverse(status);
+  if (inverse == nullptr) throw undetermined(status);
   return *inverse;
 }
 
@@ -249,6 +275,13 @@ Error LinearizedProblem::undetermined(const SolveStatus& status) const {
     if (finding.kind == Finding::Kind::gauge) {
       return {"slom.free-gauge", "there are no covariances as long as the gauge is free. " + finding.text};
     }
+  }
+  if (!isExact() && freeDirections() == 0) {
+    return {
+        "slom.rank-deficient",
+        "the solver iterates and finds no inverse of J^T J, although the measurements determine every "
+        "unknown: it is too close to singular for that; choose a solver that factorises, such as BlockQR, "
+        "with changeSolver()"};
   }
   return singularError(problem_, structure_, status);
 }

@@ -61,6 +61,8 @@ class LinearizedProblem {
   Eigen::MatrixXd covarianceColumns(FreeGauge gauge, int first, int count) const;
   /// Blocks of it. This and the above throw [slom.free-gauge], [slom.rank-deficient] or [slom.unmeasured-variable].
   const InverseBlocks& inverse(FreeGauge gauge) const;
+  /// Whether the solver finds H^-1.
+  bool hasInverse() const;
 
   /// Directions whose influence is below kNearNull at the least.
   const NearNullSpace& nearNullSpace() const;
@@ -77,6 +79,8 @@ class LinearizedProblem {
   LinearSolver& solver() const;
   SolveStatus lookAgain(SolveStatus status, bool& has_changed) const;
   bool becomeCareful() const;
+  /// Blocks of H^-1; null, with the reason, where there is none.
+  const InverseBlocks* findInverse(SolveStatus& status) const;
   double largestInflation(const InverseBlocks& inverse) const;
   const FreeNetwork& freeNetwork() const;
 

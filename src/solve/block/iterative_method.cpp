@@ -22,7 +22,8 @@ SolveStatus IterativeMethod::factorize(const VectorXd& damping, VectorXd*) {
   return reduced_.prepare(equations_.H(), equations_.offset(), damping, kPivotTolerance);
 }
 
-SolveStatus IterativeMethod::iterate(double tolerance, int max_iterations, VectorXd& x) {
+SolveStatus IterativeMethod::iterate(double tolerance, int max_iterations, bool is_rough_enough,
+                                     VectorXd& x) {
   const BlockLower& H = equations_.H();
   const std::vector<int>& offset = equations_.offset();
   const EliminatedBlocks& eliminated = reduced_.eliminated();
@@ -32,7 +33,8 @@ SolveStatus IterativeMethod::iterate(double tolerance, int max_iterations, Vecto
       conjugateGradients(reduced_, reduced_.reducedOf(x, offset), tolerance, max_iterations, rest);
   iterations_ += outcome.iterations;
   ++solutions_;
-  if (!outcome.ok) return {false, offset[static_cast<std::size_t>(eliminated.count())], 0};
+  if (!outcome.ok || !(outcome.has_converged || is_rough_enough))
+    return {false, offset[static_cast<std::size_t>(eliminated.count())], 0};
   reduced_.putInto(rest, offset, x);
   eliminated.substitute(H, offset, x);
   return {};
@@ -40,11 +42,11 @@ SolveStatus IterativeMethod::iterate(double tolerance, int max_iterations, Vecto
 
 SolveStatus IterativeMethod::solve(VectorXd& x) {
   const int enough = 10 * static_cast<int>(x.size()) + 100;
-  return iterate(kExactTolerance, enough, x);
+  return iterate(kExactTolerance, enough, false, x);
 }
 
 SolveStatus IterativeMethod::finishStep(VectorXd& x, bool) {
-  return iterate(forcing(), options_.max_iterations, x);
+  return iterate(forcing(), options_.max_iterations, true, x);
 }
 
 double IterativeMethod::forcing() {

@@ -23,7 +23,8 @@ class IterativeMethod final : public BlockMethod {
  private:
   SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) override;
   SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) override;
-  SolveStatus iterate(double tolerance, int max_iterations, Eigen::VectorXd& x);
+  /// `is_rough_enough`: a solution counts that is not yet within the tolerance.
+  SolveStatus iterate(double tolerance, int max_iterations, bool is_rough_enough, Eigen::VectorXd& x);
   double forcing();
 
   std::string system_;

@@ -166,6 +166,7 @@ ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const VectorXd&
     const double curvature = p.dot(image);
     if (!(curvature > 0)) {
       outcome.ok = outcome.iterations > 0;  // what was found so far still goes downhill
+      outcome.has_converged = false;
       return outcome;
     }
     ++outcome.iterations;
@@ -177,6 +178,7 @@ ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const VectorXd&
     p = z + (rz_next / rz) * p;
     rz = rz_next;
   }
+  outcome.has_converged = rz <= enough;
   return outcome;
 }
 

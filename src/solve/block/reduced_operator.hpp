@@ -64,7 +64,8 @@ class ReducedOperator {
 /// What conjugate gradients did.
 struct ConjugateGradientsOutcome {
   int iterations = 0;
-  bool ok = true;  ///< false when S is not positive definite
+  bool ok = true;             ///< false when S is not positive definite
+  bool has_converged = true;  ///< false as well where the iterations ended before the tolerance was reached
 };
 
 /// S x = b, from x = 0, until |b - S x|_(M^-1) <= tolerance |b|_(M^-1).
