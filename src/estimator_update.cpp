@@ -13,6 +13,13 @@ namespace {
 std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options) {
   const std::string left = "a further step promises a decrease of the RSS by " + number(summary.promise, 3);
   if (summary.converged) return left + ", within the tolerance";
+  if (summary.needs_optimize) {
+    return "a step led uphill, or far away, where optimize() takes over if there is no budget; call it when "
+           "there is time";
+  }
+  if (summary.is_put_off)
+    return left + ", and the budget of " + number(options.budget, 3) +
+           " operations is used up; update() goes on";
   return left + " after " + counted(summary.steps, "step") + ", more than " + number(options.tolerance, 3) +
          " of it; call update() again";
 }
@@ -57,6 +64,12 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
     throw Error("slom.bad-option",
                 "max_steps is " + std::to_string(options.max_steps) + "; pass a positive number",
                 "max_steps");
+  }
+  if (!(options.budget > 0)) {
+    throw Error(
+        "slom.bad-option",
+        "budget is " + number(options.budget, 6) + "; pass a positive number of operations, such as 1e6",
+        "budget");
   }
   State& state = *state_;
   if (state.online == nullptr) state.online = std::make_unique<OnlineFit>(state.problem, state.linearizer);

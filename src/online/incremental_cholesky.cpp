@@ -125,6 +125,7 @@ void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
     }
     kernel.backwardRows(front.B.data(), front.p, front.u, rows_.data(), d.data());
   }
+  work_.flops += substitutionFlops(front.p, front.u);
   double promised = 0;
   for (int i = 0; i < front.p; ++i) promised += d[at(i)] * d[at(i)];
   if (promised > threshold) {

@@ -135,6 +135,8 @@ class IncrementalCholesky {
   void solveFront(int f);
   void hold(Front& front, int pivot);
   void goDown(int f, double threshold, bool everywhere);
+  /// Additions and multiplications of passing one vector through a front.
+  static double substitutionFlops(double p, double u) { return p * (p + 2 * u); }
   std::vector<int> pathFrom(int block) const;
   std::vector<double> inverseColumn(int a, int b, int component) const;
 

@@ -283,6 +283,7 @@ void IncrementalCholesky::solveFront(int f) {
   for (int i = 0; i < front.p; ++i) front.own_promise += front.y[at(i)] * front.y[at(i)];
   front.has_solution = front.has_news = true;
   ++work_.fronts_solved;
+  work_.flops += substitutionFlops(front.p, front.u);
   forgetPlaces(front);
 }
 

@@ -118,6 +118,7 @@ bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
 
 bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& summary) {
   linearized_ = moved_ = 0;
+  flops_ = 0;
   factor_.resetWork();
   follow();
   factor_.refactor();
@@ -132,11 +133,13 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
     const double allowed = std::max({options.tolerance * before, std::min(rounding_, kMostRoundingOnline),
                                      std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;
-    if (is_near || steps >= options.max_steps) {
+    summary.is_put_off = !is_near && steps > 0 && flops() >= options.budget;
+    if (is_near || summary.is_put_off || steps >= options.max_steps) {
       fill(summary, steps, is_near);
+      is_done_everywhere_ = is_near;
       return true;
     }
-    prepare(factor_.solve(share * allowed, steps > 0));
+    prepare(factor_.solve(share * allowed, steps > 0 || !is_done_everywhere_));
     if (steps >= kManySteps) {
       for (const Place& place : touched_) roundAgain(recordOf(place));
     }
@@ -144,7 +147,8 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
       factor_.refactor();
       if (is_fresh || isFarOff(promised, before)) {
         fill(summary, steps + 1, false);
-        return false;
+        summary.needs_optimize = std::isfinite(options.budget);
+        return summary.needs_optimize;
       }
       is_fresh = true;
       continue;
@@ -203,7 +207,7 @@ void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
   summary.measurements_linearized += linearized_;
   summary.fronts_factorized += work.fronts_factorized;
   summary.fronts_solved += work.fronts_solved;
-  summary.flops += work.flops;
+  summary.flops += flops();
   summary.reordered = summary.reordered || work.reordered_all;
   summary.undetermined.clear();
   for (const auto& [variable, component] : factor_.undetermined()) {

@@ -22,8 +22,8 @@ class OnlineFit {
  public:
   OnlineFit(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
 
-  /// Steps until the tolerance is met. False, with the values as good as they came to be, where a step went uphill although the factor
-  /// is up to date, or met values without residuals: a damped fit of everything is to go on.
+  /// Steps until the tolerance is met or the budget used up. False, with the values as good as they came to be, where a step went uphill
+  /// although the factor is up to date, or met values without residuals: a damped fit of everything is to go on.
   bool run(const UpdateOptions& options, UpdateSummary& summary);
   /// Writes the block of H^-1 of two variables, dof_a x dof_b, column-major, 0 where one of them is fixed: by the Jacobians that are in the
   /// factor. Throws [slom.not-updated] where something has changed since run(), and [slom.rank-deficient].
@@ -66,6 +66,7 @@ class OnlineFit {
   void stretch(double before, double promised);
   double rss() const { return rss_ + rss_rest_; }
   void fill(UpdateSummary& summary, int steps, bool converged) const;
+  double flops() const { return factor_.work().flops + flops_; }
   Record& recordOf(Place place) {
     return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];
   }
@@ -75,6 +76,7 @@ class OnlineFit {
   IncrementalCholesky factor_;
   std::uint64_t structure_revision_ = 0, value_revision_ = 0;
   bool has_started_ = false, is_at_end_ = false;
+  bool is_done_everywhere_ = true;  // nothing was left by the last call
   std::vector<std::vector<Record>> records_;
   std::vector<long> known_;  // serials of the variables that have blocks; kUnknown: has none
   std::vector<int> touched_variables_;
@@ -85,6 +87,7 @@ class OnlineFit {
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
   double rounding_ = 0;                       // rounding error of the RSS
   int linearized_ = 0, moved_ = 0;
+  double flops_ = 0;  // of gradients of measurements
   std::vector<double> A_, g_;
 };
 

@@ -67,6 +67,7 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
     }
     g_.push_back(sum);
   }
+  flops_ += 2.0 * static_cast<double>(before.size());
   factor_.setGradient(record.element, g_);
   if (difference > most_difference * most_difference * size) factor_.setA(record.element, {J, before.size()});
 }

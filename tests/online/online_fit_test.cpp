@@ -8,12 +8,14 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <slom/fixed_lag.hpp>
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
+#include "base/words.hpp"
 #include "online/incremental_cholesky.hpp"
 #include "support/message_of.hpp"
 #include "support/slow_with_sanitizers.hpp"
@@ -535,6 +537,84 @@ TEST(OnlineFit, SaysWhatItDid) {
             "not determined by measurements: a.y\n");
 }
 
+/// A robot that drives around circles and sees where it has been, once in each: each closure takes several steps.
+struct Circles {
+  explicit Circles(const UpdateOptions& options) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal(0, 1);
+    constexpr int around = 40;
+    const Pose step({1, 0}, mtk::SO2<>(2 * 3.14159265358979 / around));
+    std::vector<VarID<Pose>> poses{est.insertRV(Pose(), false)};
+    for (int i = 1; i <= 8 * around; ++i) {
+      const double x = 0.05 * normal(random), y = 0.05 * normal(random), turn = 0.02 * normal(random);
+      const Pose z(step.pos + Point(x, y), step.orient * mtk::SO2<>(turn));
+      poses.push_back(est.insertRV(*poses.back() * z));
+      est.insertMeasurement(RelativePose(), poses[poses.size() - 2], poses.back(), measured(z),
+                            StandardDeviation(0.05));
+      if (i % around == 0) {
+        est.insertMeasurement(RelativePose(), poses[poses.size() - 1 - around], poses.back(),
+                              measured(Pose()), StandardDeviation(0.01));
+      }
+      updates.push_back(est.update(options));
+    }
+  }
+
+  Estimator est;
+  std::vector<UpdateSummary> updates;
+};
+
+TEST(OnlineFit, PutsOffStepsBeyondItsBudget) {
+  constexpr double budget = 1e5;
+  Circles free({}), bounded({.budget = budget});
+  double worst = 0;
+  int put_off = 0;
+  for (std::size_t i = 0; i < free.updates.size(); ++i) {
+    const UpdateSummary& update = bounded.updates[i];
+    EXPECT_FALSE(free.updates[i].is_put_off);
+    EXPECT_FALSE(update.used_optimize || update.needs_optimize);
+    EXPECT_NE(update.converged, update.is_put_off);
+    if (update.is_put_off) {
+      ++put_off;
+      EXPECT_GE(update.flops, budget);
+      EXPECT_GT(update.promise, 0);
+      // Before the last step there was some of the budget left.
+      EXPECT_EQ(update.message, "a further step promises a decrease of the RSS by " +
+                                    number(update.promise, 3) +
+                                    ", and the budget of 1e+05 operations is used up; update() goes on");
+    }
+    worst = std::max(worst, free.updates[i].flops);
+  }
+  EXPECT_GT(put_off, 3);
+  const auto most = std::max_element(bounded.updates.begin(), bounded.updates.end(),
+                                     [](const auto& a, const auto& b) { return a.flops < b.flops; });
+  EXPECT_LT(most->flops, 0.7 * worst);
+  for (int i = 0; i < 100 && !bounded.est.update({.budget = 1}).converged; ++i) {
+  }
+  const double reached = bounded.est.getRSS();
+  EXPECT_NEAR(reached / free.est.getRSS(), 1, 2e-6);
+  bounded.est.optimize();
+  EXPECT_NEAR(reached / bounded.est.getRSS(), 1, 1e-6);
+}
+
+TEST(OnlineFit, LeavesAnUphillStepToOptimizeWhereThereIsABudget) {
+  const auto curve = [](const auto& x) {
+    using std::atan;
+    return atan(x);
+  };
+  Estimator est;
+  const auto x = est.insertRV(3.0);
+  est.insertMeasurement(curve, x, measured(0.0), StandardDeviation(1));
+  const UpdateSummary update = est.update({.budget = 1e9});
+  EXPECT_FALSE(update.converged || update.used_optimize);
+  EXPECT_TRUE(update.needs_optimize);
+  EXPECT_EQ(update.message,
+            "a step led uphill, or far away, where optimize() takes over if there is no budget; call it when "
+            "there is time");
+  EXPECT_EQ(*x, 3.0);
+  EXPECT_TRUE(est.update().used_optimize);
+  EXPECT_NEAR(*x, 0, 1e-6);
+}
+
 TEST(OnlineFit, RefusesOptionsWithoutSense) {
   Estimator est;
   EXPECT_EQ(testing::messageOf([&] { est.update({.tolerance = 0}); }),
@@ -543,6 +623,10 @@ TEST(OnlineFit, RefusesOptionsWithoutSense) {
             "[slom.bad-option] tolerance is inf; pass a number between 0 and 1, such as 1e-6");
   EXPECT_EQ(testing::messageOf([&] { est.update({.max_steps = 0}); }),
             "[slom.bad-option] max_steps is 0; pass a positive number");
+  EXPECT_EQ(testing::messageOf([&] { est.update({.budget = 0}); }),
+            "[slom.bad-option] budget is 0; pass a positive number of operations, such as 1e6");
+  EXPECT_EQ(testing::messageOf([&] { est.update({.budget = std::numeric_limits<double>::quiet_NaN()}); }),
+            "[slom.bad-option] budget is nan; pass a positive number of operations, such as 1e6");
   EXPECT_TRUE(est.update().converged);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@ struct UpdateOptions {
   double tolerance = 1e-6;
   /// Largest number of steps. The next call continues.
   int max_steps = 100;
+  /// Operations, as UpdateSummary::flops counts them, after which no further step begins; the next call continues. A call thus takes as many,
+  /// and what a step does and the factorisation of what has changed. optimize() does not take over then, unless there are
+  /// bounds, and UpdateSummary::needs_optimize says where it would. Positive; counts instead of seconds, as they are the same on any machine.
+  double budget = std::numeric_limits<double>::infinity();
 };
 
 struct UpdateSummary {
@@ -25,11 +30,16 @@ struct UpdateSummary {
   int variables_moved = 0;          ///< counted in each step
   int measurements_linearized = 0;  ///< counted each time
   int fronts_factorized = 0;        ///< parts of the factor that were computed again
-  int fronts_solved = 0;   ///< parts of the factor that a gradient went up through, counted each time
-  double flops = 0;        ///< operations of their factorisation
+  int fronts_solved = 0;  ///< parts of the factor that a gradient went up through, counted each time
+  /// Additions and multiplications of factorising and solving, and of products with Jacobians; not those of measurement functions.
+  double flops = 0;
   bool reordered = false;  ///< all variables were reordered
+  /// The budget was used up before the tolerance was met: `promise` is left for later calls.
+  bool is_put_off = false;
   /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
   bool used_optimize = false;
+  /// It would have taken over, but there is a budget: call it when there is time.
+  bool needs_optimize = false;
   /// Names of components that no measurement determines, given those of other variables; they keep their values until one does.
   /// Not filled where there are bounds.
   std::vector<std::string> undetermined;
