@@ -57,6 +57,7 @@ void OnlineFit::moveBy(double factor) {
   for (const int v : moved_variables_) {
     part.assign(d, d + factor_.dof(v));
     for (double& x : part) x *= factor;
+    if (trial_) trial_->keep(v);
     problem_.move(v, part.data());
     d += factor_.dof(v);
   }
@@ -117,11 +118,28 @@ bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
 }
 
 bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& summary) {
-  linearized_ = moved_ = 0;
+  linearized_ = moved_ = steps_ = 0;
   flops_ = 0;
   factor_.resetWork();
+  fresh_.clear();
   follow();
   factor_.refactor();
+  End end = descend(options);
+  if (options.reconsider) {
+    for (const Place& place : fresh_) {
+      if (end == End::near) end = reconsider(place, options, summary);
+    }
+  }
+  summary.is_put_off = end == End::put_off;
+  is_done_everywhere_ = end == End::near;
+  fill(summary, end == End::near);
+  if (end != End::stuck) return true;
+  summary.needs_optimize = std::isfinite(options.budget);
+  return summary.needs_optimize;
+}
+
+/// Steps until the tolerance is met or they lead nowhere.
+OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
   double share = kShareOnline;
   // Predicted decrease of all further steps together, relative to that of the next one: above 1 where convergence is slow.
   double slowness = 1;
@@ -133,23 +151,17 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
     const double allowed = std::max({options.tolerance * before, std::min(rounding_, kMostRoundingOnline),
                                      std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;
-    summary.is_put_off = !is_near && steps > 0 && flops() >= options.budget;
-    if (is_near || summary.is_put_off || steps >= options.max_steps) {
-      fill(summary, steps, is_near);
-      is_done_everywhere_ = is_near;
-      return true;
-    }
+    if (is_near) return End::near;
+    if (steps > 0 && flops() >= options.budget) return End::put_off;
+    if (steps >= options.max_steps) return End::max_steps;
     prepare(factor_.solve(share * allowed, steps > 0 || !is_done_everywhere_));
     if (steps >= kManySteps) {
       for (const Place& place : touched_) roundAgain(recordOf(place));
     }
+    ++steps_;
     if (!go(promised)) {
       factor_.refactor();
-      if (is_fresh || isFarOff(promised, before)) {
-        fill(summary, steps + 1, false);
-        summary.needs_optimize = std::isfinite(options.budget);
-        return summary.needs_optimize;
-      }
+      if (is_fresh || isFarOff(promised, before)) return End::stuck;
       is_fresh = true;
       continue;
     }
@@ -197,12 +209,12 @@ void OnlineFit::writeCovariance(int a, int b, double* out) const {
   }
 }
 
-void OnlineFit::fill(UpdateSummary& summary, int steps, bool converged) const {
+void OnlineFit::fill(UpdateSummary& summary, bool converged) const {
   const IncrementalCholesky::Work& work = factor_.work();
   summary.converged = converged;
   summary.rss = rss();
   summary.promise = factor_.promise();
-  summary.steps += steps;
+  summary.steps += steps_;
   summary.variables_moved += moved_;
   summary.measurements_linearized += linearized_;
   summary.fronts_factorized += work.fronts_factorized;

@@ -9,10 +9,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "online/incremental_cholesky.hpp"
+#include "online/saved_values.hpp"
 #include "slom/linearize/linearize.hpp"
 #include "slom/online/update.hpp"
 
@@ -35,6 +37,7 @@ class OnlineFit {
     int element = kPending;
     bool is_plain = false;  // the element's Jacobian is that of the measurement
     double cost = 0;        // rho(|W r|^2)
+    double graduation = 1;  // of its loss
     double rounding = 0;    // the squared residual that rounding errors of the values make
     std::uint64_t visited = 0;
   };
@@ -42,7 +45,15 @@ class OnlineFit {
   static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
   using Place = std::pair<int, int>;               // pool, index
 
+  /// Why steps ended: the tolerance is met, the budget used up, there were as many as may be, or they lead uphill.
+  enum class End { near, put_off, max_steps, stuck };
+
   bool stepToTolerance(const UpdateOptions& options, UpdateSummary& summary);
+  End descend(const UpdateOptions& options);
+  End reconsider(Place place, const UpdateOptions& options, UpdateSummary& summary);
+  bool isBetterWith(Place place, double graduation, const UpdateOptions& options);
+  void setGraduation(Place place, double graduation);
+  double squaredResidual(Place place) const;
   void follow();
   void startAgain();
   void followVariables();
@@ -65,7 +76,7 @@ class OnlineFit {
   bool go(double promised);
   void stretch(double before, double promised);
   double rss() const { return rss_ + rss_rest_; }
-  void fill(UpdateSummary& summary, int steps, bool converged) const;
+  void fill(UpdateSummary& summary, bool converged) const;
   double flops() const { return factor_.work().flops + flops_; }
   Record& recordOf(Place place) {
     return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];
@@ -86,7 +97,9 @@ class OnlineFit {
   std::uint64_t visit_ = 0;
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
   double rounding_ = 0;                       // rounding error of the RSS
-  int linearized_ = 0, moved_ = 0;
+  std::vector<Place> fresh_;                  // measurements with losses that the last call found new
+  std::unique_ptr<SavedValues> trial_;        // what steps move, while they may have to be taken back
+  int linearized_ = 0, moved_ = 0, steps_ = 0;
   double flops_ = 0;  // of gradients of measurements
   std::vector<double> A_, g_;
 };

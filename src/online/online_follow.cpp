@@ -38,6 +38,7 @@ void OnlineFit::follow() {
       makeElement(place);
   }
   pending_.clear();
+  if (!changes) fresh_.clear();  // everything is
 }
 
 void OnlineFit::startAgain() {
@@ -147,6 +148,7 @@ void OnlineFit::makeElement(Place place) {
   record.is_plain = std::equal(blocks.begin(), blocks.end(), variables, variables + pool.arity());
   linearize(place, 1, 0);
   roundAgain(record);
+  if (record.element >= 0 && pool.lossOf(place.second) != nullptr) fresh_.push_back(place);
 }
 
 }  // namespace slom

@@ -23,6 +23,7 @@ void OnlineFit::linearize(Place first, int count, double most_difference) {
   const int each = has_losses ? 1 : count;
   for (int i = first.second; i < first.second + count; i += each) {
     double cost = 0;
+    linearizer_.setLossGraduation(has_losses ? recordOf({first.first, i}).graduation : 1);
     const JacobianBatch batch =
         linearizer_.linearizeSome(problem_, problem_.activeSet(), first.first, i, i + each, &cost);
     const double *r = batch.r, *J = batch.J;
@@ -38,6 +39,7 @@ void OnlineFit::linearize(Place first, int count, double most_difference) {
       for (int k = 0; k < pool.arity(); ++k) J += rows * *dof++;
     }
   }
+  linearizer_.setLossGraduation(1);
 }
 
 void OnlineFit::take(Place place, const double* r, const double* J, const int* dof, double cost,

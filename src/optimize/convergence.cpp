@@ -30,9 +30,11 @@ double Convergence::variance(double rss) const {
   return sigma_is_estimated_ ? estimated : std::min(1.0, estimated);
 }
 
-bool Convergence::isNear(double promised, double rss) const {
-  return promised <= options_.deviation_tolerance * options_.deviation_tolerance * variance(rss);
+double Convergence::mostNear(double rss) const {
+  return options_.deviation_tolerance * options_.deviation_tolerance * variance(rss);
 }
+
+bool Convergence::isNear(double promised, double rss) const { return promised <= mostNear(rss); }
 
 bool Convergence::isRounding(double promised, double rss) {
   return promised <= kMostRounding * variance(rss) && promised <= evaluator_.roundingOfPromises();
@@ -40,8 +42,8 @@ bool Convergence::isRounding(double promised, double rss) {
 
 /// Without full rank, residuals that are small differences of large numbers (x - y with both near 1e9) say nothing of
 /// directions in which these move together, unless all of them is rounding.
-Evaluator::Promise Convergence::promiseAt(double rss, bool carefully) {
-  Evaluator::Promise promise = evaluator_.promise(carefully);
+Evaluator::Promise Convergence::promiseAt(double rss, bool carefully, double most) {
+  Evaluator::Promise promise = evaluator_.promise(carefully, most);
   if (!promise.is_known || promise.has_full_rank) return promise;
   const double rounding = evaluator_.roundingOfPromises();
   promise.is_known = rounding <= kMostHidden * rss || rounding >= kIsRounding * rss;
@@ -71,7 +73,8 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   if (!outcome.is_undamped) {
     // Each answer costs a factorisation.
     if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
-    const Evaluator::Promise promise = promiseAt(outcome.rss_after, !is_relative);
+    const Evaluator::Promise promise =
+        promiseAt(outcome.rss_after, !is_relative, mostNear(outcome.rss_after));
     if (!promise.is_known) return std::nullopt;
     promised = promise.decrease;
     has_decrease = has_decrease && promised <= little;

@@ -36,9 +36,12 @@ class Convergence {
 
  private:
   double variance(double rss) const;
+  /// The largest promise at which the end is near.
+  double mostNear(double rss) const;
   bool isNear(double promised, double rss) const;
   bool isRounding(double promised, double rss);
-  Evaluator::Promise promiseAt(double rss, bool carefully);
+  Evaluator::Promise promiseAt(double rss, bool carefully,
+                               double most = std::numeric_limits<double>::infinity());
 
   Evaluator& evaluator_;
   const Options& options_;

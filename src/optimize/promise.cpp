@@ -8,7 +8,7 @@
 
 namespace slom {
 
-Evaluator::Promise Evaluator::promise(bool carefully) {
+Evaluator::Promise Evaluator::promise(bool carefully, double most) {
   linearize();
   Promise result;
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
@@ -47,7 +47,8 @@ Evaluator::Promise Evaluator::promise(bool carefully) {
         damping == 0 || result.decrease <= similar * promised(more * damping, ignored) + kRounding * rss_;
     result.is_known = is_similar && std::none_of(out_of_sight.begin(), out_of_sight.end(),
                                                  [this](int u) { return hasRunAway(u); });
-    if (result.is_known && carefully && solver_->isExact()) lookDeeper(out_of_sight, result);
+    if (result.is_known && carefully && solver_->isExact() && result.decrease <= most)
+      lookDeeper(out_of_sight, result);
     break;
   }
   return result;

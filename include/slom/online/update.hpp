@@ -18,6 +18,11 @@ struct UpdateOptions {
   /// and what a step does and the factorisation of what has changed. optimize() does not take over then, unless there are
   /// bounds, and UpdateSummary::needs_optimize says where it would. Positive; counts instead of seconds, as they are the same on any machine.
   double budget = std::numeric_limits<double>::infinity();
+  /// Whether each new measurement that its loss refuses (with a weight below 0.1) is tried: values that agree with it are looked for, and
+  /// kept where the RSS is lower there. Thus false closures of loops that came first do not make the true ones that come later
+  /// look wrong. For losses whose weight falls to nothing, as GemanMcClure and Tukey. Takes a few steps for each that is refused. Nothing is
+  /// tried where there are bounds, or in the first call.
+  bool reconsider = false;
 };
 
 struct UpdateSummary {
@@ -33,6 +38,8 @@ struct UpdateSummary {
   int fronts_solved = 0;  ///< parts of the factor that a gradient went up through, counted each time
   /// Additions and multiplications of factorising and solving, and of products with Jacobians; not those of measurement functions.
   double flops = 0;
+  int reconsidered = 0;    ///< new measurements that their losses refused and that were tried
+  int accepted = 0;        ///< those of them that the map was moved for
   bool reordered = false;  ///< all variables were reordered
   /// The budget was used up before the tolerance was met: `promise` is left for later calls.
   bool is_put_off = false;

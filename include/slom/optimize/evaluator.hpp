@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -77,8 +78,9 @@ class Evaluator {
     double decrease = 0;  ///< predicted decrease of the RSS: g^T H^-1 g
     Eigen::VectorXd step;
   };
-  /// `carefully`: also tries the careful solver where the other finds no full rank.
-  Promise promise(bool carefully = true);
+  /// `carefully`: also tries the careful solver where the other finds no full rank. J itself is factorised, which may take longer than the
+  /// fit, to look for decreases that J^T J does not show, but only where the one that it shows is at most `most`.
+  Promise promise(bool carefully = true, double most = std::numeric_limits<double>::infinity());
   /// Takes the step of a promise if the RSS falls by at least a quarter of the predicted decrease. Returns whether it has.
   bool advance(const Promise& promise);
   /// The share of the length of a column of J above which it is more than errors of the derivatives and rounding in long chains of unknowns.
