@@ -1,5 +1,8 @@
 // Claims of convergence where columns of J are nearly dependent, or out of sight.
 #include <cmath>
+#include <random>
+#include <string>
+#include <vector>
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>
@@ -117,6 +120,50 @@ TEST(OutOfSight, AFlatStartIsNoOptimum) {
     est.changeAlgorithm(slom::LevenbergMarquardt());
     const slom::Summary summary = est.optimize();
     EXPECT_TRUE(!summary.converged || summary.final_rss < 1e-6) << start << "\n" << summary;
+  }
+}
+
+/// Motions of all cameras and points change nothing. That is tried, whatever the types are to the world, before J is factorised to find out
+/// (whose limit the message would name).
+TEST(FreeGauge, OfCamerasAndPointsIsFoundByItsMotions) {
+  using Pose = mtk::trafo<mtk::SO3<>>;
+  using Point = mtk::vect<3>;
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  const auto any = [&] {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    return Point(x, y, z);
+  };
+  for (const bool sees_world : {false, true}) {
+    slom::Estimator est;
+    est.changeAlgorithm(slom::GaussNewton());
+    std::vector<slom::VarID<Pose>> cameras;
+    std::vector<slom::VarID<Point>> points;
+    for (int i = 0; i < 3; ++i) {
+      Pose pose(any());
+      pose.orient = mtk::SO3<>::exp(0.3 * any());
+      cameras.push_back(est.insertRV(pose));
+    }
+    for (int i = 0; i < 12; ++i) points.push_back(est.insertRV(Point(5 * any())));
+    for (const auto& camera : cameras) {
+      for (const auto& point : points) {
+        if (sees_world) {
+          const auto seen = [](const auto& T, const auto& p) { return T * p; };
+          est.insertMeasurement(seen, camera, point, slom::measured(seen(*camera, *point)),
+                                slom::StandardDeviation(0.01));
+        } else {
+          const auto seen = [](const auto& T, const auto& p) { return T.inverse() * p; };
+          est.insertMeasurement(seen, camera, point, slom::measured(seen(*camera, *point)),
+                                slom::StandardDeviation(0.01));
+        }
+      }
+    }
+    for (const auto& point : points) est.reinitRV(point, *point + 0.01 * any());
+    const slom::Summary summary = est.optimize({.fall_back = false});
+    EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
+    EXPECT_NE(summary.message.find("the measurements do not determine"), std::string::npos)
+        << summary.message;
+    EXPECT_EQ(summary.message.find("the others leave less than"), std::string::npos) << summary.message;
   }
 }
 
