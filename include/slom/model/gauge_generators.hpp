@@ -29,7 +29,9 @@ class GaugeGeneratorWriter {
 
   template <class P>
   void add(const P& part, int at) const {
-    if constexpr (mtk::detail::is_trafo<P>) {
+    if constexpr (requires { requires P::has_separate_entries; }) {
+      return;  // numbers side by side, as focal length and distortion, are no vector of space
+    } else if constexpr (mtk::detail::is_trafo<P>) {
       addPose(part, at);
     } else if constexpr (mtk::detail::is_rotation<P>) {
       addRotation(part, at);
