@@ -18,11 +18,10 @@ namespace {
 constexpr double kRefused = 0.1;
 /// |W r|^2 / c^2 at which a measurement pulls, by all losses that refuse.
 constexpr double kPulling = 0.1;
-/// Steps with and without graduation, and to how much of the RSS.
+/// The largest number of steps with the loss graduated, and their tolerance.
 constexpr int kTrialSteps = 15;
 constexpr double kTrialTolerance = 1e-4;
-/// By how much the RSS must be lower, relative to what the refused measurement adds to it. A single false one that odometry can be bent to is
-/// not worth that; one with which others agree that were refused as well is.
+/// By how much the RSS must be lower, relative to what the refused measurement adds to it. With much more, true ones are refused for good.
 constexpr double kBetter = 0.02;
 }  // namespace
 
@@ -41,7 +40,7 @@ void OnlineFit::setGraduation(Place place, double graduation) {
   factor_.refactor();
 }
 
-/// Tries it. The values are those of the trial in any case, and some steps from a minimum.
+/// Tries it; whether the RSS is lower. The values are those of the trial in any case.
 bool OnlineFit::isBetterWith(Place place, double graduation, const UpdateOptions& options) {
   const double most = rss() - kBetter * recordOf(place).cost;
   UpdateOptions roughly = options;
