@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "online/incremental_cholesky.hpp"
-#include "online/saved_values.hpp"
+#include "problem/value_snapshot.hpp"
 #include "slom/linearize/linearize.hpp"
 #include "slom/online/update.hpp"
 
@@ -98,7 +98,7 @@ class OnlineFit {
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
   double rounding_ = 0;                       // rounding error of the RSS
   std::vector<Place> fresh_;                  // measurements with losses that the last call found new
-  std::unique_ptr<SavedValues> trial_;        // what steps move, while they may have to be taken back
+  std::unique_ptr<ValueSnapshot> trial_;      // what steps move, while they may have to be taken back
   int linearized_ = 0, moved_ = 0, steps_ = 0;
   double flops_ = 0;  // of gradients of measurements
   std::vector<double> A_, g_;

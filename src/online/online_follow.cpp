@@ -31,7 +31,6 @@ void OnlineFit::follow() {
   structure_revision_ = problem_.structureRevision();
   followVariables();
   followMoves();
-  value_revision_ = problem_.valueRevision();
   for (const Place& place : pending_) {
     if (place.second < static_cast<int>(records_[at(place.first)].size()) &&
         recordOf(place).element == kPending)
@@ -107,6 +106,7 @@ void OnlineFit::followMoves() {
       if (problem_.variables()[at(v)].store != nullptr) touchUsesOf(v);
     }
   }
+  value_revision_ = problem_.valueRevision();
   linearizeTouched(0);
 }
 

@@ -13,6 +13,20 @@ namespace {
 constexpr double kRoundingSteps = 4;  // units in the last place
 constexpr double kMostPeak = 1e6;  // largest sum of costs since it was added up, relative to the current one
 
+/// Graduates the losses of the estimator's linearizer for as long as it lives, whatever is thrown.
+class Graduated {
+ public:
+  Graduated(Linearizer& linearizer, double mu) : linearizer_(linearizer) {
+    linearizer_.setLossGraduation(mu);
+  }
+  Graduated(const Graduated&) = delete;
+  Graduated& operator=(const Graduated&) = delete;
+  ~Graduated() { linearizer_.setLossGraduation(1); }
+
+ private:
+  Linearizer& linearizer_;
+};
+
 }  // namespace
 
 /// `count` measurements at the current values. The factor gets a Jacobian where that differs from the one it has by more than
@@ -23,7 +37,7 @@ void OnlineFit::linearize(Place first, int count, double most_difference) {
   const int each = has_losses ? 1 : count;
   for (int i = first.second; i < first.second + count; i += each) {
     double cost = 0;
-    linearizer_.setLossGraduation(has_losses ? recordOf({first.first, i}).graduation : 1);
+    const Graduated graduated(linearizer_, has_losses ? recordOf({first.first, i}).graduation : 1);
     const JacobianBatch batch =
         linearizer_.linearizeSome(problem_, problem_.activeSet(), first.first, i, i + each, &cost);
     const double *r = batch.r, *J = batch.J;
@@ -39,7 +53,6 @@ void OnlineFit::linearize(Place first, int count, double most_difference) {
       for (int k = 0; k < pool.arity(); ++k) J += rows * *dof++;
     }
   }
-  linearizer_.setLossGraduation(1);
 }
 
 void OnlineFit::take(Place place, const double* r, const double* J, const int* dof, double cost,

@@ -6,7 +6,10 @@
 ///   source   Yang, Antonante, Tzoumas and Carlone, "Graduated non-convexity for robust spatial perception", RA-L 2020; McGann, Rogers and
 ///            Kaess, "Robust incremental smoothing and mapping (riSAM)", ICRA 2023 (graduation of what is new)
 #include <algorithm>
+#include <initializer_list>
 #include <utility>
+
+#include <Eigen/Core>
 
 #include "base/index.hpp"
 #include "online/online_fit.hpp"
@@ -27,11 +30,9 @@ constexpr double kBetter = 0.02;
 
 double OnlineFit::squaredResidual(Place place) const {
   MeasurementPool& pool = *problem_.pools()[at(place.first)];
-  std::vector<double> r(at(pool.rows(place.second)));
+  Eigen::VectorXd r(pool.rows(place.second));
   problem_.naming(pool, [&] { pool.evaluate(place.second, place.second + 1, r.data()); });
-  double sum = 0;
-  for (const double x : r) sum += x * x;
-  return sum;
+  return r.squaredNorm();
 }
 
 void OnlineFit::setGraduation(Place place, double graduation) {
@@ -59,7 +60,7 @@ OnlineFit::End OnlineFit::reconsider(Place place, const UpdateOptions& options, 
   const double s = squaredResidual(place);
   if (loss.evaluate(s).first >= kRefused) return End::near;
   ++summary.reconsidered;
-  trial_ = std::make_unique<SavedValues>(problem_);
+  trial_ = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});
   bool is_better = false;
   try {
     is_better = isBetterWith(place, s / (kPulling * loss.scale() * loss.scale()), options);
@@ -67,18 +68,13 @@ OnlineFit::End OnlineFit::reconsider(Place place, const UpdateOptions& options, 
     std::exchange(trial_, nullptr)->restore();
     throw;
   }
-  const std::unique_ptr<SavedValues> trial = std::move(trial_);
+  const std::unique_ptr<ValueSnapshot> trial = std::move(trial_);
   if (is_better) {
     ++summary.accepted;
     return End::near;
   }
   trial->restore();
-  touched_.clear();
-  ++visit_;
-  for (const int v : trial->variables()) touchUsesOf(v);
-  std::sort(touched_.begin(), touched_.end());
-  value_revision_ = problem_.valueRevision();
-  linearizeTouched(0);
+  followMoves();
   factor_.refactor();
   return descend(options);  // the Jacobians are newer than before
 }

@@ -26,7 +26,7 @@ bool Evaluator::isTrueColumn(int unknown, double step) {
   const int variable = variableOf(structure_, unknown);
   const int component = unknown - structure_.offsetOf(variable);
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
-  ValueSnapshot before(problem_, variable);
+  ValueSnapshot before(problem_, {variable});
   const bool was_linearized = linearized_at_ == problem_.valueRevision();
   const auto residuals = [&] {
     std::vector<double> all;

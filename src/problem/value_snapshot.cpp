@@ -23,11 +23,16 @@ struct ValueSnapshot::Copy {
 };
 
 ValueSnapshot::ValueSnapshot(Problem& problem) : problem_(problem) {
-  for (int v = 0; v < static_cast<int>(problem.variables().size()); ++v) keep(v);
+  for (int v = 0; v < static_cast<int>(problem.variables().size()); ++v) copy(v);
 }
-ValueSnapshot::ValueSnapshot(Problem& problem, int variable) : problem_(problem) { keep(variable); }
+ValueSnapshot::ValueSnapshot(Problem& problem, std::initializer_list<int> variables) : problem_(problem) {
+  for (const int v : variables) keep(v);
+}
 
 void ValueSnapshot::keep(int variable) {
+  if (kept_.insert(variable).second) copy(variable);
+}
+void ValueSnapshot::copy(int variable) {
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
   if (record.store != nullptr)
     copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, variable));

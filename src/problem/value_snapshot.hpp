@@ -1,7 +1,9 @@
-/// The values of all variables, kept to go back to.
+/// Values of variables, kept to go back to.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "slom/problem/problem.hpp"
@@ -12,15 +14,18 @@ namespace slom {
 class ValueSnapshot {
  public:
   explicit ValueSnapshot(Problem& problem);
-  /// The value of one variable only.
-  ValueSnapshot(Problem& problem, int variable);
+  /// The values of these variables only.
+  ValueSnapshot(Problem& problem, std::initializer_list<int> variables);
   ~ValueSnapshot();
+  /// The value of a further variable, as it is now; nothing where there is one already.
+  void keep(int variable);
   void restore();
 
  private:
   struct Copy;
-  void keep(int variable);
+  void copy(int variable);
   Problem& problem_;
+  std::set<int> kept_;  // of those that are not all
   std::vector<std::unique_ptr<Copy>> copies_;
 };
 
