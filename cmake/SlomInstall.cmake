@@ -30,3 +30,24 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/slom-config-version.cmak
 install(FILES "${PROJECT_BINARY_DIR}/slom-config.cmake" "${PROJECT_BINARY_DIR}/slom-config-version.cmake"
         DESTINATION "${slom_package_dir}")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+# For builds that know pkg-config instead of CMake: mtk.pc and slom.pc. A static library names what it stands on itself.
+set(slom_pc_libraries "")
+foreach(library IN LISTS slom_solve_libraries)
+  string(APPEND slom_pc_libraries " -l${library}")
+endforeach()
+if(SLOM_WITH_TBB)
+  string(APPEND slom_pc_libraries " -ltbb")
+endif()
+set(slom_pc_private "")
+if(BUILD_SHARED_LIBS)
+  set(slom_pc_private "${slom_pc_libraries}")
+  set(slom_pc_libraries "")
+endif()
+# As for CMake's package, the prefix is found from where the file lies.
+file(RELATIVE_PATH slom_pc_to_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" slom_pc_to_prefix "${slom_pc_to_prefix}")
+foreach(name IN ITEMS mtk slom)
+  configure_file("${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endforeach()

@@ -10,3 +10,4 @@
 #include "slom/solve/block_solver.hpp"
 #include "slom/solve/cholmod.hpp"
 #include "slom/solve/dense_qr.hpp"
+#include "slom/version.hpp"

@@ -83,7 +83,7 @@ class Examination {
   void findMeasurementsOfFixedVariables() {
     struct Count {
       std::string name;
-      int idle = 0, all = 0;
+      int without_unknowns = 0, all = 0;
     };
     std::vector<Count> counts(at(problem_.groupCount()));
     for (std::size_t p = 0; p < problem_.pools().size(); ++p) {
@@ -93,14 +93,14 @@ class Examination {
       count.all += group.size();
       for (int m = 0; m < group.size(); ++m) {
         const auto first = group.blocks.begin() + m * group.arity;
-        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++count.idle;
+        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++count.without_unknowns;
       }
     }
-    for (const auto& [name, idle, all] : counts) {
-      if (idle == 0) continue;
+    for (const auto& [name, unused, all] : counts) {
+      if (unused == 0) continue;
       add(Kind::idle_measurements, false,
-          std::to_string(idle) + " of " + counted(all, "measurement") + " " + name + " depend" +
-              (idle == 1 ? "s" : "") +
+          std::to_string(unused) + " of " + counted(all, "measurement") + " " + name + " depend" +
+              (unused == 1 ? "s" : "") +
               " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
           {name});
     }

@@ -50,6 +50,7 @@ auto asUserError(const F& f) {
 Archive makeArchive() {
   Archive archive;
   replay::addPoseKinds(archive);
+  replay::addPriorKinds(archive);
   replay::addObservationKinds(archive);
   replay::addImageKinds(archive);
   return archive;

@@ -8,8 +8,10 @@ namespace slom::app::replay {
 using Pose2 = mtk::trafo<mtk::SO2<>>;
 using Pose3 = mtk::trafo<mtk::SO3<>>;
 
-/// Relative poses and rotations, landmarks, priors, gravity.
+/// Relative poses and rotations, landmarks.
 void addPoseKinds(Archive& archive);
+/// Priors, gravity.
+void addPriorKinds(Archive& archive);
 /// Ranges, bearings, angles of theodolites.
 void addObservationKinds(Archive& archive);
 /// Points in images.
