@@ -93,12 +93,13 @@ class Examination {
       count.all += group.size();
       for (int m = 0; m < group.size(); ++m) {
         const auto first = group.blocks.begin() + m * group.arity;
-        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; })) ++count.without_unknowns;
+        if (std::all_of(first, first + group.arity, [](int block) { return block < 0; }))
+          ++count.without_unknowns;
       }
     }
     for (const auto& [name, unused, all] : counts) {
       if (unused == 0) continue;
-      add(Kind::idle_measurements, false,
+      add(Kind::constant_measurements, false,
           std::to_string(unused) + " of " + counted(all, "measurement") + " " + name + " depend" +
               (unused == 1 ? "s" : "") +
               " on fixed variables alone: they count in chi-square and redundancy, but determine nothing",
@@ -116,7 +117,7 @@ class Examination {
         add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)),
             {problem_.variableName(variable)}, static_cast<int>(names.size()));
       } else {
-        add(Kind::idle_component, true,
+        add(Kind::unobserved_component, true,
             "no residual changes with " + listed(names) +
                 ", to first order: add measurements that do or a prior, or fix " +
                 (names.size() == 1 ? "it" : "them"),

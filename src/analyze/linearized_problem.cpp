@@ -140,8 +140,7 @@ LinearSolver& LinearizedProblem::solver() const {
   if (own.careful != nullptr) return *own.careful;
   if (own.exact != nullptr) return *own.exact;
   if (own.content == evaluator_.contentOfSolver()) return evaluator_.solver();
-  LinearSolver& lent = evaluator_.lendSolver();
-  if (!lent.isExact()) {
+  if (!evaluator_.isSolverExact()) {
     auto exact = std::make_unique<BlockSolver>();
     exact->analyze(structure_.system);
     if (exact->isExact()) {
@@ -150,6 +149,7 @@ LinearSolver& LinearizedProblem::solver() const {
       return *own.exact;
     }
   }
+  LinearSolver& lent = evaluator_.lendSolver();
   own.kept.rows.sendTo(lent);
   own.content = evaluator_.contentOfSolver();
   return lent;

@@ -55,6 +55,11 @@ void Evaluator::analyze() {
   analyzed_at_ = structured_at_;
 }
 
+bool Evaluator::isSolverExact() {
+  analyze();
+  return solver_->isExact();
+}
+
 LinearSolver& Evaluator::lendSolver() {
   analyze();
   linearized_at_ = ~std::uint64_t{0};

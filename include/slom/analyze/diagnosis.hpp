@@ -9,16 +9,16 @@ namespace slom {
 
 struct Finding {
   enum class Kind {
-    gauge,                ///< a rigid motion or a scale of everything changes no residual
-    undetermined,         ///< other directions in which variables can move without changing any residual
-    unmeasured_variable,  ///< no measurement depends on it
-    idle_component,       ///< measurements depend on the variable, but not on this component of it
-    weak,                 ///< a direction in which residuals hardly change
-    correlated,           ///< two components that the data hardly distinguish
-    disconnected,         ///< groups of variables that no measurement connects
-    idle_measurements,    ///< all of their variables are fixed
-    badly_scaled,         ///< components whose influence differs by many orders of magnitude
-    implausible_sigma,    ///< the residuals of a group contradict its stated uncertainty
+    gauge,                  ///< a rigid motion or a scale of everything changes no residual
+    undetermined,           ///< other directions in which variables can move without changing any residual
+    unmeasured_variable,    ///< no measurement depends on it
+    unobserved_component,   ///< measurements depend on the variable, but not on this component of it
+    weak,                   ///< a direction in which residuals hardly change
+    correlated,             ///< two components that the data hardly distinguish
+    disconnected,           ///< groups of variables that no measurement connects
+    constant_measurements,  ///< all of their variables are fixed
+    badly_scaled,           ///< components whose influence differs by many orders of magnitude
+    implausible_sigma,      ///< the residuals of a group contradict its stated uncertainty
   };
   Kind kind;
   bool is_fault;  ///< the fit has no unique solution; otherwise a hint

@@ -28,6 +28,8 @@ class Evaluator {
   const ProblemStructure& structure();
   /// The solver, analysed for the structure, for others to fill: its content is lost.
   LinearSolver& lendSolver();
+  /// Whether the solver, analysed for the structure, is exact (LinearSolver::isExact). Its content stays.
+  bool isSolverExact();
   /// Changes whenever the solver gets other numbers.
   std::uint64_t contentOfSolver() const { return content_of_solver_; }
   /// Linearises at the current values unless that has been done; returns the RSS.
