@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "calibration/models/camera.hpp"
 #include "calibration/quality/lens.hpp"
 
