@@ -41,39 +41,80 @@ void OnlineFit::setGraduation(Place place, double graduation) {
   factor_.refactor();
 }
 
-/// Tries it; whether the RSS is lower. The values are those of the trial in any case.
-bool OnlineFit::isBetterWith(Place place, double graduation, const UpdateOptions& options) {
-  const double most = rss() - kBetter * recordOf(place).cost;
-  UpdateOptions roughly = options;
-  roughly.max_steps = kTrialSteps;
-  roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
-  setGraduation(place, graduation);
-  const bool is_stuck = descend(roughly) == End::stuck;
-  const double others = rss() - recordOf(place).cost;
-  setGraduation(place, 1);
-  if (is_stuck || others >= most) return false;  // even where it agrees, the others lose more than it gains
-  return descend(options) == End::near && rss() < most;
+bool OnlineFit::isRefused(Place place) const {
+  const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
+  return loss.evaluate(squaredResidual(place)).first < kRefused;
 }
 
-OnlineFit::End OnlineFit::reconsider(Place place, const UpdateOptions& options, UpdateSummary& summary) {
+/// Whether the call may begin no further step.
+bool OnlineFit::isExhausted(const UpdateOptions& options) const {
+  return flops() >= options.budget || steps_ >= options.max_steps;
+}
+
+/// Tries it. The values are those of the trial in any case.
+OnlineFit::Verdict OnlineFit::tryWith(Place place, double graduation, const UpdateOptions& options) {
+  const double most = rss() - kBetter * recordOf(place).cost;
+  UpdateOptions roughly = options;
+  roughly.max_steps = std::min(options.max_steps, steps_ + kTrialSteps);
+  roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
+  setGraduation(place, graduation);
+  const End end = descend(roughly);
+  const double others = rss() - recordOf(place).cost;
+  setGraduation(place, 1);
+  if (end == End::stuck) return Verdict::worse;
+  if (end != End::near && isExhausted(options)) return Verdict::unknown;
+  if (others >= most) return Verdict::worse;  // even where it agrees, the others lose more than it gains
+  if (isExhausted(options)) return Verdict::unknown;
+  const End last = descend(options);
+  if (last == End::put_off || last == End::max_steps) return Verdict::unknown;
+  return last == End::near && rss() < most ? Verdict::better : Verdict::worse;
+}
+
+/// Tries what waits, the oldest first, as long as the call has operations and steps left. What was tried to the end, is no longer refused or
+/// was removed waits no longer.
+OnlineFit::End OnlineFit::reconsiderAll(const UpdateOptions& options, UpdateSummary& summary) {
+  End end = End::near;
+  std::vector<Trial> left;
+  for (Trial trial : waiting_) {
+    const Place place(trial.pool, problem_.pools()[at(trial.pool)]->indexOf(trial.ref));
+    const double operations = options.budget - flops();
+    const int steps = options.max_steps - steps_;
+    if (end == End::near && !isRefused(place)) continue;
+    if (end != End::near || !(operations > trial.operations) || steps <= trial.steps) {
+      left.push_back(trial);
+      continue;
+    }
+    end = reconsider(trial, place, options, summary);
+    if (trial.is_done) continue;
+    if (flops() >= options.budget) trial.operations = operations;
+    if (steps_ >= options.max_steps) trial.steps = steps;
+    left.push_back(trial);
+  }
+  waiting_ = std::move(left);
+  return end;
+}
+
+/// Tries one, and takes the values back where that is not better.
+OnlineFit::End OnlineFit::reconsider(Trial& trial, Place place, const UpdateOptions& options,
+                                     UpdateSummary& summary) {
   const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
-  const double s = squaredResidual(place);
-  if (loss.evaluate(s).first >= kRefused) return End::near;
-  ++summary.reconsidered;
+  const double graduation = squaredResidual(place) / (kPulling * loss.scale() * loss.scale());
   trial_ = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});
-  bool is_better = false;
+  Verdict verdict = Verdict::unknown;
   try {
-    is_better = isBetterWith(place, s / (kPulling * loss.scale() * loss.scale()), options);
+    verdict = tryWith(place, graduation, options);
   } catch (...) {
     std::exchange(trial_, nullptr)->restore();
     throw;
   }
-  const std::unique_ptr<ValueSnapshot> trial = std::move(trial_);
-  if (is_better) {
-    ++summary.accepted;
+  const std::unique_ptr<ValueSnapshot> before = std::move(trial_);
+  trial.is_done = verdict != Verdict::unknown;
+  if (trial.is_done) ++summary.reconsidered;
+  if (verdict == Verdict::better) {
+    if (!isRefused(place)) ++summary.accepted;
     return End::near;
   }
-  trial->restore();
+  before->restore();
   followMoves();
   factor_.refactor();
   return descend(options);  // the Jacobians are newer than before
