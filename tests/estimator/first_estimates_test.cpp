@@ -107,14 +107,15 @@ class Window {
 /// A robot in the plane that drives around a circle through landmarks.
 class PlanarWindow final : public Window {
  public:
-  explicit PlanarWindow(bool first_estimates) : Window(16, first_estimates) {}
+  explicit PlanarWindow(bool first_estimates, bool starts_free = true)
+      : Window(16, first_estimates), starts_free_(starts_free) {}
 
   void step(int i) override {
     constexpr double turn = 0.1;
     const Pose2 motion({1, 0}, mtk::SO2<>(turn));
     truth_ = i == 0 ? Pose2() : truth_ * motion;
     if (i == 0) {
-      pose_ = est.insertRV(Pose2());
+      pose_ = est.insertRV(Pose2(), starts_free_);
     } else {
       const VarID<Pose2> before = pose_;
       const Pose2 z(motion.pos + Point2(noise(0.05), noise(0.05)), mtk::SO2<>(turn + noise(0.05)));
@@ -134,7 +135,11 @@ class PlanarWindow final : public Window {
     }
   }
 
+  void forget() { lag_.forget(est); }
+  const Pose2& newest() const { return *pose_; }
+
  private:
+  bool starts_free_;
   Pose2 truth_;
   VarID<Pose2> pose_;
   std::vector<std::pair<Point2, VarID<Point2>>> seen_;
@@ -171,18 +176,156 @@ class SpatialWindow final : public Window {
   std::vector<VarID<Pose3>> ids_;
 };
 
+/// Four poses in a loop, the first of which is forgotten, and then the others are moved.
+struct Loop {
+  Estimator est;
+  std::vector<VarID<Pose2>> poses;
+  std::vector<MeasID<GaussianPrior>> priors;
+
+  explicit Loop(bool first_estimates) {
+    for (int i = 0; i < 4; ++i)
+      poses.push_back(est.insertRV(Pose2({std::cos(i), std::sin(2.0 * i)}, mtk::SO2<>(0.5 * i))));
+    const auto relate = [&](std::size_t a, std::size_t b) {
+      est.insertMeasurement(RelativePose(), poses[a], poses[b], measured(Pose2({1, 0.5}, mtk::SO2<>(0.7))),
+                            StandardDeviation(0.1));
+    };
+    for (std::size_t i = 0; i < 4; ++i) relate(i, (i + 1) % 4);
+    relate(1, 3);
+    priors = est.marginalize({poses[0]}, {.first_estimates = first_estimates});
+  }
+  void move() {
+    for (std::size_t i = 1; i < 4; ++i) {
+      if (!poses[i].isValid()) continue;
+      est.reinitRV(poses[i], *poses[i] * Pose2({0.3, 0.1 * double(i)}, mtk::SO2<>(0.4)));
+    }
+  }
+};
+
+TEST(FirstEstimates, AreWhereJacobiansAreTakenAndNotResiduals) {
+  Loop with(true), without(false);
+  const MatrixXd at_first = linearized(with.est).first;
+  EXPECT_EQ(at_first, linearized(without.est).first);
+  const Pose2 first1 = *with.poses[1], first3 = *with.poses[3];
+  with.move();
+  without.move();
+  const auto [J, r] = linearized(with.est);
+  const auto [J_now, r_now] = linearized(without.est);
+  EXPECT_EQ(r, r_now);
+  EXPECT_EQ(with.est.getRSS(), without.est.getRSS());
+  EXPECT_GT((J - J_now).norm(), 0.1 * J.norm());
+  // The other poses of a measurement count where they are now.
+  with.est.reinitRV(with.poses[1], first1);
+  with.est.reinitRV(with.poses[3], first3);
+  EXPECT_EQ(J, linearized(with.est).first);
+  EXPECT_NE(J, at_first);
+}
+
+TEST(FirstEstimates, GoWithTheLastPriorOfAVariable) {
+  Loop with(true), without(false);
+  const FirstEstimates& first = with.est.table().firstEstimates();
+  EXPECT_TRUE(without.est.table().firstEstimates().isEmpty());
+  const std::vector<MeasID<GaussianPrior>> more =
+      with.est.marginalize({with.poses[2]}, {.first_estimates = true});
+  without.est.marginalize({without.poses[2]});
+  with.move();
+  for (const auto& id : with.priors) with.est.removeMeasurement(id);
+  EXPECT_FALSE(first.isEmpty());  // the other prior is over the same poses
+  const MatrixXd J = linearized(with.est).first;
+  const Pose2 at = *with.poses[1];
+  with.est.reinitRV(with.poses[1], at * Pose2({1, 1}, mtk::SO2<>(1)));
+  EXPECT_EQ(linearized(with.est).first, J);
+  with.est.reinitRV(with.poses[1], at);
+  for (const auto& id : more) with.est.removeMeasurement(id);
+  EXPECT_TRUE(first.isEmpty());
+  without.move();
+  const auto [J_plain, r_plain] = linearized(without.est);
+  const MatrixXd J_left = linearized(with.est).first;  // one measurement is left, the first one of both
+  EXPECT_EQ(J_left, J_plain.topRows(J_left.rows()));
+}
+
+/// A prior that is made later of measurements with first estimates is linearised there, too.
+TEST(FirstEstimates, AreThoseOfLaterPriors) {
+  Loop loop(true);
+  loop.move();
+  const auto [J, r] = linearized(loop.est);
+  const MatrixXd H = J.transpose() * J;
+  const VectorXd g = J.transpose() * r;
+  // The Schur complement of pose 2 in what it was measured with, over poses 1 and 3. Columns are those of poses 1 to 3.
+  const auto blockOf = [&](int a, int b) { return H.block<3, 3>(3 * (a - 1), 3 * (b - 1)); };
+  const std::vector<MeasID<GaussianPrior>> priors = loop.est.marginalize({loop.poses[2]});
+  const auto [J_left, r_left] = linearized(loop.est);
+  const MatrixXd H_left = J_left.transpose() * J_left;
+  const VectorXd g_left = J_left.transpose() * r_left;
+  const Eigen::Matrix3d inverse = blockOf(2, 2).inverse();
+  ASSERT_EQ(H_left.rows(), 6);
+  for (const int a : {1, 3}) {
+    const int row = a == 1 ? 0 : 3;
+    for (const int b : {1, 3}) {
+      EXPECT_LT(
+          (H_left.block<3, 3>(row, b == 1 ? 0 : 3) - blockOf(a, b) + blockOf(a, 2) * inverse * blockOf(2, b))
+              .norm(),
+          1e-10 * H.norm());
+    }
+    EXPECT_LT((g_left.segment<3>(row) - g.segment<3>(3 * (a - 1)) + blockOf(a, 2) * inverse * g.segment<3>(3))
+                  .norm(),
+              1e-10 * g.norm());
+  }
+}
+
+/// Both fits end where J^T r = 0 for the Jacobians that the window has.
+TEST(FirstEstimates, FitsOfAWindowConverge) {
+  PlanarWindow batch(true, false), online(true, false), plain(false, false);
+  batch.est.changeAlgorithm(GaussNewton());
+  std::vector<int> by_optimize, by_optimize_without;  // the steps at which optimize() took over
+  for (int i = 0; i < 200; ++i) {
+    for (PlanarWindow* window : {&batch, &online, &plain}) window->step(i);
+    if (i > 0) {
+      const Summary fit = batch.est.optimize();
+      EXPECT_TRUE(fit.converged) << i << ": " << fit.message;
+    }
+    const UpdateSummary update = online.est.update();
+    EXPECT_TRUE(update.converged) << i << ": " << update.message;
+    if (update.used_optimize) by_optimize.push_back(i);
+    if (plain.est.update().used_optimize) by_optimize_without.push_back(i);
+    const auto [J, r] = linearized(batch.est);
+    const VectorXd g = J.transpose() * r;
+    EXPECT_LT(g.cwiseQuotient(J.colwise().norm().transpose().cwiseMax(1e-300)).norm(), 0.03) << i;
+    EXPECT_LT((batch.newest().pos - online.newest().pos).norm(), 3e-3) << i;
+    for (PlanarWindow* window : {&batch, &online, &plain}) window->forget();
+  }
+  EXPECT_LE(by_optimize.size(), by_optimize_without.size() + 2)
+      << ::testing::PrintToString(by_optimize) << ::testing::PrintToString(by_optimize_without);
+}
+
+/// As docs/online.md shows it.
+TEST(FirstEstimates, AreAnOptionOfAWindow) {
+  FixedLag window({.variables = 16, .first_estimates = true});
+  PlanarWindow steps(true);
+  EXPECT_EQ(window.forget(steps.est), 0);
+}
+
+TEST(FirstEstimates, DiagnosesSeeTheGaugeOfAWindow) {
+  PlanarWindow window(true);
+  EXPECT_EQ(window.run(60, 1), std::pair(3, 3));
+  const Diagnosis diagnosis = window.est.diagnose();
+  EXPECT_EQ(diagnosis.rank, diagnosis.unknowns - 3);
+  ASSERT_FALSE(diagnosis.findings.empty());
+  EXPECT_EQ(diagnosis.findings[0].kind, Finding::Kind::gauge) << diagnosis;
+  EXPECT_EQ(diagnosis.findings[0].dimension, 3);
+}
+
 TEST(FirstEstimates, AWindowInThePlaneKeepsThreeFreeDirections) {
-  EXPECT_EQ(PlanarWindow(true).run(1000, 10), std::pair(3, 3));
+  EXPECT_EQ(PlanarWindow(true).run(1000, 25), std::pair(3, 3));
   EXPECT_EQ(PlanarWindow(false).run(100, 1).first, 2);  // the heading is claimed to be known
 }
 
 TEST(FirstEstimates, AWindowOfPosesInSpaceKeepsSixFreeDirections) {
-  EXPECT_EQ(SpatialWindow(false, true).run(1000, 10), std::pair(6, 6));
+  EXPECT_EQ(SpatialWindow(false, true).run(1000, 25), std::pair(6, 6));
   EXPECT_EQ(SpatialWindow(false, false).run(100, 1).first, 3);
 }
 
 TEST(FirstEstimates, AWindowThatSeesGravityKeepsFourFreeDirections) {
-  EXPECT_EQ(SpatialWindow(true, true).run(1000, 10), std::pair(4, 4));
+  EXPECT_EQ(SpatialWindow(true, true).run(1000, 25), std::pair(4, 4));
   EXPECT_EQ(SpatialWindow(true, false).run(100, 1).first, 3);
 }
 
