@@ -274,14 +274,16 @@ TEST(FirstEstimates, AreThoseOfLaterPriors) {
 
 /// Both fits end where J^T r = 0 for the Jacobians that the window has.
 TEST(FirstEstimates, FitsOfAWindowConverge) {
-  PlanarWindow batch(true, false), online(true, false), plain(false, false);
+  PlanarWindow batch(true, false), online(true, false), plain(false, false), damped(true);
   batch.est.changeAlgorithm(GaussNewton());
   std::vector<int> by_optimize, by_optimize_without;  // the steps at which optimize() took over
   for (int i = 0; i < 200; ++i) {
-    for (PlanarWindow* window : {&batch, &online, &plain}) window->step(i);
+    for (PlanarWindow* window : {&batch, &online, &plain, &damped}) window->step(i);
     if (i > 0) {
       const Summary fit = batch.est.optimize();
       EXPECT_TRUE(fit.converged) << i << ": " << fit.message;
+      const Summary damped_fit = damped.est.optimize();  // nothing is fixed
+      EXPECT_TRUE(damped_fit.converged) << i << ": " << damped_fit.message;
     }
     const UpdateSummary update = online.est.update();
     EXPECT_TRUE(update.converged) << i << ": " << update.message;
@@ -291,7 +293,7 @@ TEST(FirstEstimates, FitsOfAWindowConverge) {
     const VectorXd g = J.transpose() * r;
     EXPECT_LT(g.cwiseQuotient(J.colwise().norm().transpose().cwiseMax(1e-300)).norm(), 0.03) << i;
     EXPECT_LT((batch.newest().pos - online.newest().pos).norm(), 3e-3) << i;
-    for (PlanarWindow* window : {&batch, &online, &plain}) window->forget();
+    for (PlanarWindow* window : {&batch, &online, &plain, &damped}) window->forget();
   }
   EXPECT_LE(by_optimize.size(), by_optimize_without.size() + 2)
       << ::testing::PrintToString(by_optimize) << ::testing::PrintToString(by_optimize_without);
