@@ -17,15 +17,15 @@ struct Check {
 };
 
 struct Replay {
-  std::string method;
-  std::vector<double>
-      seconds;  ///< of each fit with the insertion before it; of a method that does not fit at each pose, of those
-  double at_closures = 0;                  ///< the longest of those where a loop closed [s]
-  double rss = 0;                          ///< at the end
-  int by_optimize = 0;                     ///< calls that optimize() took over
-  std::vector<double> covariance_seconds;  ///< of the newest pose, after each fit
-  double read_newest = 0, read_all = 0;    ///< time of reading values, once after each fit, in all [s]
-  std::vector<Check> checks;
+  std::string method = {};
+  /// Of each fit, with the insertion before it; of a method that does not fit at each pose, of those where it does.
+  std::vector<double> seconds = {};
+  double at_closures = 0;                       ///< the longest of those where a loop closed [s]
+  double rss = 0;                               ///< at the end
+  int by_optimize = 0;                          ///< calls that optimize() took over
+  std::vector<double> covariance_seconds = {};  ///< of the newest pose, after each fit
+  double read_newest = 0, read_all = 0;         ///< time of reading values, once after each fit, in all [s]
+  std::vector<Check> checks = {};
 
   double total() const;
   /// The time that this share of the fits does not exceed [s].

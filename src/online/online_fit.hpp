@@ -42,11 +42,14 @@ class OnlineFit {
     std::uint64_t visited = 0;
     bool is_new = false;  // its loss has not been looked at
   };
-  /// A measurement that was refused or was not looked at yet. It is tried where a call has more left than was too little before.
+  /// A measurement that was refused or was not looked at yet. A trial that a call has ended goes on at its values in a later one or, where
+  /// these no longer hold, begins again in one that has more left for it.
   struct Trial {
     int pool;
     SlotRef ref;
-    double operations = 0;
+    std::unique_ptr<ValueSnapshot> values = nullptr;  // where it goes on
+    bool is_graduated = true;                         // its loss, there
+    double operations = 0;                            // what the call that ended it had left
     int steps = 0;
     bool is_done = false;
   };
@@ -64,7 +67,9 @@ class OnlineFit {
   End descend(const UpdateOptions& options);
   End reconsiderAll(const UpdateOptions& options, UpdateSummary& summary);
   End reconsider(Trial& trial, Place place, const UpdateOptions& options, UpdateSummary& summary);
-  Verdict tryWith(Place place, double graduation, const UpdateOptions& options);
+  Verdict tryIt(Trial& trial, Place place, const UpdateOptions& options);
+  bool mayBegin(const Trial& trial, double operations, int steps) const;
+  void forgetTrialValues(bool all);
   bool isRefused(Place place) const;
   bool isExhausted(const UpdateOptions& options) const;
   void setGraduation(Place place, double graduation);

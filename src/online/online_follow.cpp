@@ -25,10 +25,12 @@ void OnlineFit::follow(bool remembers_new) {
         pending_.emplace_back(change.pool, change.index);  // where the last one is not yet an element
       } else {
         touched_variables_.push_back(change.index);
+        if (change.kind != Change::Kind::variable_inserted) forgetTrialValues(true);
       }
     }
   }
   structure_revision_ = problem_.structureRevision();
+  forgetTrialValues(!changes);
   followVariables();
   followMoves();
   for (const Place& place : pending_) {

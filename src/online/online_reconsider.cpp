@@ -51,58 +51,79 @@ bool OnlineFit::isExhausted(const UpdateOptions& options) const {
   return flops() >= options.budget || steps_ >= options.max_steps;
 }
 
-/// Tries it. The values are those of the trial in any case.
-OnlineFit::Verdict OnlineFit::tryWith(Place place, double graduation, const UpdateOptions& options) {
+/// Drops the values of trials that were ended: all, or those of trials with variables that somebody else has moved since.
+void OnlineFit::forgetTrialValues(bool all) {
+  const auto moves = problem_.movedSince(value_revision_);
+  for (Trial& trial : waiting_) {
+    if (trial.values == nullptr) continue;
+    const auto isGone = [&](int v) { return v == Problem::kAll || trial.values->keeps(v); };
+    if (all || !moves || std::any_of(moves->begin(), moves->end(), isGone)) trial.values.reset();
+  }
+}
+
+bool OnlineFit::mayBegin(const Trial& trial, double operations, int steps) const {
+  if (trial.values != nullptr) return operations > 0 && steps > 0;
+  return operations > trial.operations && steps > trial.steps;
+}
+
+/// Tries it, or goes on with it. The values are those of the trial in any case.
+OnlineFit::Verdict OnlineFit::tryIt(Trial& trial, Place place, const UpdateOptions& options) {
+  const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
+  const double graduation = squaredResidual(place) / (kPulling * loss.scale() * loss.scale());
   const double most = rss() - kBetter * recordOf(place).cost;
-  UpdateOptions roughly = options;
-  roughly.max_steps = std::min(options.max_steps, steps_ + kTrialSteps);
-  roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
-  setGraduation(place, graduation);
-  const End end = descend(roughly);
-  const double others = rss() - recordOf(place).cost;
-  setGraduation(place, 1);
-  if (end == End::stuck) return Verdict::worse;
-  if (end != End::near && isExhausted(options)) return Verdict::unknown;
-  if (others >= most) return Verdict::worse;  // even where it agrees, the others lose more than it gains
-  if (isExhausted(options)) return Verdict::unknown;
-  const End last = descend(options);
-  if (last == End::put_off || last == End::max_steps) return Verdict::unknown;
-  return last == End::near && rss() < most ? Verdict::better : Verdict::worse;
+  if (trial.values != nullptr) {
+    for (const int v : trial.values->kept()) trial_->keep(v);
+    trial.values->restore();
+    followMoves();
+    factor_.refactor();
+  } else {
+    trial.is_graduated = true;
+  }
+  if (trial.is_graduated) {
+    UpdateOptions roughly = options;
+    roughly.max_steps = std::min(options.max_steps, steps_ + kTrialSteps);
+    roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
+    setGraduation(place, graduation);
+    const End end = descend(roughly);
+    const double others = rss() - recordOf(place).cost;
+    setGraduation(place, 1);
+    if (end == End::stuck) return Verdict::worse;
+    if (end != End::near && isExhausted(options)) return Verdict::unknown;
+    trial.is_graduated = false;
+    if (others >= most) return Verdict::worse;  // even where it agrees, the others lose more than it gains
+    if (isExhausted(options)) return Verdict::unknown;
+  }
+  const End end = descend(options);
+  if (end == End::put_off || end == End::max_steps) return Verdict::unknown;
+  return end == End::near && rss() < most ? Verdict::better : Verdict::worse;
 }
 
 /// Tries what waits, the oldest first, as long as the call has operations and steps left. What was tried to the end, is no longer refused or
 /// was removed waits no longer.
 OnlineFit::End OnlineFit::reconsiderAll(const UpdateOptions& options, UpdateSummary& summary) {
   End end = End::near;
-  std::vector<Trial> left;
-  for (Trial trial : waiting_) {
+  for (Trial& trial : waiting_) {
     const Place place(trial.pool, problem_.pools()[at(trial.pool)]->indexOf(trial.ref));
     const double operations = options.budget - flops();
     const int steps = options.max_steps - steps_;
-    if (end == End::near && !isRefused(place)) continue;
-    if (end != End::near || !(operations > trial.operations) || steps <= trial.steps) {
-      left.push_back(trial);
-      continue;
-    }
+    if (end != End::near) break;
+    trial.is_done = !isRefused(place);
+    if (trial.is_done || !mayBegin(trial, operations, steps)) continue;
     end = reconsider(trial, place, options, summary);
-    if (trial.is_done) continue;
     if (flops() >= options.budget) trial.operations = operations;
     if (steps_ >= options.max_steps) trial.steps = steps;
-    left.push_back(trial);
   }
-  waiting_ = std::move(left);
+  std::erase_if(waiting_, [](const Trial& trial) { return trial.is_done; });
   return end;
 }
 
 /// Tries one, and takes the values back where that is not better.
 OnlineFit::End OnlineFit::reconsider(Trial& trial, Place place, const UpdateOptions& options,
                                      UpdateSummary& summary) {
-  const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
-  const double graduation = squaredResidual(place) / (kPulling * loss.scale() * loss.scale());
   trial_ = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});
   Verdict verdict = Verdict::unknown;
   try {
-    verdict = tryWith(place, graduation, options);
+    verdict = tryIt(trial, place, options);
   } catch (...) {
     std::exchange(trial_, nullptr)->restore();
     throw;
@@ -114,6 +135,7 @@ OnlineFit::End OnlineFit::reconsider(Trial& trial, Place place, const UpdateOpti
     if (!isRefused(place)) ++summary.accepted;
     return End::near;
   }
+  trial.values = trial.is_done ? nullptr : before->takeAgain();
   before->restore();
   followMoves();
   factor_.refactor();

@@ -56,7 +56,7 @@ double operationsOfTrial(int steps) {
   return drift.est.update({.reconsider = true}).flops;
 }
 
-TEST(OnlineReconsider, ATrialThatTheBudgetEndsWaitsForACallThatHasMoreLeft) {
+TEST(OnlineReconsider, ATrialThatTheBudgetEndsIsTakenBackAndWaits) {
   constexpr int n = 30;
   Drift drift(n);
   const Closure closure = drift.close(n);
@@ -70,14 +70,6 @@ TEST(OnlineReconsider, ATrialThatTheBudgetEndsWaitsForACallThatHasMoreLeft) {
   EXPECT_LT(drift.est.weight(closure), 0.01);
   EXPECT_NEAR(drift.poses.back()->pos.y(), 0.03 * n, 0.01);  // taken back
 
-  drift.est.update({.budget = budget, .reconsider = true});  // has all of the budget for the trial
-  const std::vector<Point> before = drift.positions();
-  for (int i = 0; i < 3; ++i) {  // it is not begun again in vain
-    const UpdateSummary same = drift.est.update({.budget = budget, .reconsider = true});
-    EXPECT_EQ(same.flops, 0);
-    EXPECT_EQ(same.waiting, 1);
-  }
-  EXPECT_EQ(drift.positions(), before);
   EXPECT_EQ(drift.est.update().waiting, 1);  // which tries nothing
 
   const UpdateSummary all = drift.est.update({.reconsider = true});
@@ -88,10 +80,42 @@ TEST(OnlineReconsider, ATrialThatTheBudgetEndsWaitsForACallThatHasMoreLeft) {
   EXPECT_NEAR(drift.poses.back()->pos.y(), 0, 0.1);
 }
 
+/// A trial goes on where the last call ended it.
+TEST(OnlineReconsider, ATrialTakesSeveralCallsWithASmallBudget) {
+  constexpr int n = 30;
+  Drift drift(n);
+  const Closure closure = drift.close(n);
+  const double budget = operationsOfTrial(n) / 6;
+  const std::vector<Point> before = drift.positions();
+  int calls = 0;
+  UpdateSummary update;
+  for (update.waiting = 1; update.waiting > 0 && calls < 50; ++calls) {
+    update = drift.est.update({.budget = budget, .reconsider = true});
+    EXPECT_TRUE(update.waiting == 0 || drift.positions() == before);
+  }
+  EXPECT_GT(calls, 1);
+  EXPECT_LT(calls, 50);
+  EXPECT_EQ(update.accepted, 1);
+  EXPECT_GT(drift.est.weight(closure), 0.5);
+}
+
+TEST(OnlineReconsider, ATrialBeginsAgainWhereVariablesWereMovedMeanwhile) {
+  constexpr int n = 30;
+  Drift drift(n);
+  const Closure closure = drift.close(n);
+  const double budget = operationsOfTrial(n) / 6;
+  for (int i = 0; i < 20; ++i) {
+    drift.est.reinitRV(drift.poses[5], *drift.poses[5] * Pose({0.001, 0}, mtk::SO2<>(0)));
+    EXPECT_EQ(drift.est.update({.budget = budget, .reconsider = true}).waiting, 1);
+  }
+  EXPECT_EQ(drift.est.update({.reconsider = true}).accepted, 1);
+  EXPECT_GT(drift.est.weight(closure), 0.5);
+}
+
 /// The map of calls with a budget becomes that of calls without.
 TEST(OnlineReconsider, CallsWithABudgetComeToTheSameMap) {
   constexpr int n = 20;
-  const double budget = 2.5 * operationsOfTrial(n);
+  const double budget = operationsOfTrial(n) / 2;
   Drift free(n), bounded(n);
   for (Drift* drift : {&free, &bounded}) {
     drift->close(n);
@@ -123,9 +147,8 @@ TEST(OnlineReconsider, StepsOfTrialsCountAmongTheLargestNumberOfSteps) {
   EXPECT_EQ(cut.steps, 1);
   EXPECT_EQ(cut.waiting, 1);
   EXPECT_EQ(cut.reconsidered, 0);
-  EXPECT_EQ(drift.est.update({.max_steps = 1, .reconsider = true}).steps, 0);
   const UpdateSummary all = drift.est.update({.max_steps = 50, .reconsider = true});
-  EXPECT_GT(all.steps, 1);
+  EXPECT_GE(all.steps, 1);
   EXPECT_EQ(all.accepted, 1);
   EXPECT_GT(drift.est.weight(closure), 0.5);
 }

@@ -21,8 +21,8 @@ struct UpdateOptions {
   /// Whether each new measurement that its loss refuses (with a weight below 0.1) is tried: values that agree with it are looked for, and
   /// kept where the RSS is lower there. Thus false closures of loops that came first do not make the true ones that come later
   /// look wrong. For losses whose weight falls to nothing, as GemanMcClure and Tukey. Takes a few steps for each that is refused. What the
-  /// budget or max_steps leaves no room for waits for later calls, the oldest first; a trial that one of them ends is taken back, and begins
-  /// again in a call that has more left. Nothing is tried where there are bounds, nor of what was there in the first call.
+  /// budget or max_steps leaves no room for waits for later calls, the oldest first; a trial that one of them ends is taken back, and
+  /// goes on there. Nothing is tried where there are bounds, nor of what was there in the first call.
   bool reconsider = false;
 };
 
