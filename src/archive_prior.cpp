@@ -1,6 +1,8 @@
-/// GaussianPriors in an archive: the linearisation points of all variables, the number of rows, R row by row, b.
+/// GaussianPriors in an archive: the linearisation points of all variables, the number of rows, R row by row, b, and `first_estimates` where
+/// the prior has them.
 #include <istream>
 #include <ostream>
+#include <string>
 #include <vector>
 
 #include "base/index.hpp"
@@ -24,6 +26,16 @@ struct Points {
   }
 };
 
+constexpr const char* kFirstEstimates = "first_estimates";
+
+/// Reads the word, where there is one; false for another word.
+bool readFirstEstimates(std::istream& is, bool& has_first_estimates) {
+  std::string word;
+  has_first_estimates = static_cast<bool>(is >> word);
+  if (!has_first_estimates) is.clear();
+  return !has_first_estimates || word == kFirstEstimates;
+}
+
 /// Appends `count` numbers; false when the stream has fewer.
 bool readNumbers(std::istream& is, long count, std::vector<double>& numbers) {
   for (double x = 0; count > 0 && is >> x; --count) numbers.push_back(x);
@@ -45,6 +57,7 @@ void StoredPrior::write(std::ostream& os, const detail::StoredArguments& argumen
     for (Eigen::Index column = 0; column < R.cols(); ++column) os << R(row, column) << ' ';
   }
   for (Eigen::Index row = 0; row < R.rows(); ++row) os << prior.b()[row] << ' ';
+  if (prior.hasFirstEstimates()) os << kFirstEstimates << ' ';
 }
 
 bool StoredPrior::read(std::istream& is, Problem* problem, const detail::StoredArguments& arguments,
@@ -55,8 +68,10 @@ bool StoredPrior::read(std::istream& is, Problem* problem, const detail::StoredA
   }
   long rows = 0;
   std::vector<double> by_rows, b;
+  bool has_first_estimates = false;
   if (!(is >> rows) || rows < 0 || rows > detail::kLargestSize / std::max(1, points.dof) ||
-      !readNumbers(is, rows * points.dof, by_rows) || !readNumbers(is, rows, b))
+      !readNumbers(is, rows * points.dof, by_rows) || !readNumbers(is, rows, b) ||
+      !readFirstEstimates(is, has_first_estimates))
     return false;
   if (problem == nullptr) return true;
   using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -65,6 +80,7 @@ bool StoredPrior::read(std::istream& is, Problem* problem, const detail::StoredA
   for (int k = 0; k < arguments.count; ++k) ids.emplace_back(arguments.handles[k]);
   GaussianPrior prior(std::move(ids), R.data(), {R.rows(), R.cols()}, b.data(), rows);
   for (int k = 0; k < arguments.count; ++k) prior.setPoint(k, points.values[at(k)].get());
+  prior.withFirstEstimates(has_first_estimates);
   problem->insertMeasurement(std::move(prior), options.noise, options.label, options.loss);
   return true;
 }

@@ -10,6 +10,28 @@
 
 namespace slom {
 
+/// Priors that are linearised where their rows were.
+class MarginalPrior {
+ public:
+  /// The rows R d + b are those at the linearisation points x0 of their variables x, and d = 0 at the current values: as a function of x they
+  /// are R (x [-] x0) + b', with b' = b - R (x_now [-] x0).
+  static GaussianPrior of(const Problem& problem, const InformationFactor& factor) {
+    std::vector<AnyVarID> left;
+    Eigen::VectorXd moved(factor.R.cols());
+    double* next = moved.data();
+    for (const int v : factor.variables) {
+      left.emplace_back(problem.handleOf(v));
+      const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
+      record.store->boxminus(next, record.store->valueAt(record.slot), problem.linearizationPoint(v));
+      next += record.dof;
+    }
+    GaussianPrior prior(std::move(left), factor.R, factor.b - factor.R * moved);
+    int k = 0;
+    for (const int v : factor.variables) prior.setPoint(k++, problem.linearizationPoint(v));
+    return prior;
+  }
+};
+
 namespace {
 /// Places in the problem's table, ascending, each once.
 std::vector<int> indicesOf(const Problem& problem, const std::vector<AnyVarID>& ids) {
@@ -25,11 +47,8 @@ std::vector<GaussianPrior> priorsOf(const Problem& problem, Linearizer& lineariz
                                     const std::vector<MeasurementIndex>& measurements,
                                     const std::vector<int>& variables) {
   std::vector<GaussianPrior> priors;
-  for (const InformationFactor& factor : marginalInformation(problem, linearizer, measurements, variables)) {
-    std::vector<AnyVarID> left;
-    for (const int v : factor.variables) left.emplace_back(problem.handleOf(v));
-    priors.emplace_back(std::move(left), factor.R, factor.b);
-  }
+  for (const InformationFactor& factor : marginalInformation(problem, linearizer, measurements, variables))
+    priors.push_back(MarginalPrior::of(problem, factor));
   return priors;
 }
 
@@ -56,12 +75,15 @@ void removeEliminated(Problem& problem, const std::vector<MeasurementIndex>& mea
 }
 }  // namespace
 
-std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyVarID>& ids) {
+std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyVarID>& ids,
+                                                          const MarginalizeOptions& options) {
   Problem& all = problem();
   const std::vector<int> variables = indicesOf(all, ids);
   const std::vector<MeasurementIndex> measurements = measurementsOf(all, variables);
-  std::vector<MeasID<GaussianPrior>> priors = insertAll(
-      *this, state_->run([&] { return priorsOf(all, state_->linearizer, measurements, variables); }));
+  std::vector<GaussianPrior> left =
+      state_->run([&] { return priorsOf(all, state_->linearizer, measurements, variables); });
+  for (GaussianPrior& prior : left) prior.withFirstEstimates(options.first_estimates);
+  std::vector<MeasID<GaussianPrior>> priors = insertAll(*this, std::move(left));
   removeEliminated(all, measurements, variables);
   return priors;
 }

@@ -12,7 +12,12 @@ namespace slom {
 namespace {
 std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options) {
   const std::string left = "a further step promises a decrease of the RSS by " + number(summary.promise, 3);
-  if (summary.converged) return left + ", within the tolerance";
+  if (summary.converged) {
+    return left + ", within the tolerance" +
+           (summary.waiting > 0 ? "; " + counted(summary.waiting, "refused measurement") +
+                                      (summary.waiting > 1 ? " wait" : " waits") + " for a trial"
+                                : "");
+  }
   if (summary.needs_optimize) {
     return "a step led uphill, or far away, where optimize() takes over if there is no budget; call it when "
            "there is time";
@@ -31,6 +36,10 @@ std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary) {
      << counted(summary.variables_moved, "move") << ", "
      << counted(summary.measurements_linearized, "linearisation") << ", "
      << counted(summary.fronts_factorized, "front") << (summary.reordered ? ", ordered anew" : "") << "\n";
+  if (summary.reconsidered > 0 || summary.waiting > 0) {
+    os << counted(summary.reconsidered, "refused measurement") << " tried, " << summary.accepted
+       << " accepted, " << summary.waiting << " waiting\n";
+  }
   if (!summary.undetermined.empty()) {
     os << "not determined by measurements:";
     for (const std::string& name : summary.undetermined) os << ' ' << name;
@@ -62,7 +71,7 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
   }
   if (options.max_steps < 1) {
     throw Error("slom.bad-option",
-                "max_steps is " + std::to_string(options.max_steps) + "; pass a positive number",
+                "max_steps is " + std::to_string(options.max_steps) + "; pass a positive number, such as 100",
                 "max_steps");
   }
   if (!(options.budget > 0)) {

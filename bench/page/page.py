@@ -1,5 +1,5 @@
 """docs/benchmarks.md from bench/results.json."""
-from . import facts, goals, growth, tables
+from . import facts, goals, growth, online, tables
 from .tables import digits
 
 HEAD = """# Benchmarks
@@ -95,4 +95,6 @@ def write_page(results, picture):
     if results.get("linearize"):
         parts += ["## A residual with its Jacobian", "What [bench_linearize](../bench/README.md) measures, on one thread.",
                   tables.linearization(results["linearize"])]
+    if results.get("online"):
+        parts += ["## Fits that follow their data", online.section(results["online"])]
     return "\n\n".join(part.strip() for part in parts if part) + "\n"

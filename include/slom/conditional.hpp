@@ -1,9 +1,9 @@
 /// What the measurements of some variables say about the others: the Schur complement of a chosen set, for joining maps and for submaps.
 ///
 ///     for (const slom::GaussianPrior& prior : slom::conditional(submap, inner_poses)) {
-///       std::vector<slom::AnyVarID> shared;                 // the same variables in the joined map
-///       for (const slom::AnyVarID& id : prior.variables()) shared.push_back(counterpart[id]);
-///       joined.insertMeasurement(slom::GaussianPrior(shared, prior.R(), prior.b()));
+///       std::vector<slom::AnyVarID> same;  // of the joined map
+///       for (const slom::AnyVarID& id : prior.variables()) same.push_back(counterpartOf(id));
+///       joined.insertMeasurement(prior.over(same));
 ///     }
 #pragma once
 

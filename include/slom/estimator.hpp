@@ -70,6 +70,13 @@ using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValu
 
 }  // namespace detail
 
+/// What Estimator::marginalize leaves.
+struct MarginalizeOptions {
+  /// Whether the priors keep the linearisation points of their variables for all measurements of them: first-estimate Jacobians, so that
+  /// motions that no measurement sees stay free (docs/online.md, windows).
+  bool first_estimates = false;
+};
+
 class Estimator {
  public:
   Estimator();
@@ -239,8 +246,11 @@ class Estimator {
   /// Losses enter by their weights at the current values, fixed variables and components as known. The RSS falls by what no value
   /// of the remaining variables could explain, and the number of residuals by those that it consisted of. Throws
   /// [slom.stale-handle], [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw], with nothing changed.
+  /// With first estimates the Jacobians of all measurements of the remaining variables are from then on those at the values that these
+  /// have now, as long as a prior that this leaves depends on them.
   ///   source   Sibley, Matthies, Sukhatme, "Sliding window filter with application to planetary landing", 2010
-  std::vector<MeasID<GaussianPrior>> marginalize(const std::vector<AnyVarID>& ids);
+  std::vector<MeasID<GaussianPrior>> marginalize(const std::vector<AnyVarID>& ids,
+                                                 const MarginalizeOptions& options = {});
 
   // Optimisation.
 

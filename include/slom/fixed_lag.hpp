@@ -28,6 +28,8 @@ struct FixedLagOptions {
   int variables = std::numeric_limits<int>::max();  ///< the most that stay
   double duration = std::numeric_limits<
       double>::infinity();  ///< how much older than the newest one they may be, in units of their times
+  /// Whether the priors of what leaves keep the linearisation points of their variables (MarginalizeOptions::first_estimates).
+  bool first_estimates = false;
 };
 
 class FixedLag {
@@ -82,7 +84,7 @@ class FixedLag {
     if (gone == 0) return 0;
     std::vector<AnyVarID> ids;
     for (std::size_t i = 0; i < gone; ++i) ids.push_back(entries_[i].id);
-    est.marginalize(ids);
+    est.marginalize(ids, {.first_estimates = options_.first_estimates});
     entries_.erase(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(gone));
     return static_cast<int>(gone);
   }

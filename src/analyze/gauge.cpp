@@ -61,7 +61,7 @@ MatrixXd gaugeGeneratorsOf(const Problem& problem, const Part& part, const Class
   for (std::size_t i = 0; i < own.variables.size(); ++i) {
     const VariableRecord& record = problem.variables()[at(own.variables[i])];
     MatrixXd motions(record.dof, kGaugeGenerators);
-    record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
+    record.store->gaugeGenerators(problem.linearizationPoint(own.variables[i]), role, motions.data());
     for (int c = 0; c < record.dof; ++c) {
       all.row(row++) = scale[part.unknowns[at(own.first_row[i] + c)]] * motions.row(c);
     }
@@ -96,7 +96,7 @@ MatrixXd rowsElsewhere(const Problem& problem, const Part& part, const MatrixXd&
   for (const int variable : part.variables) {
     const VariableRecord& record = problem.variables()[at(variable)];
     MatrixXd motions(record.dof, kGaugeGenerators);
-    record.store->gaugeGenerators(record.store->valueAt(record.slot), WorldRole::in_world, motions.data());
+    record.store->gaugeGenerators(problem.linearizationPoint(variable), WorldRole::in_world, motions.data());
     for (int c = 0; c < record.dof; ++c) {
       if (motions.row(c).isZero(0)) rows.push_back(row + c);
     }

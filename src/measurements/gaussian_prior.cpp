@@ -26,6 +26,7 @@ struct GaussianPrior::State {
   std::vector<detail::StoredValue> points;
   std::vector<double> R, b;  // R column by column
   int columns = 0;
+  bool has_first_estimates = false;
 
   int rows() const { return static_cast<int>(b.size()); }
   Map<const MatrixXd> matrix() const { return {R.data(), rows(), columns}; }
@@ -114,6 +115,36 @@ void GaussianPrior::setPoint(int k, const void* value) {
                 "linearizedAt");
   }
   replacement.swap(point);
+}
+
+GaussianPrior& GaussianPrior::withFirstEstimates(bool with) {
+  state_->has_first_estimates = with;
+  return *this;
+}
+bool GaussianPrior::hasFirstEstimates() const { return state_->has_first_estimates; }
+const void* GaussianPrior::firstEstimate(int k) const { return hasFirstEstimates() ? point(k) : nullptr; }
+
+GaussianPrior GaussianPrior::over(std::vector<AnyVarID> variables) const {
+  if (variables.size() != at(arity())) {
+    throw Error("slom.prior-size",
+                priorOver(arity(), state_->columns) + " was given " +
+                    counted(static_cast<int>(variables.size()), "other variable") +
+                    "; pass one for each of its variables, in their order",
+                "over");
+  }
+  for (int k = 0; k < arity(); ++k) {
+    const VariableStoreBase &own = state_->points[at(k)].store(), *const other = variables[at(k)].store();
+    if (other != nullptr && typeid(own) != typeid(*other)) {
+      throw Error("slom.wrong-type",
+                  "variable " + std::to_string(k) + " of " + priorOver(arity(), state_->columns) + " is a " +
+                      own.typeName() + ", it was given a " + other->typeName() +
+                      "; pass variables of the same types, in their order",
+                  other->typeName());
+    }
+  }
+  GaussianPrior prior(std::move(variables), R(), b());
+  for (int k = 0; k < arity(); ++k) prior.setPoint(k, point(k));
+  return prior.withFirstEstimates(hasFirstEstimates());
 }
 
 const void* GaussianPrior::point(int k) const { return state_->points[at(k)].get(); }

@@ -19,5 +19,6 @@ RuntimeMeasurement& RuntimeMeasurement::operator=(RuntimeMeasurement&&) noexcept
 RuntimeMeasurement::~RuntimeMeasurement() = default;
 
 int RuntimeMeasurement::linearize(int, double*, double*) const { return -1; }
+const void* RuntimeMeasurement::firstEstimate(int) const { return nullptr; }
 
 }  // namespace slom

@@ -76,10 +76,12 @@ bool OnlineFit::isBelow(double most) {
 
 /// Takes the step, a part of it or more, so that the RSS falls. Where it does not, the values stay, and the factor gets their Jacobians.
 bool OnlineFit::go(double promised) {
-  const double before = rss(), most = before + kNoiseOfRss * before;
+  // With first estimates the gradient is not that of the RSS, which rises by up to what a step promises where that step leads to its root.
+  const bool is_exact = problem_.firstEstimates().isEmpty();
+  const double before = rss(), most = before + (is_exact ? kNoiseOfRss * before : promised);
   moveBy(1);
   if (isBelow(most)) {
-    stretch(before, promised);
+    if (is_exact) stretch(before, promised);
     return true;
   }
   double length = 1;
@@ -121,15 +123,13 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   linearized_ = moved_ = steps_ = 0;
   flops_ = 0;
   factor_.resetWork();
-  fresh_.clear();
-  follow();
+  follow(options.reconsider);
   factor_.refactor();
   End end = descend(options);
-  if (options.reconsider) {
-    for (const Place& place : fresh_) {
-      if (end == End::near) end = reconsider(place, options, summary);
-    }
-  }
+  std::erase_if(waiting_,
+                [&](const Trial& trial) { return !problem_.pools()[at(trial.pool)]->has(trial.ref); });
+  if (options.reconsider && end == End::near) end = reconsiderAll(options, summary);
+  summary.waiting = static_cast<int>(waiting_.size());
   summary.is_put_off = end == End::put_off;
   is_done_everywhere_ = end == End::near;
   fill(summary, end == End::near);
@@ -138,7 +138,7 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   return summary.needs_optimize;
 }
 
-/// Steps until the tolerance is met or they lead nowhere.
+/// Steps until the tolerance is met or they lead nowhere, at most as many as options say and the call has left.
 OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
   double share = kShareOnline;
   // Predicted decrease of all further steps together, relative to that of the next one: above 1 where convergence is slow.
@@ -153,7 +153,7 @@ OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
     const bool is_near = promised * slowness <= kAimedAt * allowed;
     if (is_near) return End::near;
     if (steps > 0 && flops() >= options.budget) return End::put_off;
-    if (steps >= options.max_steps) return End::max_steps;
+    if (steps_ >= options.max_steps) return End::max_steps;
     prepare(factor_.solve(share * allowed, steps > 0 || !is_done_everywhere_));
     if (steps >= kManySteps) {
       for (const Place& place : touched_) roundAgain(recordOf(place));
@@ -177,6 +177,12 @@ OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
 }
 
 void OnlineFit::writeCovariance(int a, int b, double* out) const {
+  if (problem_.activeSet().hasBounds()) {
+    throw Error("slom.not-updated",
+                "covariances of an update were asked for variable " + problem_.variableName(a) +
+                    ", but there are bounds, and update() leaves such fits to optimize(); ask covariance()",
+                problem_.variableName(a));
+  }
   if (!is_at_end_ || structure_revision_ != problem_.structureRevision() ||
       value_revision_ != problem_.valueRevision()) {
     throw Error("slom.not-updated",

@@ -40,6 +40,18 @@ class OnlineFit {
     double graduation = 1;  // of its loss
     double rounding = 0;    // the squared residual that rounding errors of the values make
     std::uint64_t visited = 0;
+    bool is_new = false;  // its loss has not been looked at
+  };
+  /// A measurement that was refused or was not looked at yet. A trial that a call has ended goes on at its values in a later one or, where
+  /// these no longer hold, begins again in one that has more left for it.
+  struct Trial {
+    int pool;
+    SlotRef ref;
+    std::unique_ptr<ValueSnapshot> values = nullptr;  // where it goes on
+    bool is_graduated = true;                         // its loss, there
+    double operations = 0;                            // what the call that ended it had left
+    int steps = 0;
+    bool is_done = false;
   };
   static constexpr long kUnknown = -1;
   static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
@@ -48,17 +60,25 @@ class OnlineFit {
   /// Why steps ended: the tolerance is met, the budget used up, there were as many as may be, or they lead uphill.
   enum class End { near, put_off, max_steps, stuck };
 
+  /// What a trial has shown: the map is better with the measurement, worse, or the call ended before it was known.
+  enum class Verdict { better, worse, unknown };
+
   bool stepToTolerance(const UpdateOptions& options, UpdateSummary& summary);
   End descend(const UpdateOptions& options);
-  End reconsider(Place place, const UpdateOptions& options, UpdateSummary& summary);
-  bool isBetterWith(Place place, double graduation, const UpdateOptions& options);
+  End reconsiderAll(const UpdateOptions& options, UpdateSummary& summary);
+  End reconsider(Trial& trial, Place place, const UpdateOptions& options, UpdateSummary& summary);
+  Verdict tryIt(Trial& trial, Place place, const UpdateOptions& options);
+  bool mayBegin(const Trial& trial, double operations, int steps) const;
+  void forgetTrialValues(bool all);
+  bool isRefused(Place place) const;
+  bool isExhausted(const UpdateOptions& options) const;
   void setGraduation(Place place, double graduation);
   double squaredResidual(Place place) const;
-  void follow();
+  void follow(bool remembers_new);
   void startAgain();
   void followVariables();
   void followMoves();
-  void makeElement(Place place);
+  void makeElement(Place place, bool remembers_new);
   void dropElement(Record& record);
   std::vector<Place> usesOf(int variable) const;
   void touchUsesOf(int variable);
@@ -97,7 +117,7 @@ class OnlineFit {
   std::uint64_t visit_ = 0;
   double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
   double rounding_ = 0;                       // rounding error of the RSS
-  std::vector<Place> fresh_;                  // measurements with losses that the last call found new
+  std::vector<Trial> waiting_;                // for later calls, the oldest first
   std::unique_ptr<ValueSnapshot> trial_;      // what steps move, while they may have to be taken back
   int linearized_ = 0, moved_ = 0, steps_ = 0;
   double flops_ = 0;  // of gradients of measurements

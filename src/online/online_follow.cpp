@@ -7,7 +7,7 @@
 
 namespace slom {
 
-void OnlineFit::follow() {
+void OnlineFit::follow(bool remembers_new) {
   const auto changes = has_started_ ? problem_.changesSince(structure_revision_) : std::nullopt;
   if (!changes) {
     startAgain();
@@ -15,7 +15,7 @@ void OnlineFit::follow() {
     records_.resize(problem_.pools().size());
     for (const Change& change : *changes) {
       if (change.kind == Change::Kind::measurement_inserted) {
-        records_[at(change.pool)].emplace_back();
+        records_[at(change.pool)].emplace_back().is_new = true;
         pending_.emplace_back(change.pool, change.index);
       } else if (change.kind == Change::Kind::measurement_removed) {
         std::vector<Record>& records = records_[at(change.pool)];
@@ -25,19 +25,20 @@ void OnlineFit::follow() {
         pending_.emplace_back(change.pool, change.index);  // where the last one is not yet an element
       } else {
         touched_variables_.push_back(change.index);
+        if (change.kind != Change::Kind::variable_inserted) forgetTrialValues(true);
       }
     }
   }
   structure_revision_ = problem_.structureRevision();
+  forgetTrialValues(!changes);
   followVariables();
   followMoves();
   for (const Place& place : pending_) {
     if (place.second < static_cast<int>(records_[at(place.first)].size()) &&
         recordOf(place).element == kPending)
-      makeElement(place);
+      makeElement(place, remembers_new);
   }
   pending_.clear();
-  if (!changes) fresh_.clear();  // everything is
 }
 
 void OnlineFit::startAgain() {
@@ -130,10 +131,10 @@ void OnlineFit::dropElement(Record& record) {
   addToRss(-record.cost);
   rounding_ -= record.rounding;
   if (record.element >= 0) factor_.removeElement(record.element);
-  record = {};
+  record = {.is_new = record.is_new};
 }
 
-void OnlineFit::makeElement(Place place) {
+void OnlineFit::makeElement(Place place, bool remembers_new) {
   const MeasurementPool& pool = *problem_.pools()[at(place.first)];
   std::vector<int> blocks;
   for (int k = 0; k < pool.arity(); ++k) {
@@ -148,7 +149,9 @@ void OnlineFit::makeElement(Place place) {
   record.is_plain = std::equal(blocks.begin(), blocks.end(), variables, variables + pool.arity());
   linearize(place, 1, 0);
   roundAgain(record);
-  if (record.element >= 0 && pool.lossOf(place.second) != nullptr) fresh_.push_back(place);
+  if (std::exchange(record.is_new, false) && remembers_new && record.element >= 0 &&
+      pool.lossOf(place.second) != nullptr)
+    waiting_.push_back({place.first, pool.handleOf(place.second)});
 }
 
 }  // namespace slom

@@ -41,39 +41,102 @@ void OnlineFit::setGraduation(Place place, double graduation) {
   factor_.refactor();
 }
 
-/// Tries it; whether the RSS is lower. The values are those of the trial in any case.
-bool OnlineFit::isBetterWith(Place place, double graduation, const UpdateOptions& options) {
-  const double most = rss() - kBetter * recordOf(place).cost;
-  UpdateOptions roughly = options;
-  roughly.max_steps = kTrialSteps;
-  roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
-  setGraduation(place, graduation);
-  const bool is_stuck = descend(roughly) == End::stuck;
-  const double others = rss() - recordOf(place).cost;
-  setGraduation(place, 1);
-  if (is_stuck || others >= most) return false;  // even where it agrees, the others lose more than it gains
-  return descend(options) == End::near && rss() < most;
+bool OnlineFit::isRefused(Place place) const {
+  const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
+  return loss.evaluate(squaredResidual(place)).first < kRefused;
 }
 
-OnlineFit::End OnlineFit::reconsider(Place place, const UpdateOptions& options, UpdateSummary& summary) {
+/// Whether the call may begin no further step.
+bool OnlineFit::isExhausted(const UpdateOptions& options) const {
+  return flops() >= options.budget || steps_ >= options.max_steps;
+}
+
+/// Drops the values of trials that were ended: all, or those of trials with variables that somebody else has moved since.
+void OnlineFit::forgetTrialValues(bool all) {
+  const auto moves = problem_.movedSince(value_revision_);
+  for (Trial& trial : waiting_) {
+    if (trial.values == nullptr) continue;
+    const auto isGone = [&](int v) { return v == Problem::kAll || trial.values->keeps(v); };
+    if (all || !moves || std::any_of(moves->begin(), moves->end(), isGone)) trial.values.reset();
+  }
+}
+
+bool OnlineFit::mayBegin(const Trial& trial, double operations, int steps) const {
+  if (trial.values != nullptr) return operations > 0 && steps > 0;
+  return operations > trial.operations && steps > trial.steps;
+}
+
+/// Tries it, or goes on with it. The values are those of the trial in any case.
+OnlineFit::Verdict OnlineFit::tryIt(Trial& trial, Place place, const UpdateOptions& options) {
   const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
-  const double s = squaredResidual(place);
-  if (loss.evaluate(s).first >= kRefused) return End::near;
-  ++summary.reconsidered;
+  const double graduation = squaredResidual(place) / (kPulling * loss.scale() * loss.scale());
+  const double most = rss() - kBetter * recordOf(place).cost;
+  if (trial.values != nullptr) {
+    for (const int v : trial.values->kept()) trial_->keep(v);
+    trial.values->restore();
+    followMoves();
+    factor_.refactor();
+  } else {
+    trial.is_graduated = true;
+  }
+  if (trial.is_graduated) {
+    UpdateOptions roughly = options;
+    roughly.max_steps = std::min(options.max_steps, steps_ + kTrialSteps);
+    roughly.tolerance = std::max(options.tolerance, kTrialTolerance);
+    setGraduation(place, graduation);
+    const End end = descend(roughly);
+    const double others = rss() - recordOf(place).cost;
+    setGraduation(place, 1);
+    if (end == End::stuck) return Verdict::worse;
+    if (end != End::near && isExhausted(options)) return Verdict::unknown;
+    trial.is_graduated = false;
+    if (others >= most) return Verdict::worse;  // even where it agrees, the others lose more than it gains
+    if (isExhausted(options)) return Verdict::unknown;
+  }
+  const End end = descend(options);
+  if (end == End::put_off || end == End::max_steps) return Verdict::unknown;
+  return end == End::near && rss() < most ? Verdict::better : Verdict::worse;
+}
+
+/// Tries what waits, the oldest first, as long as the call has operations and steps left. What was tried to the end, is no longer refused or
+/// was removed waits no longer.
+OnlineFit::End OnlineFit::reconsiderAll(const UpdateOptions& options, UpdateSummary& summary) {
+  End end = End::near;
+  for (Trial& trial : waiting_) {
+    const Place place(trial.pool, problem_.pools()[at(trial.pool)]->indexOf(trial.ref));
+    const double operations = options.budget - flops();
+    const int steps = options.max_steps - steps_;
+    if (end != End::near) break;
+    trial.is_done = !isRefused(place);
+    if (trial.is_done || !mayBegin(trial, operations, steps)) continue;
+    end = reconsider(trial, place, options, summary);
+    if (flops() >= options.budget) trial.operations = operations;
+    if (steps_ >= options.max_steps) trial.steps = steps;
+  }
+  std::erase_if(waiting_, [](const Trial& trial) { return trial.is_done; });
+  return end;
+}
+
+/// Tries one, and takes the values back where that is not better.
+OnlineFit::End OnlineFit::reconsider(Trial& trial, Place place, const UpdateOptions& options,
+                                     UpdateSummary& summary) {
   trial_ = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});
-  bool is_better = false;
+  Verdict verdict = Verdict::unknown;
   try {
-    is_better = isBetterWith(place, s / (kPulling * loss.scale() * loss.scale()), options);
+    verdict = tryIt(trial, place, options);
   } catch (...) {
     std::exchange(trial_, nullptr)->restore();
     throw;
   }
-  const std::unique_ptr<ValueSnapshot> trial = std::move(trial_);
-  if (is_better) {
-    ++summary.accepted;
+  const std::unique_ptr<ValueSnapshot> before = std::move(trial_);
+  trial.is_done = verdict != Verdict::unknown;
+  if (trial.is_done) ++summary.reconsidered;
+  if (verdict == Verdict::better) {
+    if (!isRefused(place)) ++summary.accepted;
     return End::near;
   }
-  trial->restore();
+  trial.values = trial.is_done ? nullptr : before->takeAgain();
+  before->restore();
   followMoves();
   factor_.refactor();
   return descend(options);  // the Jacobians are newer than before

@@ -81,8 +81,11 @@ StepOutcome LevenbergMarquardt::step(Evaluator& evaluator, const Options& option
       const double rss = is_likely ? evaluator.tryLikelyStep(outcome.step) : evaluator.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
-      const bool is_judged =
-          !evaluator.mayBeRounding(decrease) || !evaluator.mayBeRounding(outcome.predicted_decrease);
+      // With first estimates the gradient is not that of the RSS, which rises by up to what a step promises.
+      const bool may_rise = !evaluator.problem().firstEstimates().isEmpty() && decrease <= 0 &&
+                            decrease >= -outcome.predicted_decrease;
+      const bool is_judged = !may_rise && (!evaluator.mayBeRounding(decrease) ||
+                                           !evaluator.mayBeRounding(outcome.predicted_decrease));
       const bool is_noise = !is_judged && std::abs(decrease) <= Evaluator::kNoise * outcome.rss_before;
       const bool is_better =
           (decrease > 0 && !is_noise) ||

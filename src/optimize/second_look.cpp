@@ -18,7 +18,7 @@ bool hasFreeGauge(const Problem& problem, const ProblemStructure& structure, con
       if (structure.system.isEmpty(v)) continue;
       const VariableRecord& record = problem.variables()[at(v)];
       motions.resize(at(record.dof * kGaugeGenerators));
-      record.store->gaugeGenerators(record.store->valueAt(record.slot), role, motions.data());
+      record.store->gaugeGenerators(problem.linearizationPoint(v), role, motions.data());
       moved.middleRows(structure.offsetOf(v), record.dof) =
           Eigen::Map<const MatrixXd>(motions.data(), record.dof, kGaugeGenerators);
     }

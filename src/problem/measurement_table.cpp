@@ -22,6 +22,7 @@ MeasurementPool* Problem::addPool(const MeasurementType& type, std::string_view 
   const std::string name =
       first != nullptr ? first->name() : nameForPool(label.empty() ? type.name() : own_label);
   pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, type, table_, active_)));
+  pools_.back()->setFirstEstimates(first_estimates_);
   pools_.back()->joinGroup(first != nullptr ? first->group() : group_count_++, first);
   return pools_.back().get();
 }
@@ -88,7 +89,10 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertRuntime(RuntimeMeasurement* 
   std::vector<VariableArgument*> arguments;
   for (VariableView& view : measurement->views()) arguments.push_back(&view);
   const MeasurementType type = runtimeType(measurement->kind(), measurement->arity());
-  return insertMeasurement(type, &owned, arguments.data(), noise, label, loss);
+  first_estimates_.makeRoom(table_.size());
+  const auto [pool, ref] = insertMeasurement(type, &owned, arguments.data(), noise, label, loss);
+  takeFirstEstimates(*measurement, pool->variables(pool->size() - 1));
+  return {pool, ref};
 }
 
 void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const {
@@ -133,6 +137,8 @@ std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, Sl
 }
 
 void Problem::removeMeasurement(MeasurementPool& pool, int i) {
+  if (const RuntimeMeasurement* const measurement = pool.runtimeMeasurement(i); measurement != nullptr)
+    dropFirstEstimates(*measurement, pool.variables(i));
   for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
   pool.remove(i);
   --measurement_count_;

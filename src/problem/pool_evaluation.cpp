@@ -1,7 +1,9 @@
 // Residuals and Jacobians of a pool's measurements: calls of the user's functions, whitening, and the search for entries that are not
 // finite.
 #include <cstddef>
+#include <deque>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -20,6 +22,22 @@ bool isFinite(const double* x, std::ptrdiff_t n) {
   for (; i + at_once <= n; i += at_once) sums += Eigen::Map<const Sums>(x + i) * 0.0;
   return sums.sum() + (Eigen::Map<const Eigen::ArrayXd>(x + i, n - i) * 0.0).sum() == 0.0;
 }
+
+/// Points a variable of a measurement to another value for as long as this object lives.
+class AtFirstEstimate {
+ public:
+  AtFirstEstimate(VariableArgument& variable, const void* value)
+      : variable_(variable), original_(variable.pointer()) {
+    variable_.setPointer(value);
+  }
+  AtFirstEstimate(const AtFirstEstimate&) = delete;
+  AtFirstEstimate& operator=(const AtFirstEstimate&) = delete;
+  ~AtFirstEstimate() { variable_.setPointer(original_); }
+
+ private:
+  VariableArgument& variable_;
+  const void* original_;
+};
 
 [[noreturn]] void raiseWrongLength(const std::string& measurement, int expected, int got) {
   throw Error("slom.residual-length",
@@ -51,8 +69,26 @@ int MeasurementPool::evaluate(int first, int last, double* r) {
   return -1;
 }
 
+/// Writes the Jacobians, in the measurements' own units, of those of [first, last) that depend on a variable with a first estimate.
+void MeasurementPool::linearizeAtFirstEstimates(int first, int last, double* J) {
+  std::vector<double> r;
+  for (int i = first; i < last; ++i) {
+    if (first_estimates_->hasAny(variables(i), arity_)) {
+      std::deque<AtFirstEstimate> redirected;
+      for (int k = 0; k < arity_; ++k) {
+        if (const void* const point = first_estimates_->of(variables(i)[k]); point != nullptr)
+          redirected.emplace_back(argument(i, k), point);
+      }
+      r.resize(at(rows(i)));
+      runGuarded(i, i + 1, r.data(), J);
+    }
+    J += static_cast<std::ptrdiff_t>(rows(i)) * columns(i);
+  }
+}
+
 int MeasurementPool::linearize(int first, int last, double* r, double* J) {
   runGuarded(first, last, r, J);
+  if (first_estimates_ != nullptr && !first_estimates_->isEmpty()) linearizeAtFirstEstimates(first, last, J);
   double *const start_r = r, *const start_J = J;
   for (int i = first; i < last; ++i) {
     const int n = rows(i), width = columns(i);

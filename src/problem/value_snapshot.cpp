@@ -32,6 +32,11 @@ ValueSnapshot::ValueSnapshot(Problem& problem, std::initializer_list<int> variab
 void ValueSnapshot::keep(int variable) {
   if (kept_.insert(variable).second) copy(variable);
 }
+std::unique_ptr<ValueSnapshot> ValueSnapshot::takeAgain() const {
+  auto now = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});
+  for (const int v : kept_) now->keep(v);
+  return now;
+}
 void ValueSnapshot::copy(int variable) {
   const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
   if (record.store != nullptr)

@@ -20,6 +20,12 @@ class ValueSnapshot {
   /// The value of a further variable, as it is now; nothing where there is one already.
   void keep(int variable);
   void restore();
+  /// The present values of the variables of this one.
+  std::unique_ptr<ValueSnapshot> takeAgain() const;
+  /// Whether the value of this variable is among those that `keep` has taken.
+  bool keeps(int variable) const { return kept_.count(variable) > 0; }
+  /// The variables whose values `keep` has taken.
+  const std::set<int>& kept() const { return kept_; }
 
  private:
   struct Copy;

@@ -1,12 +1,14 @@
 // The Schur complement of a chosen set: what its measurements say about the others, without a change of the estimator.
 #include "slom/conditional.hpp"
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "slom/slom.hpp"
+#include "support/message_of.hpp"
 
 namespace slom {
 namespace {
@@ -34,6 +36,17 @@ void measure(Estimator& est, const Points& a, const Points& b, unsigned seed) {
   }
 }
 
+/// As docs/online.md shows it.
+template <class F>
+void joinMaps(const Estimator& submap, const std::vector<AnyVarID>& inner, Estimator& joined,
+              const F& counterpartOf) {
+  for (const slom::GaussianPrior& prior : slom::conditional(submap, inner)) {
+    std::vector<slom::AnyVarID> same;
+    for (const slom::AnyVarID& id : prior.variables()) same.push_back(counterpartOf(id));
+    joined.insertMeasurement(prior.over(same));
+  }
+}
+
 /// What a submap says about the three points that it shares with a map, inserted there, makes the map that of all measurements.
 TEST(Conditional, JoinsMaps) {
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -44,6 +57,8 @@ TEST(Conditional, JoinsMaps) {
     const Points shared = insertPoints(map, 3), outer = insertPoints(map, 6);
     measure(map, outer, shared, seed + 2);
     map.prior(shared[0], Point(1, 2), 0.1);
+    for (const auto& p : shared)
+      map.reinitRV(p, *p + Point(3, -2));  // the priors say where they were linearised
     const Points all_inner = insertPoints(whole, 8), all_shared = insertPoints(whole, 3),
                  all_outer = insertPoints(whole, 6);
     measure(whole, all_inner, all_inner, seed);
@@ -51,18 +66,10 @@ TEST(Conditional, JoinsMaps) {
     measure(whole, all_outer, all_shared, seed + 2);
     whole.prior(all_shared[0], Point(1, 2), 0.1);
 
-    const std::vector<GaussianPrior> priors = conditional(submap, {inner.begin(), inner.end()});
-    ASSERT_FALSE(priors.empty());
-    for (const GaussianPrior& prior : priors) {
-      std::vector<AnyVarID> own;
-      for (const AnyVarID& id : prior.variables()) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          if (id == AnyVarID(seen[k])) own.emplace_back(shared[k]);
-        }
-      }
-      ASSERT_EQ(own.size(), prior.variables().size());
-      map.insertMeasurement(GaussianPrior(own, prior.R(), prior.b()));
-    }
+    const auto counterpartOf = [&](const AnyVarID& id) {
+      return shared.at(std::size_t(std::find(seen.begin(), seen.end(), id) - seen.begin()));
+    };
+    joinMaps(submap, {inner.begin(), inner.end()}, map, counterpartOf);
     ASSERT_TRUE(whole.optimize().converged);
     ASSERT_TRUE(map.optimize().converged);
     const auto expectSame = [&](const Points& a, const Points& b) {
@@ -93,6 +100,25 @@ TEST(Conditional, ChangesNothingAndIsWhatMarginalizationLeaves) {
   double constant = 0;
   for (const GaussianPrior& prior : priors) constant += prior.b().squaredNorm();
   EXPECT_EQ(est.getRSS(), constant);
+}
+
+TEST(Conditional, ItsPriorsRefuseOtherVariablesThatDoNotFit) {
+  Estimator submap, map;
+  const Points inner = insertPoints(submap, 1), seen = insertPoints(submap, 1), own = insertPoints(map, 2);
+  measure(submap, inner, seen, 1);
+  submap.prior(inner[0], Point(1, 2), 0.1);
+  const std::vector<GaussianPrior> priors = conditional(submap, {inner[0]});
+  ASSERT_EQ(priors.size(), 1u);
+  EXPECT_EQ(testing::messageOf([&] {
+              priors[0].over({own[0], own[1]});
+            }),
+            "[slom.prior-size] the GaussianPrior over 1 variable with 2 degrees of freedom was given 2 other "
+            "variables; pass one for each of its variables, in their order");
+  EXPECT_EQ(
+      testing::messageOf([&] { priors[0].over({map.insertRV(1.0)}); }),
+      "[slom.wrong-type] variable 0 of the GaussianPrior over 1 variable with 2 degrees of freedom is a "
+      "vect<2>, it was given a double; pass variables of the same types, in their order");
+  EXPECT_EQ(priors[0].over({own[0]}).R(), priors[0].R());
 }
 
 }  // namespace

@@ -62,6 +62,29 @@ TEST(StoredPriors, OfPosesIsSavedAndLoaded) {
   EXPECT_NEAR(makeArchive().load(file).estimator.getRSS(), est.getRSS(), 1e-13 * est.getRSS());
 }
 
+TEST(StoredPriors, AreSavedWithTheirFirstEstimates) {
+  RandomValues random(7);
+  Estimator est;
+  const auto point = est.insertRV(random.vector(1), "point");
+  const auto prior = est.insertMeasurement(
+      GaussianPrior({point}, random.matrix(3, 3)).linearizedAt(point, random.vector(1)).withFirstEstimates());
+  std::ostringstream text;
+  makeArchive().save(est, text);
+  std::istringstream file(text.str());
+  StoredProblem loaded = makeArchive().load(file);
+  const auto first = [](const Estimator& of) {
+    const void* const value = of.table().firstEstimates().of(0);
+    return value == nullptr ? Vec3(0, 0, 0) : *static_cast<const Vec3*>(value);
+  };
+  EXPECT_GT(first(est).norm(), 0);
+  EXPECT_EQ(first(loaded.estimator), first(est));
+  std::ostringstream again;
+  makeArchive().save(loaded.estimator, again);
+  EXPECT_EQ(again.str(), text.str());
+  est.removeMeasurement(prior);
+  EXPECT_TRUE(est.table().firstEstimates().isEmpty());
+}
+
 TEST(StoredPriors, FilesThatDoNotFitAreRefused) {
   const auto messageFor = [](const std::string& line) {
     std::istringstream file(
@@ -73,6 +96,11 @@ TEST(StoredPriors, FilesThatDoNotFitAreRefused) {
   EXPECT_EQ(
       messageFor("0 | unit | 1 2 3 1 1 0 0"),
       "[slom.bad-archive] file:5: what stands after the second | is not the data of GaussianPrior: 1 2 3 1 1 0 0");
+  EXPECT_EQ(messageFor("0 | unit | 1 2 3 1 1 0 0 0.5 first_estimates"), "no error");
+  EXPECT_EQ(
+      messageFor("0 | unit | 1 2 3 1 1 0 0 0.5 first"),
+      "[slom.bad-archive] file:5: what stands after the second | is not the data of GaussianPrior: 1 2 3 1 "
+      "1 0 0 0.5 first");
   EXPECT_EQ(messageFor("7 | unit | 1 2 3 0"),
             "[slom.bad-archive] file:5: there is no variable 7; above are those from 0 to 0");
   EXPECT_EQ(messageFor("0 0 unit | 1 2 3 0"),

@@ -403,6 +403,12 @@ TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
       testing::messageOf([&] { est.updatedCovariance(b); }),
       "[slom.not-updated] covariances of an update were asked for variable b, but the problem has changed "
       "since, or optimize() took over; call update() first, or ask covariance()");
+  est.bound(b, "x", -10, 10);
+  est.update();
+  EXPECT_EQ(
+      testing::messageOf([&] { est.updatedCovariance(b); }),
+      "[slom.not-updated] covariances of an update were asked for variable b, but there are bounds, and "
+      "update() leaves such fits to optimize(); ask covariance()");
 }
 
 /// A measurement without a residual is refused by name; once it is gone, all is as it would be without it.
@@ -622,7 +628,7 @@ TEST(OnlineFit, RefusesOptionsWithoutSense) {
   EXPECT_EQ(testing::messageOf([&] { est.update({.tolerance = std::numeric_limits<double>::infinity()}); }),
             "[slom.bad-option] tolerance is inf; pass a number between 0 and 1, such as 1e-6");
   EXPECT_EQ(testing::messageOf([&] { est.update({.max_steps = 0}); }),
-            "[slom.bad-option] max_steps is 0; pass a positive number");
+            "[slom.bad-option] max_steps is 0; pass a positive number, such as 100");
   EXPECT_EQ(testing::messageOf([&] { est.update({.budget = 0}); }),
             "[slom.bad-option] budget is 0; pass a positive number of operations, such as 1e6");
   EXPECT_EQ(testing::messageOf([&] { est.update({.budget = std::numeric_limits<double>::quiet_NaN()}); }),

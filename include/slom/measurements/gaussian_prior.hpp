@@ -45,14 +45,24 @@ class GaussianPrior final : public RuntimeMeasurement {
     return *this;
   }
 
+  /// Whether the linearisation points are first estimates of the variables: while the prior is inserted, the Jacobians of all measurements
+  /// of these variables are taken there, and residuals at the current values (docs/online.md, windows).
+  GaussianPrior& withFirstEstimates(bool with = true);
+  bool hasFirstEstimates() const;
+  /// The same prior, linearised at the same points, over other variables of the same types, as of another estimator. Throws
+  /// [slom.prior-size] or [slom.wrong-type].
+  GaussianPrior over(std::vector<AnyVarID> variables) const;
+
   Eigen::Map<const Eigen::MatrixXd> R() const;
   Eigen::Map<const Eigen::VectorXd> b() const;
 
   const RuntimeKind& kind() const override;
   int evaluate(int rows, double* r) const override;
   int linearize(int rows, double* r, double* J) const override;
+  const void* firstEstimate(int k) const override;
 
  private:
+  friend class MarginalPrior;
   friend class StoredPrior;
   struct Size {
     Eigen::Index rows, columns;

@@ -32,6 +32,10 @@ class RuntimeMeasurement {
   /// Residual and Jacobian, rows x (degrees of freedom of all variables), column-major. For kinds whose derivatives are not numeric.
   virtual int linearize(int rows, double* r, double* J) const;
 
+  /// The value at which all measurements of variable k are linearised for as long as this one is there; null: their current values. The
+  /// value stays where it is while this measurement lives.
+  virtual const void* firstEstimate(int k) const;
+
   const std::vector<AnyVarID>& variables() const { return ids_; }
   int arity() const { return static_cast<int>(ids_.size()); }
   /// The variables at which it is evaluated, which differences redirect.

@@ -12,7 +12,7 @@ struct UpdateOptions {
   /// Steps are taken until the predicted decrease of the RSS for another one is at most this share of it, or at most the rounding
   /// errors of the residuals. Between 0 and 1.
   double tolerance = 1e-6;
-  /// Largest number of steps. The next call continues.
+  /// Largest number of steps, those of trials included. The next call continues.
   int max_steps = 100;
   /// Operations, as UpdateSummary::flops counts them, after which no further step begins; the next call continues. A call thus takes as many,
   /// and what a step does and the factorisation of what has changed. optimize() does not take over then, unless there are
@@ -20,8 +20,9 @@ struct UpdateOptions {
   double budget = std::numeric_limits<double>::infinity();
   /// Whether each new measurement that its loss refuses (with a weight below 0.1) is tried: values that agree with it are looked for, and
   /// kept where the RSS is lower there. Thus false closures of loops that came first do not make the true ones that come later
-  /// look wrong. For losses whose weight falls to nothing, as GemanMcClure and Tukey. Takes a few steps for each that is refused. Nothing is
-  /// tried where there are bounds, or in the first call.
+  /// look wrong. For losses whose weight falls to nothing, as GemanMcClure and Tukey. Takes a few steps for each that is refused. What the
+  /// budget or max_steps leaves no room for waits for later calls, the oldest first; a trial that one of them ends is taken back, and
+  /// goes on there. Nothing is tried where there are bounds, nor of what was there in the first call.
   bool reconsider = false;
 };
 
@@ -38,8 +39,9 @@ struct UpdateSummary {
   int fronts_solved = 0;  ///< parts of the factor that a gradient went up through, counted each time
   /// Additions and multiplications of factorising and solving, and of products with Jacobians; not those of measurement functions.
   double flops = 0;
-  int reconsidered = 0;    ///< new measurements that their losses refused and that were tried
-  int accepted = 0;        ///< those of them that the map was moved for
+  int reconsidered = 0;    ///< refused measurements that were tried to the end, once each
+  int accepted = 0;        ///< those of them that are no longer refused, as the map was moved for them
+  int waiting = 0;         ///< new measurements that later calls with `reconsider` are to look at, or to try
   bool reordered = false;  ///< all variables were reordered
   /// The budget was used up before the tolerance was met: `promise` is left for later calls.
   bool is_put_off = false;

@@ -17,6 +17,7 @@
 #include "slom/model/pimpl.hpp"
 #include "slom/model/variable_store.hpp"
 #include "slom/problem/active_set.hpp"
+#include "slom/problem/first_estimates.hpp"
 
 namespace slom {
 
@@ -115,7 +116,8 @@ class MeasurementPool {
   /// finite, -1 when all are.
   int evaluate(int first, int last, double* r);
   /// As evaluate, and whitened Jacobians: for each measurement rows x columns, column-major, one after the other; the
-  /// columns of fixed variables are left as they are. Also returns a measurement whose Jacobian is not finite.
+  /// columns of fixed variables are left as they are. Jacobians are those at first estimates of variables that have one. Also returns a
+  /// measurement whose Jacobian is not finite.
   int linearize(int first, int last, double* r, double* J);
   /// The residual of one measurement in its own units.
   void evaluateRaw(int i, double* r);
@@ -134,10 +136,14 @@ class MeasurementPool {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
            index_of_slot_[ref.slot] >= 0;
   }
+  /// Running number of insertion of measurement i into its group, from 1.
+  long serial(int i) const { return serial_[at(i)]; }
   /// The handle of measurement i.
   SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
   /// Removes measurement i; the last one takes its place.
   void remove(int i);
+  /// The first estimates of the variables; without them there are none.
+  void setFirstEstimates(const FirstEstimates& first_estimates) { first_estimates_ = &first_estimates; }
   /// Makes this pool, which is empty, one of the group with this number: its first one, or another when `first` is not null.
   void joinGroup(int group, MeasurementPool* first) {
     group_ = group;
@@ -174,6 +180,7 @@ class MeasurementPool {
     whiten(noise_kind_[at(i)], noise_.data() + noise_at_[at(i)], m, rows(i), cols);
   }
   void runGuarded(int first, int last, double* r, double* J);
+  void linearizeAtFirstEstimates(int first, int last, double* J);
 
   /// Makes room for one more, so that `append` cannot fail.
   void reserveOne();
@@ -192,6 +199,7 @@ class MeasurementPool {
   int columns_;  // Dynamic when it depends on the measurement
   const std::vector<VariableRecord>& table_;
   const ActiveSet& active_;
+  const FirstEstimates* first_estimates_ = nullptr;
   std::vector<int> variables_;
   std::vector<int> rows_;  // only for residuals of run-time length
   int total_rows_ = 0;

@@ -134,6 +134,12 @@ class Problem {
   /// Number of groups of pools; see MeasurementPool::group.
   int groupCount() const { return group_count_; }
 
+  /// The values at which Jacobians are taken of the measurements of variables that priors with first estimates depend on. They come and
+  /// go with these priors; of two for one variable, that of the earlier one counts.
+  const FirstEstimates& firstEstimates() const { return first_estimates_; }
+  /// The value at which Jacobians are taken: the first estimate or, without one, the current value.
+  const void* linearizationPoint(int variable) const;
+
   // Values as a whole.
 
   void save();
@@ -194,6 +200,9 @@ class Problem {
   MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
   void removeLastPool();
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
+  void setFirstEstimate(int variable, const void* point);
+  void takeFirstEstimates(const RuntimeMeasurement& measurement, const int* variables);
+  void dropFirstEstimates(const RuntimeMeasurement& measurement, const int* variables);
   void registerConstraint(int variable);
   double distanceTo(int variable, const void* value) const;
   /// The number of variables and measurements, which limits the length of the logs.
@@ -209,6 +218,7 @@ class Problem {
   std::vector<VariableRecord> table_;
   std::vector<int> free_;
   ActiveSet active_;
+  FirstEstimates first_estimates_;
   mutable detail::Pimpl<Uses> uses_;   // measurements of each variable; made at the first query
   std::vector<int> variables_of_new_;  // variables of the measurement that is being inserted
   std::vector<TypedStore> stores_;

@@ -1,0 +1,79 @@
+// Pose graphs fed pose by pose: update(), and one optimizeStep() of everything for comparison.
+#include "fit/stopwatch.hpp"
+#include "online/check.hpp"
+
+namespace slom::bench {
+
+namespace {
+
+/// Adds the poses in their order, the first one fixed; calls fit() after each further one, and after(p) without taking its time.
+template <class Pose, class Fit, class After>
+void feed(const io::PoseGraph<Pose>& graph, Map<Pose>& map, Replay& replay, const Fit& fit,
+          const After& after) {
+  map.add(0, map.startOf(0), true);
+  for (int p = 1; p < static_cast<int>(graph.poses.size()); ++p) {
+    bool has_closed = false;
+    replay.seconds.push_back(secondsOf([&] {
+      has_closed = map.add(p, map.startOf(p), false);
+      fit();
+    }));
+    if (has_closed) replay.at_closures = std::max(replay.at_closures, replay.seconds.back());
+    after(p);
+  }
+}
+
+/// So that reading is not optimised away.
+volatile double read_sum = 0;
+
+template <class Pose>
+void read(const Map<Pose>& map, int newest, Replay& replay) {
+  replay.read_newest += secondsOf([&] { read_sum = read_sum + map.pose(newest)->pos[0]; });
+  replay.read_all += secondsOf([&] {
+    double sum = 0;
+    for (int p = 0; p <= newest; ++p) sum += map.pose(p)->pos[0];
+    read_sum = read_sum + sum;
+  });
+}
+
+}  // namespace
+
+template <class Pose>
+Replay replayByUpdate(const io::PoseGraph<Pose>& graph) {
+  Estimator est;
+  est.setThreads(1);
+  Map<Pose> map(est, graph);
+  Replay replay{.method = "update()"};
+  const auto fit = [&] { replay.by_optimize += est.update().used_optimize ? 1 : 0; };
+  feed(graph, map, replay, fit, [&](int p) {
+    read(map, p, replay);
+    replay.covariance_seconds.push_back(
+        secondsOf([&] { read_sum = read_sum + est.updatedCovariance(map.pose(p))(0, 0); }));
+    if (p % kCompared != 0) return;
+    replay.checks.push_back(compare(est, map, p));
+    replay.checks.back().marginals = secondsOf([&] { est.marginals(); });
+  });
+  replay.rss = est.getRSS();
+  return replay;
+}
+
+template <class Pose>
+Replay replayBySteps(const io::PoseGraph<Pose>& graph) {
+  Estimator est;
+  est.setThreads(1);
+  Map<Pose> map(est, graph);
+  Replay replay{.method = "optimizeStep()"};
+  feed(
+      graph, map, replay, [&] { est.optimizeStep(); },
+      [&](int p) {
+        if (p % kCompared == 0) replay.checks.push_back(compare(est, map, p));
+      });
+  replay.rss = est.getRSS();
+  return replay;
+}
+
+template Replay replayByUpdate(const io::PoseGraph<io::Pose2>&);
+template Replay replayByUpdate(const io::PoseGraph<io::Pose3>&);
+template Replay replayBySteps(const io::PoseGraph<io::Pose2>&);
+template Replay replayBySteps(const io::PoseGraph<io::Pose3>&);
+
+}  // namespace slom::bench

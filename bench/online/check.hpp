@@ -1,0 +1,38 @@
+/// A growing map beside its batch optimum.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <slom/initialize/growing_map.hpp>
+#include <slom/io.hpp>
+#include <slom/slom.hpp>
+
+#include "online/replay.hpp"
+
+namespace slom::bench {
+
+template <class Pose>
+using Map = initialize::GrowingMap<io::PoseGraph<Pose>, io::PoseGraphModel>;
+
+/// Fits are compared with the batch optimum at each pose whose number is a multiple of this.
+inline constexpr int kCompared = 100;
+/// Below it the RSS is rounding error, as before a loop closes.
+inline constexpr double kLeastRss = 1e-6;
+
+/// The map of the poses 0 to `last` beside the fit of the same problem from its values.
+template <class Pose>
+Check compare(const Estimator& est, const Map<Pose>& map, int last) {
+  Estimator batch;
+  const Map<Pose> optimum = map.copyTo(batch);
+  const double rss = batch.optimize().final_rss;
+  Check check;
+  check.pose = last;
+  if (rss > kLeastRss) check.gap = est.getRSS() / rss - 1;
+  double sum = 0;
+  for (int p = 0; p <= last; ++p) sum += (map.pose(p)->pos - optimum.pose(p)->pos).squaredNorm();
+  check.position_error = std::sqrt(sum / (last + 1));
+  return check;
+}
+
+}  // namespace slom::bench

@@ -1,0 +1,57 @@
+/// A pose graph that is fed pose by pose, and what it cost.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <slom/io/pose_graph.hpp>
+
+namespace slom::bench {
+
+/// The state of a replay at one step, beside the batch optimum from the same values.
+struct Check {
+  int pose = 0;
+  double gap = 0;             ///< RSS / batch RSS - 1
+  double position_error = 0;  ///< root mean square distance to the positions of the batch optimum
+  double marginals = 0;       ///< time of the covariances of all variables [s]; 0: not measured
+};
+
+struct Replay {
+  std::string method = {};
+  /// Of each fit, with the insertion before it; of a method that does not fit at each pose, of those where it does.
+  std::vector<double> seconds = {};
+  double at_closures = 0;                       ///< the longest of those where a loop closed [s]
+  double rss = 0;                               ///< at the end
+  int by_optimize = 0;                          ///< calls that optimize() took over
+  std::vector<double> covariance_seconds = {};  ///< of the newest pose, after each fit
+  double read_newest = 0, read_all = 0;         ///< time of reading values, once after each fit, in all [s]
+  std::vector<Check> checks = {};
+
+  double total() const;
+  /// The time that this share of the fits does not exceed [s].
+  double quantile(double share) const;
+  double largestGap() const;
+  double largestPositionError() const;
+};
+
+/// update() after each pose; reads values and covariances, too.
+template <class Pose>
+Replay replayByUpdate(const io::PoseGraph<Pose>& graph);
+/// One optimizeStep() of everything after each pose.
+template <class Pose>
+Replay replayBySteps(const io::PoseGraph<Pose>& graph);
+#ifdef SLOM_BENCH_CERES
+/// Ceres fits everything from the last values after each tenth pose. Building its problem does not count.
+template <class Pose>
+Replay replayByCeres(const io::PoseGraph<Pose>& graph);
+#endif
+
+/// Resident memory after one replay by update() and after so many, each in a new estimator, all in this process [bytes].
+struct Memory {
+  double after_one = 0, after_all = 0;
+  int replays = 10;
+};
+template <class Pose>
+Memory memoryOfReplays(const io::PoseGraph<Pose>& graph);
+
+}  // namespace slom::bench
