@@ -420,6 +420,11 @@ class Estimator {
   /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
   template <class F, class... T>
   auto propagate(const F& f, const VarID<T>&... ids) const {
+    return propagate(f, jointCovariance(ids...), ids...);
+  }
+  /// The same for another joint covariance of these variables, such as that of Clustered::jointCovariance.
+  template <class F, class... T>
+  auto propagate(const F& f, const Eigen::MatrixXd& C, const VarID<T>&... ids) const {
     auto value = detail::plainValue(f(*ids...));
     using V = std::decay_t<decltype(value)>;
     Estimator scratch;
@@ -427,7 +432,6 @@ class Estimator {
     std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
     Eigen::MatrixXd J(scratch.getM(), scratch.getN());
     scratch.writeJacobian(J.data());
-    const Eigen::MatrixXd C = jointCovariance(ids...);
     Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
     detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
                       result.covariance.data());

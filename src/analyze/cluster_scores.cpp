@@ -104,7 +104,8 @@ ClusterScores::ClusterScores(const LinearizedProblem& linearized, FreeGauge gaug
   const double groups = count(), residuals = linearized.structure().residuals;
   const double unknowns =
       linearized.freeUnknowns() - (gauge == FreeGauge::inner_constraints ? linearized.freeDirections() : 0);
-  cr1_ = groups / (groups - 1) * (residuals > unknowns ? (residuals - 1) / (residuals - unknowns) : 1);
+  cr1_ = (groups > 1 ? groups / (groups - 1) : 1) *
+         (residuals > unknowns ? (residuals - 1) / (residuals - unknowns) : 1);
   for (const ClusterFactor& factor : factors_) without_leverage_ += factor.has_leverage ? 0 : 1;
 }
 

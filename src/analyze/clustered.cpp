@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "analyze/clustered_state.hpp"
+#include "base/classic_numbers.hpp"
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "slom/analyze/chi_square.hpp"
@@ -39,8 +41,7 @@ void Clustered::writePerComponent(int variable, Kind kind, double probability, d
   if (kind == Kind::stated_share) {
     result = state_->covariance({variable}).stated_share;
   } else {
-    const int l = state_->levelCount() == 1 ? 0 : state_->choice(variable).level;
-    result = state_->degreesOfFreedom(variable, l);
+    result = state_->levelCount() == 1 ? state_->degreesOfFreedom(variable, 0) : state_->choice(variable).dof;
   }
   if (kind == Kind::interval) {
     if (!(probability > 0 && probability < 1)) {
@@ -92,6 +93,48 @@ std::vector<ClusterCheck> Clustered::check() const {
     result.push_back(std::move(check));
   }
   return result;
+}
+
+std::string Clustered::report(int most_unknowns) const {
+  const LinearizedProblem& linearized = state_->problem();
+  const Problem& all = linearized.problem();
+  struct Row {
+    std::string name;
+    double value, stated, clustered, dof;
+  };
+  std::vector<Row> rows;
+  std::size_t width = 9;
+  for (int v = 0; v < linearized.structure().system.blockCount(); ++v) {
+    if (static_cast<int>(rows.size()) >= most_unknowns) break;
+    if (linearized.structure().system.isEmpty(v)) continue;
+    const VariableRecord& record = all.variables()[at(v)];
+    const std::vector<std::string> names = all.componentNames(v);
+    std::vector<double> x(at(record.dof)), dof(at(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    const Eigen::MatrixXd C = state_->covariance({v}).C;
+    const Eigen::VectorXd stated = linearized.times(state_->columns(v)).colwise().norm();
+    writePerComponent(v, Kind::dof, 0, dof.data());
+    for (int c = 0; c < record.dof; ++c) {
+      if (linearized.activeSet().isFixedOrActive(v, c)) continue;
+      rows.push_back({names[at(c)], x[at(c)], stated[c] * std::sqrt(state_->variance_factor),
+                      std::sqrt(C(c, c)), dof[at(c)]});
+      width = std::max(width, names[at(c)].size());
+    }
+  }
+  const ClassicNumbers points;
+  const auto line = [&](const Row* row) {
+    char text[120];
+    std::snprintf(text, sizeof text, " %14s %12s %12s %8s\n", row ? number(row->value, 8).c_str() : "value",
+                  row ? number(row->stated).c_str() : "stated",
+                  row ? number(row->clustered).c_str() : "clustered", row ? number(row->dof).c_str() : "dof");
+    std::string name = row ? row->name : "parameter";
+    name.resize(width, ' ');
+    return "  " + name + text;
+  };
+  std::string text = line(nullptr);
+  for (const Row& row : rows) text += line(&row);
+  for (const std::string& note : notes()) text += "  note: " + note + "\n";
+  return text;
 }
 
 std::vector<std::string> Clustered::notesOn(int variable) const {

@@ -172,6 +172,7 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
 
 /// Blocks of 1, 2, 4, ... groups until the variance grows by less than it is uncertain, a standard deviation sqrt(2 / dof) of it. What
 /// blocks of length b leave out is of order 1 / b, so that 2 V(2 b) - V(b) leaves out less.
+/// With V(b) from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof where V(2 b) has 2 / dof.
 ///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
 const Clustered::State::Choice& Clustered::State::choice(int variable) {
   const auto found = choices.find(variable);
@@ -179,9 +180,11 @@ const Clustered::State::Choice& Clustered::State::choice(int variable) {
   Choice result;
   VectorXd before = covarianceAt(0, {variable}).C.diagonal(), largest = before;
   result.deviation = before.cwiseSqrt();
+  result.dof = degreesOfFreedom(variable, 0);
   for (int l = 1; l < levelCount(); ++l) {
     const VectorXd now = covarianceAt(l, {variable}).C.diagonal(), dof = degreesOfFreedom(variable, l);
     result.level = l;
+    result.dof = dof;
     result.levels_off = true;
     for (Index i = 0; i < now.size(); ++i) {
       if (now[i] > before[i] * (1 + std::sqrt(2 / dof[i]))) result.levels_off = false;
@@ -190,6 +193,8 @@ const Clustered::State::Choice& Clustered::State::choice(int variable) {
     result.deviation = largest.cwiseSqrt();
     if (result.levels_off) {
       result.deviation = now.cwiseMax(2 * now - before).cwiseSqrt();
+      for (Index i = 0; i < now.size(); ++i) result.dof[i] = now[i] > before[i] ? 0.4 * dof[i] : dof[i];
+      result.dof = result.dof.cwiseMax(1);
       break;
     }
     before = now;

@@ -30,7 +30,7 @@ struct Clustered::State {
   /// How many groups are taken together for a variable.
   struct Choice {
     int level = 0;
-    Eigen::VectorXd deviation;  // where they are ordered
+    Eigen::VectorXd deviation, dof;  // where they are ordered
     bool levels_off = true;
   };
   struct Covariance {

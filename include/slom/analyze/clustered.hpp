@@ -203,6 +203,8 @@ class Clustered {
   std::vector<std::string> groups() const;
   /// Whether each of them pulls the values more than its stated uncertainties allow, in the order of groups().
   std::vector<ClusterCheck> check() const;
+  /// The first unknowns, as many as that: value, stated and clustered standard deviation, degrees of freedom; and notes().
+  std::string report(int most_unknowns = 40) const;
   /// Sentences on what limits these numbers: few groups, measurements without one, ...
   std::vector<std::string> notes() const;
   /// The same with those on this variable.
@@ -237,11 +239,11 @@ class Clustered {
   // Plain numbers, as of Estimator: Eigen's dynamic types may be allocated otherwise in the compiled library.
   const Problem& problem() const;
   int groupCount() const;
+  std::vector<std::string> notesOn(int variable) const;
   int blockLengthOf(int variable) const;
   void writeCovariance(const int* variables, int count, double* out) const;
   void writePerComponent(int variable, Kind kind, double probability, double* out) const;
   void writeInfluences(int variable, bool in_deviations, double* out) const;
-  std::vector<std::string> notesOn(int variable) const;
 
   std::shared_ptr<State> state_;
 };
