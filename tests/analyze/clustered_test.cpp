@@ -474,6 +474,61 @@ TEST(Clustered, ByLabel) {
   EXPECT_NEAR(c.covariance(level)(0, 0), 1, 1e-12);  // means 1.5 and 3.5
 }
 
+/// A level, measured by groups of two that follow each other.
+struct Series {
+  slom::Estimator est;
+  slom::VarID<double> level = est.insertRV(0.0, "level");
+  explicit Series(const std::vector<double>& common) {
+    std::mt19937 engine(3);
+    std::normal_distribution<double> normal(0, 0.1);
+    for (std::size_t g = 0; g < common.size(); ++g) {
+      for (int i = 0; i < 2; ++i)
+        est.insertMeasurement([](const auto& x) { return x; }, level,
+                              slom::measured(common[g] + normal(engine)), slom::group("image", g));
+    }
+    est.optimize();
+  }
+};
+
+TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
+  std::mt19937 engine(9);
+  std::normal_distribution<double> normal;
+  std::vector<double> independent(128), in_eights(128), drifting(128), few(12);
+  double sum = 0;
+  for (std::size_t g = 0; g < 128; ++g) {
+    independent[g] = normal(engine);
+    in_eights[g] = g % 8 == 0 ? normal(engine) : in_eights[g - 1];
+    drifting[g] = sum += normal(engine);
+  }
+  for (double& y : few) y = normal(engine);
+  const auto of = [](const Series& series) { return series.est.clustered({.ordered = true}); };
+  const auto alone = [](const Series& series) { return series.est.clustered(); };
+
+  const Series a(independent);
+  EXPECT_LE(of(a).blockLength(a.level), 4);
+  EXPECT_NEAR(of(a).standardDeviation(a.level)[0] / alone(a).standardDeviation(a.level)[0], 1, 0.3);
+  EXPECT_EQ(of(a).notes(a.level).size(), 0U);
+  EXPECT_EQ(alone(a).blockLength(a.level), 1);
+
+  const Series b(in_eights);  // eight groups are worth one
+  EXPECT_EQ(of(b).blockLength(b.level), 16);
+  EXPECT_NEAR(of(b).standardDeviation(b.level)[0] / alone(b).standardDeviation(b.level)[0], std::sqrt(8),
+              0.8);
+  EXPECT_DOUBLE_EQ(of(b).covariance(b.level)(0, 0), std::pow(of(b).standardDeviation(b.level)[0], 2));
+
+  const Series c(drifting);
+  EXPECT_EQ(
+      of(c).notes(c.level).at(0),
+      "the variance of level still grows with blocks of 16 groups, the longest of which there are enough; errors are "
+      "shared for longer, and the variance is too small");
+  EXPECT_GT(of(c).standardDeviation(c.level)[0], 2 * alone(c).standardDeviation(c.level)[0]);
+
+  const Series d(few);
+  EXPECT_EQ(of(d).notes().at(0),
+            "there are too few groups by image to see whether neighbours share errors; 16 are needed");
+  EXPECT_EQ(of(d).standardDeviation(d.level), alone(d).standardDeviation(d.level));
+}
+
 TEST(Clustered, Notes) {
   Regression fit;
   fill(fit, {.has_levels = true});
