@@ -31,7 +31,7 @@ struct ClusterFactor {
 
 class ClusterScores {
  public:
-  /// Leverages take at most `most_columns` columns of H^-1; groups that need more have none. `counted` is taken from `most_columns`.
+  /// Leverages take at most `most_columns` columns of H^-1; groups that need more have none.
   ClusterScores(const LinearizedProblem& linearized, FreeGauge gauge, Clustering clustering,
                 int most_columns);
 
