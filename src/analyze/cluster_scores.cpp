@@ -97,6 +97,7 @@ ClusterScores::ClusterScores(const LinearizedProblem& linearized, FreeGauge gaug
   findOwners();
   factors_.resize(at(count()));
   all_meet_.assign(at(count()), 1);
+  has_rows_.assign(at(count()), 0);
   const JacobianRows& rows = linearized.rows();
   static_cast<void>(rows);  // is linearised before the threads begin
   detail::forEachIndex(count(), [&](int g) { reduce(g); });
@@ -171,6 +172,8 @@ void ClusterScores::reduce(int g) {
                                                   [](int size) { return size > kMostPrivateUnknowns; }))
     return dropLeverage(g);
 
+  if (components.blocks.empty() && keepRows(g)) return;
+
   MatrixXd N = MatrixXd::Zero(shared, shared);
   VectorXd gradient = VectorXd::Zero(shared);
   std::vector<MatrixXd> Gpp, Gps;
@@ -220,6 +223,35 @@ void ClusterScores::reduce(int g) {
   all_meet_[at(g)] = std::all_of(meet.begin(), meet.end(), [](char c) { return c != 0; }) ? 1 : 0;
   factor.F = (N + N.transpose()) / 2;
   factor.residual = std::move(gradient);
+}
+
+/// Leaves J_g^T in F and r_g in residual, for finishRows(), of a group without private blocks that has fewer residuals than unknowns. Whether it
+/// is one.
+bool ClusterScores::keepRows(int g) {
+  const JacobianRows& rows = linearized_.rows();
+  ClusterFactor& factor = factors_[at(g)];
+  Index size = 0, row = 0;
+  for (const MeasurementPlace& m : measurements(g)) size += rows.residual(at(m.group), m.index).size();
+  if (size >= factor.unknowns()) return false;
+  has_rows_[at(g)] = 1;
+  factor.F = MatrixXd::Zero(factor.unknowns(), size);
+  factor.residual.resize(size);
+  const std::size_t blocks = factor.blocks.size();
+  std::vector<char> meet(blocks * blocks, 0);
+  for (const MeasurementPlace& m : measurements(g)) {
+    const auto r = rows.residual(at(m.group), m.index);
+    factor.residual.segment(row, r.size()) = r;
+    rows.forEachPart(at(m.group), m.index, [&](int a, const JacobianRows::Part& J) {
+      const int ia = placeOf(factor.blocks, a);
+      factor.F.block(factor.start[at(ia)], row, J.cols(), J.rows()) += J.transpose();
+      rows.forEachPart(at(m.group), m.index, [&](int b, const JacobianRows::Part&) {
+        meet[at(ia) * blocks + at(placeOf(factor.blocks, b))] = 1;
+      });
+    });
+    row += r.size();
+  }
+  all_meet_[at(g)] = std::all_of(meet.begin(), meet.end(), [](char c) { return c != 0; }) ? 1 : 0;
+  return true;
 }
 
 void ClusterScores::dropLeverage(int g) {
@@ -318,10 +350,24 @@ void ClusterScores::addColumns(const std::vector<int>& groups, std::vector<Matri
   }
 }
 
+/// F, lambda and E^T r from J_g, r_g and C: E are the eigenvectors of J_g C J_g^T.
+void ClusterScores::finishRows(ClusterFactor& factor, const MatrixXd& C) {
+  const MatrixXd H = factor.F.transpose() * C * factor.F;
+  const SymmetricEigen eigen = eigenOf((H + H.transpose()) / 2);
+  Index small = 0;
+  while (small < H.rows() && !(eigen.eigenvalues()[small] > kLeastLeverage)) ++small;
+  const Index rank = H.rows() - small;
+  const MatrixXd E = eigen.eigenvectors().rightCols(rank);
+  factor.F = (factor.F * E).eval();
+  factor.residual = (E.transpose() * factor.residual).eval();
+  factor.leverage = eigen.eigenvalues().tail(rank).cwiseMin(1);
+}
+
 /// F, lambda and E^T r from N, J~^T r and C, with C = K K^T: K^T N K = U diag(lambda) U^T and E = J~ K U diag(lambda)^(-1/2).
 void ClusterScores::finish(int g, const MatrixXd& C) {
   ClusterFactor& factor = factors_[at(g)];
   if (factor.unknowns() == 0) return;
+  if (has_rows_[at(g)] != 0) return finishRows(factor, C);
   const MatrixXd N = std::move(factor.F);
   const VectorXd gradient = std::move(factor.residual);
   const VectorXd scale = C.diagonal().cwiseMax(0).cwiseSqrt();

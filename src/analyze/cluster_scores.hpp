@@ -71,8 +71,10 @@ class ClusterScores {
   void reduce(int g);
   void addInverses(int most_columns);
   void addColumns(const std::vector<int>& groups, std::vector<Eigen::MatrixXd>& inverses, int most_columns);
+  bool keepRows(int g);
   void dropLeverage(int g);
   void finish(int g, const Eigen::MatrixXd& C);
+  static void finishRows(ClusterFactor& factor, const Eigen::MatrixXd& C);
 
   const LinearizedProblem& linearized_;
   FreeGauge gauge_;
@@ -82,6 +84,7 @@ class ClusterScores {
   std::vector<ClusterFactor> factors_;
   std::vector<char>
       all_meet_;  // by group: whether all pairs of its shared blocks meet in one of its measurements
+  std::vector<char> has_rows_;  // by group: whether F and residual hold J_g^T and r_g until finish()
   double cr1_ = 1;
   int without_leverage_ = 0;
   mutable bool inverse_is_known_ = false;
