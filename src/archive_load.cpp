@@ -10,6 +10,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "slom/archive.hpp"
+#include "slom/problem/group_table.hpp"
 
 namespace slom {
 
@@ -214,7 +215,9 @@ class ArchiveReader {
             rest_.str() + commaIn(rest_.str()));
     }
     withLine([&] {
+      const std::uint64_t before = problem().structureRevision();
       measurement_kind_->read(restAgain(), &problem(), {handles_.data(), kinds_.data(), count}, options_);
+      assignGroups(before);
     });
   }
 
@@ -261,8 +264,43 @@ class ArchiveReader {
       noise_.push_back(x);
     }
     options_.loss = Loss();
-    if (line_ && word != "|") readLoss(word);
+    groups_.clear();
+    const bool is_more = line_ && word != "|";
+    if (is_more && word != "group") {
+      readLoss(word);
+      line_ >> word;
+    }
+    while (line_ && word == "group") {
+      readGroup();
+      line_ >> word;
+    }
+    if (is_more && (!line_ || word != "|")) raise("a | is due after the noise and the loss");
     setNoise(kind);
+  }
+
+  /// A group: the name of its dimension and its key, a number or a text in quotes.
+  void readGroup() {
+    StoredGroup group;
+    line_ >> std::ws;
+    if (line_.peek() != '"' || !(line_ >> std::quoted(group.dimension) >> std::ws))
+      raise("write group \"NAME\" KEY");
+    group.is_text = line_.peek() == '"';
+    if (!(group.is_text ? line_ >> std::quoted(group.text) : line_ >> group.number))
+      raise("the key of a group is a whole number or a text in quotes");
+    groups_.push_back(std::move(group));
+  }
+
+  /// Puts the measurement that was inserted last into the groups that were read.
+  void assignGroups(std::uint64_t revision_before) {
+    if (groups_.empty()) return;
+    std::vector<Group> groups;
+    for (const StoredGroup& one : groups_)
+      groups.push_back({one.dimension, one.text, one.number, one.is_text});
+    const int count = static_cast<int>(groups.size());
+    detail::requireDistinctDimensions(groups.data(), count);
+    const std::optional<std::span<const Change>> changes = problem().changesSince(revision_before);
+    const Change& inserted = changes.value().back();
+    problem().assignGroups(*problem().pools()[at(inserted.pool)], inserted.index, groups.data(), count);
   }
 
   void readLoss(const std::string& word) {
@@ -274,7 +312,6 @@ class ArchiveReader {
       raise("numbers are missing after " + word + commaIn(text_));
     }
     options_.loss = Loss(*kind, scale, shape);
-    expectBar("the noise and the loss");
   }
 
   void setNoise(const std::string& kind) {
@@ -322,6 +359,12 @@ class ArchiveReader {
   std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list
   std::vector<double> noise_;
   detail::StoredOptions options_;
+  struct StoredGroup {
+    std::string dimension, text;
+    std::int64_t number = 0;
+    bool is_text = false;
+  };
+  std::vector<StoredGroup> groups_;
 };
 
 StoredProblem Archive::load(std::istream& is, const std::string& source) const {

@@ -8,6 +8,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "slom/archive.hpp"
+#include "slom/problem/group_table.hpp"
 
 namespace slom {
 
@@ -73,6 +74,17 @@ void writeLoss(std::ostream& os, const MeasurementPool& pool, int i) {
   os << ' ' << loss->kind()->stored_name;
   if (loss->kind()->has_shape) os << ' ' << exact(loss->shape());
   os << ' ' << exact(loss->scale());
+}
+
+void writeGroups(std::ostream& os, const Problem& problem, const MeasurementPool& pool, int i) {
+  const GroupTable* const table = problem.groups();
+  for (int d = 0; table != nullptr && d < table->dimensionCount(); ++d) {
+    const int number = pool.groupKey(d, i);
+    if (number < 0) continue;
+    const GroupKey& key = table->keys(d)[at(number)];
+    os << " group " << inQuotes(table->dimension(d)) << ' '
+       << (key.is_text ? inQuotes(key.text) : key.name());
+  }
 }
 
 void writeConstraints(std::ostream& os, const Problem& problem, int variable, int number) {
@@ -153,6 +165,7 @@ void Archive::save(const Estimator& estimator, std::ostream& os) const {
       const detail::StoredArguments arguments{nullptr, kinds.data(), pool->arity()};
       writeNoise(text, *pool, i);
       writeLoss(text, *pool, i);
+      writeGroups(text, problem, *pool, i);
       text << " | ";
       writer.add([&](std::ostream& data) { kind->write(data, arguments, *pool, i); },
                  [&](std::istream& is) { return kind->read(is, nullptr, arguments, {}); },

@@ -7,6 +7,7 @@
 #include "estimator_state.hpp"
 #include "linearize/marginal_information.hpp"
 #include "slom/conditional.hpp"
+#include "slom/problem/group_table.hpp"
 
 namespace slom {
 
@@ -65,6 +66,25 @@ std::vector<MeasID<GaussianPrior>> insertAll(Estimator& estimator, std::vector<G
   return ids;
 }
 
+/// Puts the priors into the groups that all measurements are in.
+void keepGroups(Problem& problem, const std::vector<MeasurementIndex>& measurements,
+                const std::vector<MeasID<GaussianPrior>>& priors) {
+  const int dimensions = problem.groups() == nullptr ? 0 : problem.groups()->dimensionCount();
+  for (int d = 0; d < dimensions && !measurements.empty(); ++d) {
+    const auto keyOf = [&](const MeasurementIndex& m) {
+      return problem.pools()[static_cast<std::size_t>(m.first)]->groupKey(d, m.second);
+    };
+    const int key = keyOf(measurements.front());
+    if (key < 0 || !std::all_of(measurements.begin(), measurements.end(),
+                                [&](const MeasurementIndex& m) { return keyOf(m) == key; }))
+      continue;
+    for (const MeasID<GaussianPrior>& prior : priors) {
+      const auto [pool, i] = problem.locate(prior);
+      pool->setGroupKey(d, i, key);
+    }
+  }
+}
+
 void removeEliminated(Problem& problem, const std::vector<MeasurementIndex>& measurements,
                       const std::vector<int>& variables) {
   // Starts with the last one, as the last one of a pool takes the place of a removed one.
@@ -84,6 +104,7 @@ std::vector<MeasID<GaussianPrior>> Estimator::marginalize(const std::vector<AnyV
       state_->run([&] { return priorsOf(all, state_->linearizer, measurements, variables); });
   for (GaussianPrior& prior : left) prior.withFirstEstimates(options.first_estimates);
   std::vector<MeasID<GaussianPrior>> priors = insertAll(*this, std::move(left));
+  keepGroups(all, measurements, priors);
   removeEliminated(all, measurements, variables);
   return priors;
 }

@@ -20,7 +20,7 @@ struct Estimator::State {
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
-  std::unique_ptr<LinearizedProblem> current;  ///< null: none, or out of date
+  std::shared_ptr<LinearizedProblem> current;  ///< null: none, or out of date
   std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
@@ -37,7 +37,7 @@ struct Estimator::State {
   /// The problem linearised at the current values, for all analyses there together.
   const LinearizedProblem& linearized() {
     if (current == nullptr || !current->isCurrent())
-      current = std::make_unique<LinearizedProblem>(problem, evaluator);
+      current = std::make_shared<LinearizedProblem>(problem, evaluator);
     return *current;
   }
   /// f(linearized()), on as many threads as setThreads said.

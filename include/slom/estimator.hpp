@@ -42,7 +42,9 @@
 namespace slom {
 
 class Archive;
+class Clustered;
 class GaussianPrior;
+struct ClusterOptions;
 
 namespace detail {
 
@@ -194,7 +196,7 @@ class Estimator {
 
   /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, or one of a kind that chooses its variables at run time, as
   /// GaussianPrior. Options, in any order: its uncertainty (none: unit covariance), its loss (none: least squares),
-  /// slom::named("label").
+  /// slom::named("label"), and slom::group(key) for errors that measurements share (slom/model/group.hpp).
   template <class M, class... Options>
     requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
@@ -204,9 +206,17 @@ class Estimator {
         "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
         "(slom::named)");
     const detail::Values<const Options&...> all{{options}...};
-    return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
-                                       detail::labelAmong<Options...>(all),
-                                       detail::lossAmong<Options...>(all));
+    if constexpr (detail::group_count<Options...> > 0) {
+      const auto groups = detail::groupsAmong<Options...>(all);
+      return inGroups(problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
+                                                  detail::labelAmong<Options...>(all),
+                                                  detail::lossAmong<Options...>(all)),
+                      groups.all.data(), groups.count);
+    } else {
+      return problem().insertMeasurement(std::move(measurement), detail::noiseAmong<Options...>(all),
+                                         detail::labelAmong<Options...>(all),
+                                         detail::lossAmong<Options...>(all));
+    }
   }
   /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
   /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
@@ -216,22 +226,44 @@ class Estimator {
     requires(!Measurement<F> && !std::derived_from<F, RuntimeMeasurement> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
-    return insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
-                          detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all));
+    if constexpr (detail::group_count<Args...> > 0) {
+      const auto groups = detail::groupsAmong<Args...>(all);
+      return inGroups(
+          insertCallable(std::move(f), all, detail::DataIndices<Args...>{}, detail::noiseAmong<Args...>(all),
+                         detail::labelAmong<Args...>(all), detail::lossAmong<Args...>(all)),
+          groups.all.data(), groups.count);
+    } else {
+      return insertCallable(std::move(f), all, detail::DataIndices<Args...>{},
+                            detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
+                            detail::lossAmong<Args...>(all));
+    }
   }
   /// Adds a measurement over a list of variables of any number and types: `f` gets a std::span<const VariableView>, the data and
   /// options are as above. Derivatives are central differences.
   template <class F, class... Args>
   auto insertMeasurement(F f, const std::vector<AnyVarID>& variables, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
-    return insertList(std::move(f), variables, all, detail::DataIndices<Args...>{},
-                      detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
-                      detail::lossAmong<Args...>(all));
+    if constexpr (detail::group_count<Args...> > 0) {
+      const auto groups = detail::groupsAmong<Args...>(all);
+      return inGroups(insertList(std::move(f), variables, all, detail::DataIndices<Args...>{},
+                                 detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
+                                 detail::lossAmong<Args...>(all)),
+                      groups.all.data(), groups.count);
+    } else {
+      return insertList(std::move(f), variables, all, detail::DataIndices<Args...>{},
+                        detail::noiseAmong<Args...>(all), detail::labelAmong<Args...>(all),
+                        detail::lossAmong<Args...>(all));
+    }
   }
   /// The name that the paper's outlook gives to insertMeasurement.
   template <class F, class... Args>
   auto registerMeasurement(F f, const Args&... args) {
     return insertMeasurement(std::move(f), args...);
+  }
+  /// Puts a measurement that is there already into a group, instead of one of the same dimension that it was in.
+  template <class M>
+  void setGroup(const MeasID<M>& id, const Group& group) {
+    inGroups(id, &group, 1);
   }
   template <class M>
   void removeMeasurement(const MeasID<M>& id) {
@@ -245,7 +277,8 @@ class Estimator {
   /// no longer notice what has changed since, so marginalise where the fit has converged. A handle that is there twice counts once.
   /// Losses enter by their weights at the current values, fixed variables and components as known. The RSS falls by what no value
   /// of the remaining variables could explain, and the number of residuals by those that it consisted of. Throws
-  /// [slom.stale-handle], [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw], with nothing changed.
+  /// [slom.stale-handle], [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw], with nothing changed. The priors are in a
+  /// group (slom::group) where all the measurements that this call replaces are in it.
   /// With first estimates the Jacobians of all measurements of the remaining variables are from then on those at the values that these
   /// have now, as long as a prior that this leaves depends on them.
   ///   source   Sibley, Matthies, Sukhatme, "Sliding window filter with application to planetary landing", 2010
@@ -397,6 +430,11 @@ class Estimator {
   /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
   template <class F, class... T>
   auto propagate(const F& f, const VarID<T>&... ids) const {
+    return propagate(f, jointCovariance(ids...), ids...);
+  }
+  /// The same for another joint covariance of these variables, such as that of Clustered::jointCovariance.
+  template <class F, class... T>
+  auto propagate(const F& f, const Eigen::MatrixXd& C, const VarID<T>&... ids) const {
     auto value = detail::plainValue(f(*ids...));
     using V = std::decay_t<decltype(value)>;
     Estimator scratch;
@@ -404,7 +442,6 @@ class Estimator {
     std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
     Eigen::MatrixXd J(scratch.getM(), scratch.getN());
     scratch.writeJacobian(J.data());
-    const Eigen::MatrixXd C = jointCovariance(ids...);
     Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
     detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
                       result.covariance.data());
@@ -457,6 +494,11 @@ class Estimator {
   /// such a residual, and how far the fit would move without it. Throws as covariance does.
   OutlierReport outliers(const OutlierOptions& options = {}) const;
 
+  /// Covariances for errors that measurements share within groups (slom::group, and other ways), at the values of the fit;
+  /// slom/analyze/clustered.hpp. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups], [slom.not-a-minimum] and what covariance throws.
+  Clustered clustered() const;
+  Clustered clustered(const ClusterOptions& options) const;
+
   /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
   /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
   DerivativeCheck checkDerivatives() const;
@@ -486,6 +528,13 @@ class Estimator {
     using M = ListMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
     return problem().insertMeasurement(M(variables, std::move(f), detail::valueAt<I>(args)...), noise, label,
                                        loss);
+  }
+
+  template <class M>
+  MeasID<M> inGroups(const MeasID<M>& id, const Group* groups, int count) {
+    const auto [pool, i] = problem().locate(id);
+    problem().assignGroups(*pool, i, groups, count);
+    return id;
   }
 
   template <class T>

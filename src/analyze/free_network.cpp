@@ -47,10 +47,15 @@ void FreeNetwork::block(int a, int b, double* out) const {
 }
 
 MatrixXd FreeNetwork::columns(int first, int count) const {
-  MatrixXd unit = MatrixXd::Zero(structure_.unknowns(), count), C;
+  MatrixXd unit = MatrixXd::Zero(structure_.unknowns(), count);
   unit.middleRows(first, count).setIdentity();
-  unit -= N_ * N_.middleRows(first, count).transpose();
-  const SolveStatus status = solver_.solveDamped(damping_, unit, C);
+  return times(unit);
+}
+
+MatrixXd FreeNetwork::times(const MatrixXd& B) const {
+  MatrixXd C;
+  const MatrixXd orthogonal = B - N_ * (N_.transpose() * B);
+  const SolveStatus status = solver_.solveDamped(damping_, orthogonal, C);
   if (!status.ok) throw Error("slom.rank-deficient", "the free network has no covariances");
   return C - N_ * (N_.transpose() * C);
 }

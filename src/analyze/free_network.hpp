@@ -17,6 +17,8 @@ class FreeNetwork final : public InverseBlocks {
   void block(int a, int b, double* out) const override;
   /// Columns of the pseudo-inverse: those of the unknowns [first, first + count).
   Eigen::MatrixXd columns(int first, int count) const;
+  /// The pseudo-inverse times B.
+  Eigen::MatrixXd times(const Eigen::MatrixXd& B) const;
 
  private:
   Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& A, int block) const;

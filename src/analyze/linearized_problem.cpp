@@ -223,6 +223,14 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
   return columns;
 }
 
+MatrixXd LinearizedProblem::covarianceTimes(FreeGauge gauge, const MatrixXd& B) const {
+  if (gauge == FreeGauge::inner_constraints) return freeNetwork().times(B);
+  MatrixXd X;
+  const SolveStatus status = solveFor(B, X);
+  if (!status.ok) throw undetermined(status);
+  return X;
+}
+
 const InverseBlocks* LinearizedProblem::findInverse(SolveStatus& status) const {
   std::unique_ptr<InverseBlocks>& inverse = results_->inverse;
   status = {};

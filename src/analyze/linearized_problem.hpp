@@ -59,6 +59,8 @@ class LinearizedProblem {
   bool isExact() const;
   /// `count` columns of H^-1 (or, for a free gauge with inner constraints, of the pseudo-inverse) from `first` on.
   Eigen::MatrixXd covarianceColumns(FreeGauge gauge, int first, int count) const;
+  /// The same inverse times B.
+  Eigen::MatrixXd covarianceTimes(FreeGauge gauge, const Eigen::MatrixXd& B) const;
   /// Blocks of it. This and the above throw [slom.free-gauge], [slom.rank-deficient] or [slom.unmeasured-variable].
   const InverseBlocks& inverse(FreeGauge gauge) const;
   /// Whether the solver finds H^-1.

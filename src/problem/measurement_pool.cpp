@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "problem/group_keys.hpp"
 #include "problem/guarded.hpp"
 
 namespace slom {
@@ -35,7 +36,8 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
       columns_(columnsOf(type)),
       table_(table),
       active_(active),
-      losses_(new Losses) {}
+      losses_(new Losses),
+      group_keys_(nullptr) {}
 
 MeasurementPool::~MeasurementPool() = default;
 
@@ -157,6 +159,7 @@ void MeasurementPool::remove(int i) {
     rows_.pop_back();
   }
   if (loss_[hole] != nullptr) --loss_count_;
+  if (group_keys_) group_keys_->remove(hole, last);
   free_slots_.push_back(slot_[hole]);
   ++generation_[slot_[hole]];
   index_of_slot_[slot_[hole]] = -1;

@@ -9,6 +9,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "problem/uses.hpp"
+#include "slom/problem/group_table.hpp"
 
 namespace slom {
 
@@ -20,7 +21,7 @@ std::string intervalText(double lower, double upper) {
 }
 }  // namespace
 
-Problem::Problem() : uses_(nullptr) {}
+Problem::Problem() : uses_(nullptr), groups_(nullptr) {}
 Problem::~Problem() = default;
 
 int Problem::reserveVariable() {

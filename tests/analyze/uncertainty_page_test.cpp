@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <slom/analyze/clustered.hpp>
 #include <slom/posterior.hpp>
 #include <slom/slom.hpp>
 
@@ -44,6 +45,41 @@ struct Survey {
     }
   }
 };
+
+/// All distances are taken on each of 12 days, on which the tape has another length.
+TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
+  slom::Estimator est;
+  const auto church = est.insertRV(vec2(0, 0), false, "church"), mill = est.insertRV(vec2(100, 0), "mill"),
+             tower = est.insertRV(vec2(60, 80), "tower"), barn = est.insertRV(vec2(-20, 50), "barn"),
+             oak = est.insertRV(vec2(40, 40), "oak");
+  est.fix(mill, "y");
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal(0, 1);
+  const std::vector<slom::VarID<vec2>> points{church, mill, tower, barn, oak};
+  const std::vector<vec2> truth{*church, *mill, *tower, *barn, *oak};
+  for (int day = 0; day < 12; ++day) {
+    const double stretch = 1 + 3e-4 * normal(engine);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const double length = stretch * distance(truth[i], truth[j]) + 0.01 * normal(engine);
+        const auto &a = points[i], &b = points[j];
+  est.insertMeasurement(distance, a, b, slom::measured(length), slom::StandardDeviation(0.01),
+                        slom::named("tape"), slom::group("day", day));
+      }
+    }
+  }
+  ASSERT_TRUE(est.optimize().converged);
+  const slom::Clustered c = est.clustered({.by = {"day"}});
+  std::cout << c.report();
+  EXPECT_EQ(blocks(page(), "text").at(3), c.report());
+
+  const Eigen::VectorXd half = c.interval(barn, 0.95);       // each component +- half: 95 %, by Student's t
+  const Eigen::MatrixXd influence = c.influence(barn);       // days x 2, in standard deviations
+  const auto length = est.propagate(distance, c.jointCovariance(mill, barn), mill, barn);
+  EXPECT_GT(half[0], 2 * c.standardDeviation(barn)[0]);
+  EXPECT_EQ(influence.rows(), 12);
+  EXPECT_GT(length.standardDeviation()[0], est.propagate(distance, mill, barn).standardDeviation()[0]);
+}
 
 TEST(UncertaintyPage, Works) {
   Survey survey;

@@ -1,11 +1,12 @@
 /// What may follow a measurement's variables and data at its insertion, in any order: noise, a robust loss,
-/// a name for its group.
+/// a name for its group, groups of measurements that share errors.
 #pragma once
 
 #include <array>
 #include <string_view>
 #include <utility>
 
+#include "slom/model/group.hpp"
 #include "slom/model/indices.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/noise.hpp"
@@ -27,7 +28,7 @@ namespace detail {
 template <class T>
 inline constexpr bool is_named = std::is_same_v<T, Named>;
 template <class T>
-inline constexpr bool is_option = IsNoise<T> || IsLoss<T> || is_named<T>;
+inline constexpr bool is_option = IsNoise<T> || IsLoss<T> || is_named<T> || is_group<T>;
 
 /// Position of the only T in Tuple for which `Is` holds, -1 without one, -2 for more than one.
 template <class... T>
@@ -77,6 +78,17 @@ std::string_view labelAmong(const All& all) {
   } else {
     return {};
   }
+}
+
+/// The groups among the arguments. Throws [slom.bad-group].
+template <class... T, class All>
+auto groupsAmong(const All& all) {
+  Groups<group_count<T...>> groups;
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (groups.add(valueAt<I>(all)), ...);
+  }(std::index_sequence_for<T...>{});
+  requireDistinctDimensions(groups.all.data(), groups.count);
+  return groups;
 }
 
 /// Numbers of the arguments that are not options.

@@ -107,6 +107,10 @@ class MeasurementPool {
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
 
+  /// Number of the key of measurement i in this dimension of Problem::groups(); -1: none.
+  int groupKey(int dimension, int i) const;
+  void setGroupKey(int dimension, int i, int key);
+
   /// Where derivatives come from.
   DerivativeSource derivatives() const { return type_.derivatives; }
   /// Measurement i of a pool whose kind is known at run time; null for others.
@@ -210,6 +214,8 @@ class MeasurementPool {
   struct Losses;
   detail::Pimpl<Losses> losses_;  // the different ones
   int loss_count_ = 0;
+  struct GroupKeys;
+  detail::Pimpl<GroupKeys> group_keys_;  // null: no measurement ever had one
   std::vector<long> serial_;
   std::vector<std::uint32_t> slot_;        // slot of each measurement
   std::vector<int> index_of_slot_;         // -1: free

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "slom/model/group.hpp"
 #include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
 #include "slom/model/pimpl.hpp"
@@ -19,6 +20,8 @@
 #include "slom/problem/typed_pool.hpp"
 
 namespace slom {
+
+class GroupTable;
 
 class Problem {
  public:
@@ -97,6 +100,10 @@ class Problem {
     return locate(id.pool_, id.ref_);
   }
   void removeMeasurement(MeasurementPool& pool, int i);
+  /// Puts measurement i into these groups, of different dimensions.
+  void assignGroups(MeasurementPool& pool, int i, const Group* groups, int count);
+  /// Names of the groups of measurements that may share errors; null: no measurement ever was in one.
+  const GroupTable* groups() const { return groups_ ? &*groups_ : nullptr; }
   /// Calls f(pool, i) for each measurement that depends on the variable. The first call looks through all measurements; from then on
   /// the table is kept, and a call takes time in proportion to what it finds.
   template <class F>
@@ -224,6 +231,7 @@ class Problem {
   std::vector<TypedStore> stores_;
   std::vector<std::unique_ptr<MeasurementPool>> pools_;
   int group_count_ = 0;
+  detail::Pimpl<GroupTable> groups_;
   long inserted_ = 0;
   std::size_t measurement_count_ = 0;
   ChangeLog<Change> changes_;

@@ -1,0 +1,165 @@
+#include "slom/analyze/clustered.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "analyze/clustered_state.hpp"
+#include "base/classic_numbers.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
+#include "slom/analyze/chi_square.hpp"
+#include "slom/analyze/student.hpp"
+
+namespace slom {
+
+namespace {
+constexpr double kSaidShare = 0.01;   // of the stated variance, from which on a note says that it is stated
+constexpr double kAloneShare = 1e-6;  // of the stated variance of a component that a group determines alone
+}  // namespace
+
+const Problem& Clustered::problem() const { return state_->problem().problem(); }
+
+int Clustered::groupCount() const { return state_->ways[0].count(); }
+
+std::vector<std::string> Clustered::groups() const { return state_->ways[0].names; }
+
+std::vector<std::string> Clustered::notes() const { return state_->notes(); }
+
+int Clustered::blockLengthOf(int variable) const {
+  return state_->levelCount() == 1 ? 1 : 1 << state_->choice(variable).level;
+}
+
+void Clustered::writeCovariance(const int* variables, int count, double* out) const {
+  const Eigen::MatrixXd C = state_->covariance({variables, variables + count}).C;
+  std::copy_n(C.data(), C.size(), out);
+}
+
+void Clustered::writePerComponent(int variable, Kind kind, double probability, double* out) const {
+  Eigen::VectorXd result;
+  if (kind == Kind::stated_share) {
+    result = state_->covariance({variable}).stated_share;
+  } else {
+    result = state_->levelCount() == 1 ? state_->degreesOfFreedom(variable, 0) : state_->choice(variable).dof;
+  }
+  if (kind == Kind::interval) {
+    if (!(probability > 0 && probability < 1)) {
+      throw Error("slom.bad-option",
+                  "the probability of an interval is " + number(probability, 6) +
+                      "; pass a number between 0 and 1, such as 0.95",
+                  "probability");
+    }
+    const Eigen::MatrixXd C = state_->covariance({variable}).C;
+    for (Eigen::Index i = 0; i < result.size(); ++i)
+      result[i] = C(i, i) > 0 ? studentCritical(1 - probability, result[i]) * std::sqrt(C(i, i)) : 0;
+  }
+  std::copy_n(result.data(), result.size(), out);
+}
+
+void Clustered::writeInfluences(int variable, bool in_deviations, double* out) const {
+  const Eigen::MatrixXd Z = state_->columns(variable);
+  const ClusterScores& scores = state_->level(0).terms[0].scores;
+  Eigen::MatrixXd change = scores.effects(Z, ClusterCorrection::cr3);
+  const Eigen::VectorXd stated = state_->problem().times(Z).colwise().squaredNorm();
+  for (int g = 0; g < scores.count(); ++g) {
+    const bool is_unknown = !scores.factors()[at(g)].has_leverage || scores.isPrivate(variable, g);
+    for (Eigen::Index i = 0; i < change.cols(); ++i) {
+      if (stated[i] > 0 && (is_unknown || scores.aloneIn(Z.col(i), g) > kAloneShare * stated[i]))
+        change(g, i) = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  if (in_deviations) {
+    const Eigen::MatrixXd C = state_->covariance({variable}).C;
+    for (Eigen::Index i = 0; i < change.cols(); ++i)
+      change.col(i) *= C(i, i) > 0 ? 1 / std::sqrt(C(i, i)) : 0;
+  }
+  std::copy_n(change.data(), change.size(), out);
+}
+
+std::vector<ClusterCheck> Clustered::check() const {
+  static_cast<void>(state_->problem());
+  const ClusterScores& scores = state_->level(0).terms[0].scores;
+  std::vector<ClusterCheck> result;
+  for (int g = 0; g < scores.count(); ++g) {
+    const ClusterFactor& factor = scores.factors()[at(g)];
+    ClusterCheck check{scores.clustering().names[at(g)], static_cast<int>(scores.measurements(g).size())};
+    if (factor.has_leverage) {
+      const Eigen::VectorXd f = scores.factorsOf(ClusterCorrection::cr2, g);
+      for (Eigen::Index k = 0; k < f.size(); ++k) check.dof += f[k] > 0 ? 1 : 0;
+      check.statistic = f.cwiseProduct(factor.residual).squaredNorm() / state_->variance_factor;
+    }
+    if (check.dof > 0) check.probability = chiSquareProbability(check.statistic, check.dof);
+    result.push_back(std::move(check));
+  }
+  return result;
+}
+
+std::string Clustered::report(int most_unknowns) const {
+  const LinearizedProblem& linearized = state_->problem();
+  const Problem& all = linearized.problem();
+  struct Row {
+    std::string name;
+    double value, stated, clustered, dof;
+  };
+  std::vector<Row> rows;
+  std::size_t width = 9;
+  for (int v = 0; v < linearized.structure().system.blockCount(); ++v) {
+    if (static_cast<int>(rows.size()) >= most_unknowns) break;
+    if (linearized.structure().system.isEmpty(v)) continue;
+    const VariableRecord& record = all.variables()[at(v)];
+    const std::vector<std::string> names = all.componentNames(v);
+    std::vector<double> x(at(record.dof)), dof(at(record.dof));
+    record.store->coordinates(record.store->valueAt(record.slot), x.data());
+    const Eigen::MatrixXd C = state_->covariance({v}).C;
+    const Eigen::VectorXd stated = linearized.times(state_->columns(v)).colwise().norm();
+    writePerComponent(v, Kind::dof, 0, dof.data());
+    for (int c = 0; c < record.dof; ++c) {
+      if (linearized.activeSet().isFixedOrActive(v, c)) continue;
+      rows.push_back({names[at(c)], x[at(c)], stated[c] * std::sqrt(state_->variance_factor),
+                      std::sqrt(C(c, c)), dof[at(c)]});
+      width = std::max(width, names[at(c)].size());
+    }
+  }
+  const ClassicNumbers points;
+  const auto line = [&](const Row* row) {
+    char text[120];
+    std::snprintf(text, sizeof text, " %14s %12s %12s %8s\n", row ? number(row->value, 8).c_str() : "value",
+                  row ? number(row->stated).c_str() : "stated",
+                  row ? number(row->clustered).c_str() : "clustered", row ? number(row->dof).c_str() : "dof");
+    std::string name = row ? row->name : "parameter";
+    name.resize(width, ' ');
+    return "  " + name + text;
+  };
+  std::string text = line(nullptr);
+  for (const Row& row : rows) text += line(&row);
+  for (const std::string& note : notes()) text += "  note: " + note + "\n";
+  return text;
+}
+
+std::vector<std::string> Clustered::notesOn(int variable) const {
+  const State::Covariance covariance = state_->covariance({variable});
+  const std::vector<std::string> names = problem().componentNames(variable);
+  std::vector<std::string> result = notes(), stated;
+  for (Eigen::Index i = 0; i < covariance.stated_share.size(); ++i) {
+    const double share = covariance.stated_share[i];
+    if (share > kSaidShare)
+      stated.push_back(names[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
+  }
+  if (!stated.empty())
+    result.push_back(
+        "of the stated variance a part is determined by one group alone, or by measurements without a group, "
+        "and is taken as stated: " +
+        listed(stated, 8));
+  if (covariance.was_indefinite)
+    result.push_back("the covariance of " + problem().variableName(variable) +
+                     " by several ways had negative eigenvalues, which count as 0");
+  if (state_->levelCount() > 1 && !state_->choice(variable).levels_off)
+    result.push_back(
+        "the variance of " + problem().variableName(variable) + " still grows with blocks of " +
+        std::to_string(blockLengthOf(variable)) +
+        " groups, the longest of which there are enough; errors are shared for longer, and the variance is too small");
+  return result;
+}
+
+}  // namespace slom

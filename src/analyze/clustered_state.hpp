@@ -1,0 +1,66 @@
+/// What a Clustered computes with: the linearised problem, the groups, and what has been computed already.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analyze/cluster_scores.hpp"
+#include "analyze/robust_curvature.hpp"
+
+namespace slom {
+
+struct Clustered::State {
+  /// Throws [slom.no-groups], [slom.bad-group] or [slom.too-few-groups].
+  State(const std::shared_ptr<const LinearizedProblem>& linearized, FreeGauge gauge, double variance_factor,
+        ClusterOptions options);
+
+  /// One summand of the inclusion and exclusion over several ways.
+  struct Term {
+    ClusterScores scores;
+    double sign;
+    bool is_single;  // one way by itself
+  };
+  /// Scores with 2^level successive groups of the first way in one.
+  struct Level {
+    std::vector<Term> terms;  // that of the first way first
+  };
+  /// How many groups are taken together for a variable.
+  struct Choice {
+    int level = 0;
+    Eigen::VectorXd deviation, dof;  // where they are ordered
+    bool levels_off = true;
+  };
+  struct Covariance {
+    Eigen::MatrixXd C;
+    Eigen::VectorXd stated_share;
+    bool was_indefinite = false;
+  };
+
+  /// The problem; throws [slom.stale-clustered].
+  const LinearizedProblem& problem() const;
+  const Level& level(int l);
+  int levelCount() const;
+  /// Columns of H^-1, or of what a robust cost has in its place; 0 for what is fixed or at an active bound. Unknowns x dof.
+  Eigen::MatrixXd columns(int variable);
+  Covariance covarianceAt(int l, const std::vector<int>& variables);
+  Covariance covariance(const std::vector<int>& variables);
+  const Choice& choice(int variable);
+  Eigen::VectorXd degreesOfFreedom(int variable, int l);
+  std::vector<std::string> notes() const;
+
+  std::weak_ptr<const LinearizedProblem> linearized;
+  FreeGauge gauge;
+  double variance_factor;
+  ClusterOptions options;
+  std::vector<Clustering> ways;
+  std::vector<std::unique_ptr<Level>> levels;
+  std::map<int, Choice> choices;                        // of ordered groups, by variable
+  std::vector<std::pair<int, Eigen::MatrixXd>> recent;  // columns of the variables that were asked for last
+  std::optional<RobustCurvature> curvature;
+  bool is_convex = true;
+};
+
+}  // namespace slom

@@ -1,0 +1,111 @@
+// Intervals of simulated fits hold as often as they say, where errors are dependent within groups and where they are not.
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <slom/analyze/clustered.hpp>
+#include <slom/measurements.hpp>
+#include <slom/slom.hpp>
+
+namespace {
+
+using vec2 = mtk::vect<2>;
+using vec3 = mtk::vect<3>;
+using SE2 = mtk::trafo<mtk::SO2<>>;
+
+struct Line {
+  auto operator()(const auto& line, double x, double t) const { return line[0] + line[1] * x + line[2] * t; }
+};
+
+/// How often 95 % intervals hold, clustered and stated.
+struct Coverage {
+  int repetitions = 0;
+  Eigen::Vector3d clustered = Eigen::Vector3d::Zero(), stated = Eigen::Vector3d::Zero();
+};
+
+struct Design {
+  int groups = 20, per_group = 4, repetitions = 1000;
+  double shared = 1;           ///< standard deviation of what the errors of a group have in common
+  double autocorrelation = 0;  ///< of that between successive groups
+  bool ordered = false;
+};
+
+/// Regression on a constant, a number of the group, and a number of the measurement; sigma is stated as if all errors were independent.
+Coverage simulate(const Design& design) {
+  std::mt19937 engine(7);
+  std::normal_distribution<double> normal;
+  const double rho = design.autocorrelation;
+  std::vector<double> x, t;
+  double drift = 0;
+  for (int g = 0; g < design.groups; ++g) {
+    drift = rho * drift + std::sqrt(1 - rho * rho) * normal(engine);
+    for (int i = 0; i < design.per_group; ++i) {
+      x.push_back(drift);
+      t.push_back(normal(engine));
+    }
+  }
+  const vec3 truth(1, -2, 0.5);
+  const slom::StandardDeviation sigma(std::sqrt(1 + design.shared * design.shared));
+  Coverage result;
+  for (; result.repetitions < design.repetitions; ++result.repetitions) {
+    slom::Estimator est;
+    est.setThreads(1);
+    const auto line = est.insertRV(vec3(0, 0, 0));
+    double common = normal(engine);
+    for (int g = 0, k = 0; g < design.groups; ++g) {
+      common = rho * common + std::sqrt(1 - rho * rho) * normal(engine);
+      for (int i = 0; i < design.per_group; ++i, ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        const double y =
+            truth[0] + truth[1] * x[at] + truth[2] * t[at] + design.shared * common + normal(engine);
+        est.insertMeasurement(Line(), line, x[at], t[at], slom::measured(y), sigma, slom::group(g));
+      }
+    }
+    est.optimize({.most_parameters = 0});
+    const slom::Clustered c = est.clustered({.ordered = design.ordered});
+    const Eigen::Vector3d error = *line - truth, half = c.interval(line, 0.95),
+                          stated = 1.959964 * est.standardDeviation(line);
+    for (int k = 0; k < 3; ++k) {
+      result.clustered[k] += std::abs(error[k]) <= half[k] ? 1 : 0;
+      result.stated[k] += std::abs(error[k]) <= stated[k] ? 1 : 0;
+    }
+  }
+  result.clustered /= design.repetitions;
+  result.stated /= design.repetitions;
+  return result;
+}
+
+class ClusteredCoverage : public ::testing::TestWithParam<int> {};
+
+TEST_P(ClusteredCoverage, OfErrorsThatGroupsShare) {
+  const Coverage coverage = simulate({.groups = GetParam()});
+  EXPECT_GE(coverage.clustered.minCoeff(), 0.93) << coverage.clustered.transpose();
+  EXPECT_LE(coverage.clustered.maxCoeff(), 0.97) << coverage.clustered.transpose();
+  EXPECT_LT(coverage.stated.minCoeff(), 0.85) << coverage.stated.transpose();
+}
+
+INSTANTIATE_TEST_SUITE_P(Groups, ClusteredCoverage, ::testing::Values(10, 20, 50));
+
+TEST(ClusteredCoverage, OfIndependentErrors) {
+  const Coverage coverage = simulate({.shared = 0});
+  EXPECT_GE(coverage.clustered.minCoeff(), 0.93) << coverage.clustered.transpose();
+  EXPECT_LE(coverage.clustered.maxCoeff(), 0.97) << coverage.clustered.transpose();
+  EXPECT_GE(coverage.stated.minCoeff(), 0.93) << coverage.stated.transpose();
+  EXPECT_LE(coverage.stated.maxCoeff(), 0.97) << coverage.stated.transpose();
+}
+
+TEST(ClusteredCoverage, OfErrorsThatSuccessiveGroupsShare) {
+  const Design design{.groups = 200, .per_group = 2, .repetitions = 500, .autocorrelation = 0.6};
+  const Coverage alone = simulate(design);
+  EXPECT_LT(alone.clustered[0], 0.80);
+  Design ordered = design;
+  ordered.ordered = true;
+  const Coverage coverage = simulate(ordered);
+  EXPECT_GE(coverage.clustered.minCoeff(), 0.92) << coverage.clustered.transpose();
+  EXPECT_LE(coverage.clustered.maxCoeff(), 0.98) << coverage.clustered.transpose();
+}
+
+}  // namespace
