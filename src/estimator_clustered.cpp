@@ -11,7 +11,8 @@ Clustered Estimator::clustered(const ClusterOptions& options) const {
   const double factor = state_->varianceFactor();
   if (!state_->isAtMinimum(factor)) {
     throw Error("slom.not-a-minimum",
-                "clustered covariances are those of a fit, and the values are not at one; optimize first",
+                "clustered covariances are those of a fit, and the values are not at one; call optimize() "
+                "and see in its summary whether it has converged",
                 "clustered");
   }
   return state_->analyze([&](const LinearizedProblem&) {

@@ -442,6 +442,7 @@ class Estimator {
     std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
     Eigen::MatrixXd J(scratch.getM(), scratch.getN());
     scratch.writeJacobian(J.data());
+    detail::requireCovarianceSize(C.rows(), C.cols(), static_cast<int>(J.cols()));
     Propagated<V> result{std::move(value), Eigen::MatrixXd(J.rows(), J.rows())};
     detail::propagate(J.data(), C.data(), static_cast<int>(J.rows()), static_cast<int>(J.cols()),
                       result.covariance.data());

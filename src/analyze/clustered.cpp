@@ -23,9 +23,15 @@ const Problem& Clustered::problem() const { return state_->problem().problem(); 
 
 int Clustered::groupCount() const { return state_->ways[0].count(); }
 
-std::vector<std::string> Clustered::groups() const { return state_->ways[0].names; }
+std::vector<std::string> Clustered::groups() const {
+  static_cast<void>(problem());
+  return state_->ways[0].names;
+}
 
-std::vector<std::string> Clustered::notes() const { return state_->notes(); }
+std::vector<std::string> Clustered::notes() const {
+  static_cast<void>(problem());
+  return state_->notes();
+}
 
 int Clustered::blockLengthOf(int variable) const {
   return state_->levelCount() == 1 ? 1 : 1 << state_->choice(variable).level;
@@ -103,10 +109,12 @@ std::string Clustered::report(int most_unknowns) const {
     double value, stated, clustered, dof;
   };
   std::vector<Row> rows;
+  std::vector<int> shown;
   std::size_t width = 9;
   for (int v = 0; v < linearized.structure().system.blockCount(); ++v) {
     if (static_cast<int>(rows.size()) >= most_unknowns) break;
     if (linearized.structure().system.isEmpty(v)) continue;
+    shown.push_back(v);
     const VariableRecord& record = all.variables()[at(v)];
     const std::vector<std::string> names = all.componentNames(v);
     std::vector<double> x(at(record.dof)), dof(at(record.dof));
@@ -133,32 +141,42 @@ std::string Clustered::report(int most_unknowns) const {
   };
   std::string text = line(nullptr);
   for (const Row& row : rows) text += line(&row);
-  for (const std::string& note : notes()) text += "  note: " + note + "\n";
+  for (const std::string& note : notesOn(shown.data(), static_cast<int>(shown.size())))
+    text += "  note: " + note + "\n";
   return text;
 }
 
-std::vector<std::string> Clustered::notesOn(int variable) const {
-  const State::Covariance covariance = state_->covariance({variable});
-  const std::vector<std::string> names = problem().componentNames(variable);
-  std::vector<std::string> result = notes(), stated;
-  for (Eigen::Index i = 0; i < covariance.stated_share.size(); ++i) {
-    const double share = covariance.stated_share[i];
-    if (share > kSaidShare)
-      stated.push_back(names[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
+std::vector<std::string> Clustered::notesOn(const int* variables, int count) const {
+  std::vector<std::string> stated, indefinite, smaller, growing;
+  for (const int* v = variables; v < variables + count; ++v) {
+    const State::Covariance covariance = state_->covariance({*v});
+    const std::vector<std::string> components = problem().componentNames(*v);
+    const std::string name = problem().variableName(*v);
+    for (Eigen::Index i = 0; i < covariance.stated_share.size(); ++i) {
+      const double share = covariance.stated_share[i];
+      if (share > kSaidShare)
+        stated.push_back(components[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
+    }
+    if (covariance.was_indefinite) indefinite.push_back(name);
+    if (covariance.was_smaller) smaller.push_back(name);
+    if (state_->levelCount() > 1 && !state_->choice(*v).levels_off)
+      growing.push_back(name + " with blocks of " + std::to_string(blockLengthOf(*v)) + " groups");
   }
-  if (!stated.empty())
-    result.push_back(
-        "of the stated variance a part is determined by one group alone, or by measurements without a group, "
-        "and is taken as stated: " +
-        listed(stated, 8));
-  if (covariance.was_indefinite)
-    result.push_back("the covariance of " + problem().variableName(variable) +
-                     " by several ways had negative eigenvalues, which count as 0");
-  if (state_->levelCount() > 1 && !state_->choice(variable).levels_off)
-    result.push_back(
-        "the variance of " + problem().variableName(variable) + " still grows with blocks of " +
-        std::to_string(blockLengthOf(variable)) +
-        " groups, the longest of which there are enough; errors are shared for longer, and the variance is too small");
+  std::vector<std::string> result = notes();
+  const auto say = [&](const std::vector<std::string>& of, const std::string& before,
+                       const std::string& after) {
+    if (!of.empty()) result.push_back(before + listed(of, 8) + after);
+  };
+  say(stated,
+      "of the stated variance a part is determined by one group alone, or by measurements without a group, "
+      "and is taken as stated: ",
+      "");
+  say(indefinite, "the covariance by several ways had negative eigenvalues, which count as 0: ", "");
+  say(smaller, "several ways together gave a smaller variance than one of them alone, which is taken: ", "");
+  say(growing,
+      "the variance still grows at the largest length of blocks of which there are enough; errors are shared "
+      "for longer, and the variance is too small: ",
+      "");
   return result;
 }
 

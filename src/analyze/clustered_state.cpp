@@ -22,6 +22,7 @@ constexpr int kFewestBlocks = 8;        // of successive groups
 constexpr std::size_t kMostRecent = 8;  // variables whose columns are kept
 constexpr double kNoShare = 1e-6;       // of the stated variance: rounding
 constexpr int kMostWays = 4;
+constexpr double kRoundedVariance = 1e-9;  // relative difference of variances that is rounding
 
 /// The ways of grouping that are meant where none is named.
 std::vector<ClusterBy> usualWays(const Problem& problem) {
@@ -55,6 +56,12 @@ bool makeSemidefinite(MatrixXd& C, const VectorXd& scale) {
 Clustered::State::State(const std::shared_ptr<const LinearizedProblem>& problem, FreeGauge free_gauge,
                         double factor, ClusterOptions all)
     : linearized(problem), gauge(free_gauge), variance_factor(factor), options(std::move(all)) {
+  if (options.most_columns < 0) {
+    throw Error("slom.bad-option",
+                "most_columns is " + std::to_string(options.most_columns) +
+                    "; pass the number of columns of H^-1 that may be computed, such as 5000",
+                "most_columns");
+  }
   if (options.by.empty()) options.by = usualWays(problem->problem());
   if (options.by.size() > at(kMostWays)) {
     throw Error("slom.bad-option",
@@ -163,8 +170,11 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   result.C = ((result.C + result.C.transpose()) / 2).eval();
   if (level(l).terms.size() > 1) {
     result.was_indefinite = makeSemidefinite(result.C, scale);
+    // Errors that one way groups are dependent by all ways together, too; with few groups the difference may say less.
     for (Index i = 0; i < n; ++i) {
-      if (largest[i] > 0 && !(result.C(i, i) > kNoShare * largest[i])) result.C(i, i) = largest[i];
+      if (!(result.C(i, i) < largest[i] * (1 - kRoundedVariance))) continue;
+      result.C(i, i) = largest[i];
+      result.was_smaller = true;
     }
   }
   return result;

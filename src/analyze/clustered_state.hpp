@@ -37,6 +37,7 @@ struct Clustered::State {
     Eigen::MatrixXd C;
     Eigen::VectorXd stated_share;
     bool was_indefinite = false;
+    bool was_smaller = false;  // than that by one way alone, which takes its place
   };
 
   /// The problem; throws [slom.stale-clustered].

@@ -197,7 +197,8 @@ class ClusterMaker {
                 "no measurement is in a group " + name +
                     (known.empty() ? "; pass slom::group(key) to insertMeasurement, or group by "
                                      "slom::ClusterBy::variables, label or function"
-                                   : "; there are " + listed(known)),
+                                   : "; there are " + listed(known) + ", as in {.by = {\"" +
+                                         groups->dimension(0) + "\"}}"),
                 by_.name_.empty() ? "groups" : by_.name_);
   }
 

@@ -1,6 +1,9 @@
 #include "analyze/covariance.hpp"
 
+#include <string>
+
 #include "base/index.hpp"
+#include "base/words.hpp"
 
 namespace slom {
 
@@ -55,6 +58,17 @@ MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
     column += table[at(b)].dof;
   }
   return (C + C.transpose()) / 2;
+}
+
+void detail::requireCovarianceSize(Eigen::Index rows, Eigen::Index columns, int n) {
+  if (rows == n && columns == n) return;
+  const auto size = [](Eigen::Index a, Eigen::Index b) {
+    return std::to_string(a) + " x " + std::to_string(b);
+  };
+  throw Error("slom.wrong-length",
+              "propagate got a covariance of " + size(rows, columns) + ", but its variables have " +
+                  counted(n, "degree") + " of freedom together; pass their joint covariance, " + size(n, n),
+              "propagate");
 }
 
 void detail::propagate(const double* J, const double* C, int m, int n, double* out) {

@@ -39,9 +39,9 @@ bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcom
     return ++uphill_ <= kUphillSteps;
   }
   if (outcome.rss_after <= outcome.rss_before) return true;
-  // With first estimates the gradient is not that of the RSS, which rises by up to what a step promises where that step leads to its root.
-  if (!evaluator.problem().firstEstimates().isEmpty() &&
-      outcome.rss_after <= outcome.rss_before + outcome.predicted_decrease)
+  // With first estimates the gradient is not that of the RSS, which may rise where a step leads to its root: the predicted decrease,
+  // which is 0 there, decides.
+  if (!evaluator.problem().firstEstimates().isEmpty())
     return evaluator.cameCloser({}, outcome.predicted_decrease);
   const bool is_judged = !evaluator.mayBeRounding(outcome.rss_before - outcome.rss_after) ||
                          !evaluator.mayBeRounding(outcome.predicted_decrease);

@@ -1,4 +1,5 @@
 // Clustered covariances against their textbook formulas with dense matrices, and against fits without a group.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -236,10 +237,11 @@ TEST(Clustered, ByTwoWays) {
   for (std::size_t i = 0; i < both.size(); ++i)
     both[i] = fit.group[i] < 0 ? -1 : 10 * fit.group[i] + fit.other[i];
   const slom::Clustered c = fit.est.clustered({.by = {"set", "place"}});
-  const MatrixXd dense = denseClustered(fit, fit.group, ClusterCorrection::cr2).C +
-                         denseClustered(fit, fit.other, ClusterCorrection::cr2).C -
-                         denseClustered(fit, both, ClusterCorrection::cr2).C;
+  const MatrixXd by_set = denseClustered(fit, fit.group, ClusterCorrection::cr2).C,
+                 by_place = denseClustered(fit, fit.other, ClusterCorrection::cr2).C;
+  MatrixXd dense = by_set + by_place - denseClustered(fit, both, ClusterCorrection::cr2).C;
   ASSERT_GT(Eigen::SelfAdjointEigenSolver<MatrixXd>(dense).eigenvalues()[0], 0);
+  dense.diagonal() = dense.diagonal().cwiseMax(by_set.diagonal()).cwiseMax(by_place.diagonal()).eval();
   EXPECT_LT(relative(c.covariance(fit.line), dense), 1e-9);
   EXPECT_EQ(c.degreesOfFreedom(fit.line)[0],
             std::min(fit.est.clustered({.by = {"set"}}).degreesOfFreedom(fit.line)[0],
@@ -263,7 +265,36 @@ TEST(Clustered, ByTwoWaysThatContradictEachOther) {
   EXPECT_FALSE(std::isnan(s));
   const std::vector<std::string> notes = c.notes(level);
   ASSERT_EQ(notes.size(), 3U);
-  EXPECT_EQ(notes[2], "the covariance of level by several ways had negative eigenvalues, which count as 0");
+  EXPECT_EQ(notes[2], "the covariance by several ways had negative eigenvalues, which count as 0: level");
+}
+
+/// A second way in which no errors are shared, of few groups: their chance contributions do not make variances smaller.
+TEST(Clustered, ByTwoWaysIsNoLessThanByOne) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal;
+  int smaller = 0;
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    slom::Estimator est;
+    const auto level = est.insertRV(0.0, "level");
+    const auto is = [](const auto& x) { return x; };
+    for (int day = 0; day < 12; ++day) {
+      const double shared = normal(engine);
+      for (int station = 0; station < 4; ++station)
+        est.insertMeasurement(is, level, slom::measured(shared + 0.3 * normal(engine)),
+                              slom::group("day", day), slom::group("station", station));
+    }
+    est.optimize();
+    const slom::Clustered both = est.clustered({.by = {"day", "station"}});
+    const double by_day = est.clustered({.by = {"day"}}).standardDeviation(level)[0];
+    EXPECT_GE(both.standardDeviation(level)[0], by_day * (1 - 1e-8));
+    const std::string note =
+        "several ways together gave a smaller variance than one of them alone, which is taken: level";
+    const std::vector<std::string> notes = both.notes(level);
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) continue;
+    ++smaller;
+    EXPECT_NE(both.report().find("  note: " + note + "\n"), std::string::npos);
+  }
+  EXPECT_GT(smaller, 2);
 }
 
 TEST(Clustered, ChangesAreThoseOfFitsWithoutAGroup) {
@@ -519,8 +550,8 @@ TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
   const Series c(drifting);
   EXPECT_EQ(
       of(c).notes(c.level).at(0),
-      "the variance of level still grows with blocks of 16 groups, the longest of which there are enough; errors are "
-      "shared for longer, and the variance is too small");
+      "the variance still grows at the largest length of blocks of which there are enough; errors are shared for "
+      "longer, and the variance is too small: level with blocks of 16 groups");
   EXPECT_GT(of(c).standardDeviation(c.level)[0], 2 * alone(c).standardDeviation(c.level)[0]);
 
   const Series d(few);
@@ -562,14 +593,16 @@ TEST(Clustered, Faults) {
   est.insertMeasurement(is, level, slom::measured(1.5), slom::group("image", 1));
   EXPECT_EQ(
       messageOf([&] { est.clustered(); }),
-      "[slom.not-a-minimum] clustered covariances are those of a fit, and the values are not at one; optimize first");
+      "[slom.not-a-minimum] clustered covariances are those of a fit, and the values are not at one; call "
+      "optimize() and see in its summary whether it has converged");
   est.optimize();
   EXPECT_EQ(
       messageOf([&] { est.clustered(); }),
       "[slom.too-few-groups] clustered covariances compare groups, and by image there is one group; group measurements "
       "so that there are at least two, better ten");
-  EXPECT_EQ(messageOf([&] { est.clustered({.by = {"corner"}}); }),
-            "[slom.no-groups] no measurement is in a group of \"corner\"; there are image");
+  EXPECT_EQ(
+      messageOf([&] { est.clustered({.by = {"corner"}}); }),
+      "[slom.no-groups] no measurement is in a group of \"corner\"; there are image, as in {.by = {\"image\"}}");
   EXPECT_EQ(
       messageOf([&] { est.clustered({.by = {slom::ClusterBy::variablesOf<double>()}}); }),
       "[slom.bad-group] measurement b #1 depends on level and on difference, and can be grouped by one of them alone; "
@@ -580,6 +613,13 @@ TEST(Clustered, Faults) {
               est.clustered({.by = {"image", "image", "image", "image", "image"}});
             }),
             "[slom.bad-option] measurements are to be grouped in 5 ways at once; pass at most 4");
+  EXPECT_EQ(
+      messageOf([&] { est.clustered({.most_columns = -3}); }),
+      "[slom.bad-option] most_columns is -3; pass the number of columns of H^-1 that may be computed, such as 5000");
+  EXPECT_EQ(
+      messageOf([&] { est.propagate(is, Eigen::MatrixXd(2, 2), level); }),
+      "[slom.wrong-length] propagate got a covariance of 2 x 2, but its variables have 1 degree of freedom "
+      "together; pass their joint covariance, 1 x 1");
   const auto second = est.insertMeasurement(is, level, slom::measured(1.7), slom::group("image", 2));
   est.optimize();
   const slom::Clustered c = est.clustered();
@@ -592,6 +632,8 @@ TEST(Clustered, Faults) {
       "clustered() again";
   EXPECT_EQ(messageOf([&] { c.covariance(level); }), stale);
   EXPECT_EQ(messageOf([&] { c.check(); }), stale);
+  EXPECT_EQ(messageOf([&] { c.groups(); }), stale);
+  EXPECT_EQ(messageOf([&] { c.notes(); }), stale);
   est.optimize();
   EXPECT_EQ(messageOf([&] { c.covariance(level); }), stale);
   std::optional<slom::Clustered> left;

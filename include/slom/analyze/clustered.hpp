@@ -102,7 +102,7 @@ class ClusterBy {
 
 struct ClusterOptions {
   /// The ways of grouping. Errors may be dependent between measurements that are in one group by any of them: images, and corners of the
-  /// board. Empty: the groups made by slom::group without a name or, where there are none, those of its only name.
+  /// board. Variances are at least those of each way alone. Empty: the groups made by slom::group without a name or, where there are none, those of its only name.
   ///   source   Cameron, Gelbach and Miller, "Robust inference with multiway clustering", 2011
   std::vector<ClusterBy> by{};
   ClusterCorrection correction = ClusterCorrection::cr2;
@@ -203,14 +203,15 @@ class Clustered {
   std::vector<std::string> groups() const;
   /// Whether each of them pulls the values more than its stated uncertainties allow, in the order of groups().
   std::vector<ClusterCheck> check() const;
-  /// The first unknowns, as many as that: value, stated and clustered standard deviation, degrees of freedom; and notes().
+  /// The first unknowns, as many as that: value, stated and clustered standard deviation, degrees of freedom; and the notes on them.
   std::string report(int most_unknowns = 40) const;
   /// Sentences on what limits these numbers: few groups, measurements without one, ...
   std::vector<std::string> notes() const;
-  /// The same with those on this variable.
+  /// The same with those on this variable: what of its variance is as stated, or too small.
   template <class T>
   std::vector<std::string> notes(const VarID<T>& id) const {
-    return notesOn(indexOf(id));
+    const int variable = indexOf(id);
+    return notesOn(&variable, 1);
   }
 
   struct State;
@@ -239,7 +240,7 @@ class Clustered {
   // Plain numbers, as of Estimator: Eigen's dynamic types may be allocated otherwise in the compiled library.
   const Problem& problem() const;
   int groupCount() const;
-  std::vector<std::string> notesOn(int variable) const;
+  std::vector<std::string> notesOn(const int* variables, int count) const;
   int blockLengthOf(int variable) const;
   void writeCovariance(const int* variables, int count, double* out) const;
   void writePerComponent(int variable, Kind kind, double probability, double* out) const;

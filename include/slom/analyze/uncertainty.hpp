@@ -43,6 +43,8 @@ inline Eigen::VectorXd deviations(const Eigen::MatrixXd& C) {
 }
 /// out := J C J^T for J m x n, all column-major.
 void propagate(const double* J, const double* C, int m, int n, double* out);
+/// Throws [slom.wrong-length] unless C is n x n.
+void requireCovarianceSize(Eigen::Index rows, Eigen::Index columns, int n);
 }  // namespace detail
 
 /// Covariances of all variables, each by itself, at the values at which they were computed. It answers for the variables that

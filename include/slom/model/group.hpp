@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -17,20 +18,22 @@ namespace slom {
 
 /// The key of a group, in a dimension: the name of one way of grouping. Empty is the name of the usual one.
 struct Group {
-  std::string_view dimension;
-  std::string_view text;    ///< the key, where it is a text
+  std::string dimension;
+  std::string text;         ///< the key, where it is a text
   std::int64_t number = 0;  ///< the key, where it is a number
   bool is_text = false;
 };
 
 /// Puts a measurement into the group with this key. Measurements without one have errors that are independent, as stated.
 inline Group group(std::integral auto key) { return {{}, {}, static_cast<std::int64_t>(key), false}; }
-inline Group group(std::string_view key) { return {{}, key, 0, true}; }
+inline Group group(std::string_view key) { return {{}, std::string(key), 0, true}; }
 /// The same in a dimension of this name; a measurement may be in a group of each dimension.
 inline Group group(std::string_view dimension, std::integral auto key) {
-  return {dimension, {}, static_cast<std::int64_t>(key), false};
+  return {std::string(dimension), {}, static_cast<std::int64_t>(key), false};
 }
-inline Group group(std::string_view dimension, std::string_view key) { return {dimension, key, 0, true}; }
+inline Group group(std::string_view dimension, std::string_view key) {
+  return {std::string(dimension), std::string(key), 0, true};
+}
 
 namespace detail {
 
