@@ -17,6 +17,45 @@ namespace slom {
 namespace {
 constexpr double kSaidShare = 0.01;   // of the stated variance, from which on a note says that it is stated
 constexpr double kAloneShare = 1e-6;  // of the stated variance of a component that a group determines alone
+
+/// Sentences on variables whose variance is, in part, as stated, or too small.
+class VariableNotes {
+ public:
+  void add(Clustered::State& state, int variable, const Clustered::State::Covariance& covariance) {
+    const Problem& problem = state.problem().problem();
+    const std::vector<std::string> components = problem.componentNames(variable);
+    const std::string name = problem.variableName(variable);
+    for (Eigen::Index i = 0; i < covariance.stated_share.size(); ++i) {
+      const double share = covariance.stated_share[i];
+      if (share > kSaidShare)
+        stated_.push_back(components[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
+    }
+    if (covariance.was_indefinite) indefinite_.push_back(name);
+    if (covariance.was_smaller) smaller_.push_back(name);
+    if (state.levelCount() > 1 && !state.choice(variable).levels_off)
+      growing_.push_back(name + " with blocks of " + std::to_string(1 << state.choice(variable).level) +
+                         " groups");
+  }
+  /// The notes on everything, and these after them.
+  std::vector<std::string> after(std::vector<std::string> notes) const {
+    const auto say = [&](const char* sentence, const std::vector<std::string>& of) {
+      if (!of.empty()) notes.push_back(sentence + listed(of, 8));
+    };
+    say("of the stated variance a part is determined by one group alone, or by measurements without a group, "
+        "and is taken as stated: ",
+        stated_);
+    say("the covariance by several ways had negative eigenvalues, which count as 0: ", indefinite_);
+    say("several ways together gave a smaller variance than one of them alone, which is taken: ", smaller_);
+    say("the variance still grows at the largest length of blocks of which there are enough; errors are shared "
+        "for longer, and the variance is too small: ",
+        growing_);
+    return notes;
+  }
+
+ private:
+  std::vector<std::string> stated_, indefinite_, smaller_, growing_;
+};
+
 }  // namespace
 
 const Problem& Clustered::problem() const { return state_->problem().problem(); }
@@ -109,23 +148,23 @@ std::string Clustered::report(int most_unknowns) const {
     double value, stated, clustered, dof;
   };
   std::vector<Row> rows;
-  std::vector<int> shown;
+  VariableNotes own;
   std::size_t width = 9;
   for (int v = 0; v < linearized.structure().system.blockCount(); ++v) {
     if (static_cast<int>(rows.size()) >= most_unknowns) break;
     if (linearized.structure().system.isEmpty(v)) continue;
-    shown.push_back(v);
     const VariableRecord& record = all.variables()[at(v)];
     const std::vector<std::string> names = all.componentNames(v);
     std::vector<double> x(at(record.dof)), dof(at(record.dof));
     record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    const Eigen::MatrixXd C = state_->covariance({v}).C;
+    const State::Covariance covariance = state_->covariance({v});
+    own.add(*state_, v, covariance);
     const Eigen::VectorXd stated = linearized.times(state_->columns(v)).colwise().norm();
     writePerComponent(v, Kind::dof, 0, dof.data());
     for (int c = 0; c < record.dof; ++c) {
       if (linearized.activeSet().isFixedOrActive(v, c)) continue;
       rows.push_back({names[at(c)], x[at(c)], stated[c] * std::sqrt(state_->variance_factor),
-                      std::sqrt(C(c, c)), dof[at(c)]});
+                      std::sqrt(covariance.C(c, c)), dof[at(c)]});
       width = std::max(width, names[at(c)].size());
     }
   }
@@ -141,43 +180,14 @@ std::string Clustered::report(int most_unknowns) const {
   };
   std::string text = line(nullptr);
   for (const Row& row : rows) text += line(&row);
-  for (const std::string& note : notesOn(shown.data(), static_cast<int>(shown.size())))
-    text += "  note: " + note + "\n";
+  for (const std::string& note : own.after(notes())) text += "  note: " + note + "\n";
   return text;
 }
 
-std::vector<std::string> Clustered::notesOn(const int* variables, int count) const {
-  std::vector<std::string> stated, indefinite, smaller, growing;
-  for (const int* v = variables; v < variables + count; ++v) {
-    const State::Covariance covariance = state_->covariance({*v});
-    const std::vector<std::string> components = problem().componentNames(*v);
-    const std::string name = problem().variableName(*v);
-    for (Eigen::Index i = 0; i < covariance.stated_share.size(); ++i) {
-      const double share = covariance.stated_share[i];
-      if (share > kSaidShare)
-        stated.push_back(components[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
-    }
-    if (covariance.was_indefinite) indefinite.push_back(name);
-    if (covariance.was_smaller) smaller.push_back(name);
-    if (state_->levelCount() > 1 && !state_->choice(*v).levels_off)
-      growing.push_back(name + " with blocks of " + std::to_string(blockLengthOf(*v)) + " groups");
-  }
-  std::vector<std::string> result = notes();
-  const auto say = [&](const std::vector<std::string>& of, const std::string& before,
-                       const std::string& after) {
-    if (!of.empty()) result.push_back(before + listed(of, 8) + after);
-  };
-  say(stated,
-      "of the stated variance a part is determined by one group alone, or by measurements without a group, "
-      "and is taken as stated: ",
-      "");
-  say(indefinite, "the covariance by several ways had negative eigenvalues, which count as 0: ", "");
-  say(smaller, "several ways together gave a smaller variance than one of them alone, which is taken: ", "");
-  say(growing,
-      "the variance still grows at the largest length of blocks of which there are enough; errors are shared "
-      "for longer, and the variance is too small: ",
-      "");
-  return result;
+std::vector<std::string> Clustered::notesOn(int variable) const {
+  VariableNotes own;
+  own.add(*state_, variable, state_->covariance({variable}));
+  return own.after(notes());
 }
 
 }  // namespace slom

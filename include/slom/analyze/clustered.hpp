@@ -210,8 +210,7 @@ class Clustered {
   /// The same with those on this variable: what of its variance is as stated, or too small.
   template <class T>
   std::vector<std::string> notes(const VarID<T>& id) const {
-    const int variable = indexOf(id);
-    return notesOn(&variable, 1);
+    return notesOn(indexOf(id));
   }
 
   struct State;
@@ -240,7 +239,7 @@ class Clustered {
   // Plain numbers, as of Estimator: Eigen's dynamic types may be allocated otherwise in the compiled library.
   const Problem& problem() const;
   int groupCount() const;
-  std::vector<std::string> notesOn(const int* variables, int count) const;
+  std::vector<std::string> notesOn(int variable) const;
   int blockLengthOf(int variable) const;
   void writeCovariance(const int* variables, int count, double* out) const;
   void writePerComponent(int variable, Kind kind, double probability, double* out) const;
