@@ -3,6 +3,7 @@
 #include <ostream>
 #include <utility>
 
+#include "analyze/covariance.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
 #include "online/online_fit.hpp"
@@ -60,6 +61,30 @@ void Estimator::writeUpdatedCovariance(int variable_a, int variable_b, double* b
   const int entries = problem().variables()[static_cast<std::size_t>(variable_a)].dof *
                       problem().variables()[static_cast<std::size_t>(variable_b)].dof;
   for (int i = 0; i < entries; ++i) block[i] *= factor;
+}
+
+Marginals Estimator::updatedMarginals(double tolerance) const {
+  if (!(tolerance >= 0 && tolerance < 1)) {
+    throw Error("slom.bad-option",
+                "the tolerance of marginals is " + number(tolerance, 6) +
+                    "; pass a number from 0 to below 1, such as 1e-3",
+                "tolerance");
+  }
+  if (state_->online == nullptr) {
+    throw Error(
+        "slom.not-updated",
+        "marginals of an update were asked for, but update() was never called; call update() first, or "
+        "ask marginals()",
+        "");
+  }
+  OnlineFit& online = *state_->online;
+  online.updateMarginals(tolerance);
+  const auto write = [&](int variable, double* block) {
+    if (!online.hasBlock(variable)) return false;
+    online.writeMarginal(variable, block);
+    return true;
+  };
+  return makeMarginals(problem(), write, state_->varianceFactor());
 }
 
 UpdateSummary Estimator::update(const UpdateOptions& options) {

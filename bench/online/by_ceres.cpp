@@ -23,7 +23,7 @@ void readPose(const std::vector<const double*>& blocks, io::Pose3& pose) {
 
 /// The poses 0 to `last` at their present values, and the edges between them.
 template <class Pose>
-io::PoseGraph<Pose> partOf(const io::PoseGraph<Pose>& graph, const Map<Pose>& map, int last) {
+io::PoseGraph<Pose> partOf(const io::PoseGraph<Pose>& graph, const Map<io::PoseGraph<Pose>>& map, int last) {
   io::PoseGraph<Pose> part;
   part.poses.assign(graph.poses.begin(), graph.poses.begin() + last + 1);
   for (int p = 0; p <= last; ++p) {
@@ -41,7 +41,7 @@ io::PoseGraph<Pose> partOf(const io::PoseGraph<Pose>& graph, const Map<Pose>& ma
 template <class Pose>
 Replay replayByCeres(const io::PoseGraph<Pose>& graph) {
   Estimator est;  // holds the values
-  Map<Pose> map(est, graph);
+  Map<io::PoseGraph<Pose>> map(est, graph);
   Replay replay{.method = "Ceres, each 10th pose"};
   bool has_closed = false;  // since the last fit
   const int last = static_cast<int>(graph.poses.size()) - 1;
@@ -58,7 +58,7 @@ Replay replayByCeres(const io::PoseGraph<Pose>& graph) {
       readPose(problem->blocks[static_cast<std::size_t>(i)], value);
       est.reinitRV(map.pose(i), value);
     }
-    if (p % kCompared == 0) replay.checks.push_back(compare(est, map, p));
+    if (p % kCompared == 0) replay.checks.push_back(compare<io::PoseGraph<Pose>>(est, map, p));
   }
   replay.rss = est.getRSS();
   return replay;

@@ -1,4 +1,4 @@
-// Pose graphs fed pose by pose: update(), and one optimizeStep() of everything for comparison.
+// Maps fed pose by pose: update(), and one optimizeStep() of everything for comparison.
 #include "fit/stopwatch.hpp"
 #include "online/check.hpp"
 
@@ -7,9 +7,8 @@ namespace slom::bench {
 namespace {
 
 /// Adds the poses in their order, the first one fixed; calls fit() after each further one, and after(p) without taking its time.
-template <class Pose, class Fit, class After>
-void feed(const io::PoseGraph<Pose>& graph, Map<Pose>& map, Replay& replay, const Fit& fit,
-          const After& after) {
+template <class Graph, class Fit, class After>
+void feed(const Graph& graph, Map<Graph>& map, Replay& replay, const Fit& fit, const After& after) {
   map.add(0, map.startOf(0), true);
   for (int p = 1; p < static_cast<int>(graph.poses.size()); ++p) {
     bool has_closed = false;
@@ -22,11 +21,16 @@ void feed(const io::PoseGraph<Pose>& graph, Map<Pose>& map, Replay& replay, cons
   }
 }
 
+/// All marginals are asked for after each of so many last fits.
+constexpr int kWithMarginals = 100;
+
+double traceOf(const Marginals& marginals, const auto& id) { return marginals.covariance(id).trace(); }
+
 /// So that reading is not optimised away.
 volatile double read_sum = 0;
 
-template <class Pose>
-void read(const Map<Pose>& map, int newest, Replay& replay) {
+template <class Map>
+void read(const Map& map, int newest, Replay& replay) {
   replay.read_newest += secondsOf([&] { read_sum = read_sum + map.pose(newest)->pos[0]; });
   replay.read_all += secondsOf([&] {
     double sum = 0;
@@ -37,35 +41,40 @@ void read(const Map<Pose>& map, int newest, Replay& replay) {
 
 }  // namespace
 
-template <class Pose>
-Replay replayByUpdate(const io::PoseGraph<Pose>& graph) {
+template <class Graph>
+Replay replayByUpdate(const Graph& graph) {
   Estimator est;
   est.setThreads(1);
-  Map<Pose> map(est, graph);
+  Map<Graph> map(est, graph);
   Replay replay{.method = "update()"};
   const auto fit = [&] { replay.by_optimize += est.update().used_optimize ? 1 : 0; };
   feed(graph, map, replay, fit, [&](int p) {
     read(map, p, replay);
     replay.covariance_seconds.push_back(
         secondsOf([&] { read_sum = read_sum + est.updatedCovariance(map.pose(p))(0, 0); }));
+    if (p + kWithMarginals >= static_cast<int>(graph.poses.size())) {
+      const double seconds =
+          secondsOf([&] { read_sum = read_sum + traceOf(est.updatedMarginals(), map.pose(p)); });
+      replay.marginals_seconds.push_back(seconds);
+    }
     if (p % kCompared != 0) return;
-    replay.checks.push_back(compare(est, map, p));
+    replay.checks.push_back(compare<Graph>(est, map, p));
     replay.checks.back().marginals = secondsOf([&] { est.marginals(); });
   });
   replay.rss = est.getRSS();
   return replay;
 }
 
-template <class Pose>
-Replay replayBySteps(const io::PoseGraph<Pose>& graph) {
+template <class Graph>
+Replay replayBySteps(const Graph& graph) {
   Estimator est;
   est.setThreads(1);
-  Map<Pose> map(est, graph);
+  Map<Graph> map(est, graph);
   Replay replay{.method = "optimizeStep()"};
   feed(
       graph, map, replay, [&] { est.optimizeStep(); },
       [&](int p) {
-        if (p % kCompared == 0) replay.checks.push_back(compare(est, map, p));
+        if (p % kCompared == 0) replay.checks.push_back(compare<Graph>(est, map, p));
       });
   replay.rss = est.getRSS();
   return replay;
@@ -73,7 +82,9 @@ Replay replayBySteps(const io::PoseGraph<Pose>& graph) {
 
 template Replay replayByUpdate(const io::PoseGraph<io::Pose2>&);
 template Replay replayByUpdate(const io::PoseGraph<io::Pose3>&);
+template Replay replayByUpdate(const LandmarkMap&);
 template Replay replayBySteps(const io::PoseGraph<io::Pose2>&);
 template Replay replayBySteps(const io::PoseGraph<io::Pose3>&);
+template Replay replayBySteps(const LandmarkMap&);
 
 }  // namespace slom::bench

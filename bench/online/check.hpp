@@ -12,8 +12,17 @@
 
 namespace slom::bench {
 
+/// How the measurements of a graph are inserted.
+template <class Graph>
+struct ModelOf {
+  using type = initialize::RelationModel;
+};
 template <class Pose>
-using Map = initialize::GrowingMap<io::PoseGraph<Pose>, io::PoseGraphModel>;
+struct ModelOf<io::PoseGraph<Pose>> {
+  using type = io::PoseGraphModel;
+};
+template <class Graph>
+using Map = initialize::GrowingMap<Graph, typename ModelOf<Graph>::type>;
 
 /// Fits are compared with the batch optimum at each pose whose number is a multiple of this.
 inline constexpr int kCompared = 100;
@@ -21,10 +30,10 @@ inline constexpr int kCompared = 100;
 inline constexpr double kLeastRss = 1e-6;
 
 /// The map of the poses 0 to `last` beside the fit of the same problem from its values.
-template <class Pose>
-Check compare(const Estimator& est, const Map<Pose>& map, int last) {
+template <class Graph>
+Check compare(const Estimator& est, const Map<Graph>& map, int last) {
   Estimator batch;
-  const Map<Pose> optimum = map.copyTo(batch);
+  const Map<Graph> optimum = map.copyTo(batch);
   const double rss = batch.optimize().final_rss;
   Check check;
   check.pose = last;

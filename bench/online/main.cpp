@@ -1,17 +1,18 @@
 // What does a fit cost that follows its data?
 //
-//   bench_online [--json RESULT] FILE...      pose graphs of g2o or TORO
+//   bench_online [--json RESULT] FILE...      pose graphs of g2o or TORO, landmarks in the form of victoria_park.txt
 //
 // Inserts the poses of each file in their order, with the edges to earlier ones, on one thread. After each pose comes update(); in further
-// runs for comparison one optimizeStep() of the whole problem, and after each tenth pose a fit by Ceres. Prints a line for each: wall-clock time in
+// runs for comparison one optimizeStep() of the whole problem and, of pose graphs, after each tenth pose a fit by Ceres. Prints a line for each: wall-clock time in
 // all, median, 99th percentile and worst of the fits, the worst where a loop closed. Every hundredth pose is compared with the batch fit
 // from the same values: the largest RSS / batch RSS - 1 of update() must not be above twice the tolerance, or the program ends with
-// status 1. The file with the results has the rest: times of reading values, of covariances of the newest pose after each fit and of all
-// marginals at each hundredth pose, and for small files the memory after one replay and after ten.
+// status 1. The file with the results has the rest: times of reading values, of covariances of the newest pose after each fit, of all
+// marginals after each of the last hundred fits and anew at each hundredth pose, and for small files the memory after one replay and after ten.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <type_traits>
 #include <variant>
 
 #include <slom/io.hpp>
@@ -25,20 +26,36 @@ using slom::bench::FileResult;
 
 constexpr std::size_t kSmall = 2000;  // poses
 
-template <class Pose>
-FileResult measure(const std::string& file, const slom::io::PoseGraph<Pose>& graph) {
+int edgesOf(const auto& graph) { return static_cast<int>(graph.edges.size() + graph.sightings.size()); }
+
+template <class Graph>
+FileResult measure(const std::string& file, const Graph& graph) {
   FileResult result{.file = file,
                     .poses = static_cast<int>(graph.poses.size()),
-                    .edges = static_cast<int>(graph.edges.size()),
+                    .edges = edgesOf(graph),
                     .replays = {},
                     .memory = {}};
   if (graph.poses.size() <= kSmall) result.memory = slom::bench::memoryOfReplays(graph);  // before all else
   result.replays.push_back(slom::bench::replayByUpdate(graph));
   result.replays.push_back(slom::bench::replayBySteps(graph));
 #ifdef SLOM_BENCH_CERES
-  result.replays.push_back(slom::bench::replayByCeres(graph));
+  if constexpr (!std::is_same_v<Graph, slom::bench::LandmarkMap>)
+    result.replays.push_back(slom::bench::replayByCeres(graph));
 #endif
   return result;
+}
+
+/// Whether a file has odometry and landmarks as victoria_park.txt.
+bool hasLandmarks(const std::string& file) {
+  std::ifstream lines(file);
+  std::string word;
+  return lines >> word && word == "ODOMETRY";
+}
+
+FileResult measureFile(const std::string& file) {
+  const std::string name = std::filesystem::path(file).stem().string();
+  if (hasLandmarks(file)) return measure(name, slom::testing::readVictoriaPark(file));
+  return std::visit([&](const auto& graph) { return measure(name, graph); }, slom::io::readPoseGraph(file));
 }
 
 }  // namespace
@@ -59,9 +76,7 @@ int main(int argc, char** argv) {
   slom::bench::printHead();
   try {
     for (int i = first; i < argc; ++i) {
-      const std::string name = std::filesystem::path(argv[i]).stem().string();
-      results.push_back(std::visit([&](const auto& graph) { return measure(name, graph); },
-                                   slom::io::readPoseGraph(argv[i])));
+      results.push_back(measureFile(argv[i]));
       print(results.back());
       largest = std::max(largest, results.back().replays.front().largestGap());
     }

@@ -14,11 +14,11 @@ double residentBytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-template <class Pose>
-void replayOnce(const io::PoseGraph<Pose>& graph) {
+template <class Graph>
+void replayOnce(const Graph& graph) {
   Estimator est;
   est.setThreads(1);
-  Map<Pose> map(est, graph);
+  Map<Graph> map(est, graph);
   for (int p = 0; p < static_cast<int>(graph.poses.size()); ++p) {
     map.add(p, map.startOf(p), p == 0);
     if (p > 0) est.update();
@@ -26,8 +26,8 @@ void replayOnce(const io::PoseGraph<Pose>& graph) {
 }
 }  // namespace
 
-template <class Pose>
-Memory memoryOfReplays(const io::PoseGraph<Pose>& graph) {
+template <class Graph>
+Memory memoryOfReplays(const Graph& graph) {
   Memory memory;
   for (int i = 0; i < memory.replays; ++i) {
     replayOnce(graph);
@@ -39,5 +39,6 @@ Memory memoryOfReplays(const io::PoseGraph<Pose>& graph) {
 
 template Memory memoryOfReplays(const io::PoseGraph<io::Pose2>&);
 template Memory memoryOfReplays(const io::PoseGraph<io::Pose3>&);
+template Memory memoryOfReplays(const LandmarkMap&);
 
 }  // namespace slom::bench

@@ -35,6 +35,8 @@ Json replayJson(const Replay& replay) {
   if (replay.covariance_seconds.empty()) return json;
   const Replay covariances{.method = {}, .seconds = replay.covariance_seconds};
   json["covariance"] = {{"median", covariances.quantile(0.5)}, {"worst", covariances.quantile(1)}};
+  const Replay marginals{.method = {}, .seconds = replay.marginals_seconds};
+  json["marginals"] = {{"median", marginals.quantile(0.5)}, {"worst", marginals.quantile(1)}};
   json["read_newest"] = replay.read_newest;
   json["read_all"] = replay.read_all;
   return json;

@@ -1,10 +1,12 @@
-/// A pose graph that is fed pose by pose, and what it cost.
+/// A map that is fed pose by pose, and what it cost.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include <slom/io/pose_graph.hpp>
+
+#include "initialize/landmark_files.hpp"
 
 namespace slom::bench {
 
@@ -13,7 +15,7 @@ struct Check {
   int pose = 0;
   double gap = 0;             ///< RSS / batch RSS - 1
   double position_error = 0;  ///< root mean square distance to the positions of the batch optimum
-  double marginals = 0;       ///< time of the covariances of all variables [s]; 0: not measured
+  double marginals = 0;  ///< time of the covariances of all variables, computed anew [s]; 0: not measured
 };
 
 struct Replay {
@@ -24,6 +26,7 @@ struct Replay {
   double rss = 0;                               ///< at the end
   int by_optimize = 0;                          ///< calls that optimize() took over
   std::vector<double> covariance_seconds = {};  ///< of the newest pose, after each fit
+  std::vector<double> marginals_seconds = {};   ///< of all variables, after each of the last fits
   double read_newest = 0, read_all = 0;         ///< time of reading values, once after each fit, in all [s]
   std::vector<Check> checks = {};
 
@@ -34,12 +37,15 @@ struct Replay {
   double largestPositionError() const;
 };
 
-/// update() after each pose; reads values and covariances, too.
-template <class Pose>
-Replay replayByUpdate(const io::PoseGraph<Pose>& graph);
+/// Poses and landmarks in the plane.
+using LandmarkMap = testing::Map<testing::Pose2>;
+
+/// update() after each pose; reads values and covariances, too. Graph: io::PoseGraph<Pose> or LandmarkMap, here and below.
+template <class Graph>
+Replay replayByUpdate(const Graph& graph);
 /// One optimizeStep() of everything after each pose.
-template <class Pose>
-Replay replayBySteps(const io::PoseGraph<Pose>& graph);
+template <class Graph>
+Replay replayBySteps(const Graph& graph);
 #ifdef SLOM_BENCH_CERES
 /// Ceres fits everything from the last values after each tenth pose. Building its problem does not count.
 template <class Pose>
@@ -51,7 +57,7 @@ struct Memory {
   double after_one = 0, after_all = 0;
   int replays = 10;
 };
-template <class Pose>
-Memory memoryOfReplays(const io::PoseGraph<Pose>& graph);
+template <class Graph>
+Memory memoryOfReplays(const Graph& graph);
 
 }  // namespace slom::bench

@@ -426,6 +426,11 @@ class Estimator {
   /// Covariances of all variables at once, by selected inversion of the factor: for many of them it is much faster than
   /// to ask for one after the other.
   Marginals marginals() const;
+  /// The same between updates, from the factor of update(), like updatedCovariance(). What has certainly changed by no more than the share
+  /// `tolerance` of itself since the last call is not computed again: each covariance C is returned with an error between
+  /// -tolerance C and tolerance C, in the order of positive semidefinite matrices, so that no standard deviation is off by more than about
+  /// tolerance / 2 of it. 0: each is computed that has changed. Throws [slom.not-updated] and [slom.rank-deficient].
+  Marginals updatedMarginals(double tolerance = 1e-3) const;
   /// f(values of the variables) and its covariance to first order. f gets a const T& for each and returns a number, an
   /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
   template <class F, class... T>

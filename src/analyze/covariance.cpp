@@ -11,13 +11,8 @@ using Eigen::MatrixXd;
 
 void clearConstrained(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block) {
   const auto& table = linearized.problem().variables();
-  const ActiveSet& active = linearized.activeSet();
-  if (!active.isConstrained(variable_a) && !active.isConstrained(variable_b)) return;
-  for (int j = 0; j < table[at(variable_b)].dof; ++j) {
-    for (int i = 0; i < table[at(variable_a)].dof; ++i, ++block) {
-      if (active.isFixedOrActive(variable_a, i) || active.isFixedOrActive(variable_b, j)) *block = 0;
-    }
-  }
+  linearized.activeSet().clear(variable_a, table[at(variable_a)].dof, variable_b, table[at(variable_b)].dof,
+                               block);
 }
 
 MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, int variable_a,

@@ -1,6 +1,7 @@
 /// How sure the estimated values are: blocks of (J^T J)^-1, for the stated uncertainties.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,7 +22,11 @@ Eigen::MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge g
 /// Makes the rows and columns of fixed components, and of those at a bound, 0 in the covariance of two variables.
 void clearConstrained(const LinearizedProblem& linearized, int variable_a, int variable_b, double* block);
 
-/// Blocks of all variables by themselves, times the variance factor. Throws likewise.
+/// Blocks of all variables by themselves, times the variance factor. `write` writes that of a variable, dof x dof, or returns false for one
+/// that is certain.
+Marginals makeMarginals(const Problem& problem, const std::function<bool(int variable, double* block)>& write,
+                        double variance_factor);
+/// The same of the linearised problem. Throws as covarianceBlock() does.
 Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor);
 
 }  // namespace slom

@@ -2,17 +2,17 @@
 #include <tuple>
 
 #include "analyze/covariance.hpp"
+#include "base/index.hpp"
 #include "slom/analyze/uncertainty.hpp"
 
 namespace slom {
 
-Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor) {
+Marginals makeMarginals(const Problem& problem, const std::function<bool(int variable, double* block)>& write,
+                        double variance_factor) {
   using Place = Marginals::Place;
-  const InverseBlocks& inverse = linearized.inverse(gauge);
-  const ProblemStructure& structure = linearized.structure();
-  const Problem& problem = linearized.problem();
   Marginals result;
   result.stores_ = problem.stores();
+  std::vector<double> block;
   for (std::size_t v = 0; v < problem.variables().size(); ++v) {
     const VariableRecord& record = problem.variables()[v];
     if (record.store == nullptr) continue;
@@ -20,26 +20,34 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
     while (result.stores_[place.store].get() != record.store) ++place.store;
     place.ref = record.store->refTo(record.slot);
     place.dof = record.dof;
-    const int block = static_cast<int>(v);
-    if (!structure.system.isEmpty(block)) {
+    block.resize(at(record.dof) * at(record.dof));
+    if (write(static_cast<int>(v), block.data())) {
       place.start = result.numbers_.size();
-      result.numbers_.resize(place.start + static_cast<std::size_t>(place.dof * place.dof));
-      double* const numbers = result.numbers_.data() + place.start;
-      inverse.block(block, block, numbers);
-      clearConstrained(linearized, block, block, numbers);
-      for (int i = 0; i < place.dof; ++i) {  // conjugate gradients do not notice a loss of rank
-        if (numbers[i * (place.dof + 1)] >= 0) continue;
-        const int unknown = structure.offsetOf(block) + i;
-        throw linearized.undetermined(SolveStatus{false, unknown, 0, 0});
-      }
+      for (const double number : block) result.numbers_.push_back(number * variance_factor);
     }
     result.places_.push_back(place);
   }
-  for (double& number : result.numbers_) number *= variance_factor;
   std::sort(result.places_.begin(), result.places_.end(), [](const Place& a, const Place& b) {
     return std::tie(a.store, a.ref.slot) < std::tie(b.store, b.ref.slot);
   });
   return result;
+}
+
+Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor) {
+  const InverseBlocks& inverse = linearized.inverse(gauge);
+  const ProblemStructure& structure = linearized.structure();
+  const auto write = [&](int variable, double* block) {
+    if (structure.system.isEmpty(variable)) return false;
+    inverse.block(variable, variable, block);
+    clearConstrained(linearized, variable, variable, block);
+    const int dof = structure.system.dof(variable);
+    for (int i = 0; i < dof; ++i) {  // conjugate gradients do not notice a loss of rank
+      if (block[i * (dof + 1)] < 0)
+        throw linearized.undetermined(SolveStatus{false, structure.offsetOf(variable) + i, 0, 0});
+    }
+    return true;
+  };
+  return makeMarginals(linearized.problem(), write, variance_factor);
 }
 
 const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string (*type)()) const {

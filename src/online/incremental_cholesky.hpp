@@ -15,10 +15,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "base/index.hpp"
 #include "solve/dense/big_array.hpp"
@@ -47,7 +50,7 @@ class IncrementalCholesky {
 
   /// Work of one call, or of all.
   struct Work {
-    int fronts_factorized = 0, fronts_solved = 0, blocks_ordered = 0;
+    int fronts_factorized = 0, fronts_solved = 0, fronts_inverted = 0, blocks_ordered = 0;
     double flops = 0;
     bool reordered_all = false;
   };
@@ -71,6 +74,12 @@ class IncrementalCholesky {
   /// The block of H^-1 with the rows of a and the columns of b, column-major: by the fronts from b up to the root, and from there down to
   /// a. The factor must be up to date.
   std::vector<double> inverseBlock(int a, int b) const;
+  /// Brings the diagonal blocks of H^-1 up to date, from the root down to where they have certainly changed by no more than the share
+  /// `most_change` of themselves, C, since they were computed: -most_change C <= change <= most_change C in the order of positive semidefinite matrices. The
+  /// factor must be up to date, and determine everything.
+  void updateInverse(double most_change);
+  /// The diagonal block of H^-1 of a block, column-major, as updateInverse() left it.
+  void writeInverse(int block, double* out) const;
   /// Of the fronts from that of the block up to the root.
   std::vector<std::pair<int, int>> undeterminedAbove(int block) const;
 
@@ -97,6 +106,13 @@ class IncrementalCholesky {
     std::vector<double> A, g;
     int front = -1;  // the front in which it is assembled: that of its first eliminated block
   };
+  /// A front's part of H^-1.
+  struct Inverse {
+    Eigen::MatrixXd Z;                // pivots first
+    std::uint64_t factorization = 0;  // that it was computed from
+    double change_below = 0;          // bounds what was left in the subtree when Z was computed
+    double change = 0;                // the same since then, with that of Z
+  };
   struct Front {
     std::vector<int> pivots, rows;  // blocks
     int p = 0, u = 0;
@@ -108,8 +124,10 @@ class IncrementalCholesky {
     std::vector<char> undetermined;  // of the pivots; empty: none
     double own_promise = 0, promise_below = 0;
     bool has_factor = false, has_solution = false;
-    bool has_news = true;     // here or below, since the last step went down
-    std::uint64_t order = 0;  // order of the first pivot
+    bool has_news = true;             // here or below, since the last step went down
+    std::uint64_t order = 0;          // order of the first pivot
+    std::uint64_t factorization = 0;  // its number among all
+    std::unique_ptr<Inverse> inverse_part;
   };
   void touch(int front, bool is_factor);
   void pushDirty(int front);
@@ -137,6 +155,9 @@ class IncrementalCholesky {
   void goDown(int f, double threshold, bool everywhere);
   /// Additions and multiplications of passing one vector through a front.
   static double substitutionFlops(double p, double u) { return p * (p + 2 * u); }
+  Eigen::MatrixXd inverseOfRows(const Front& child, const Eigen::MatrixXd& Z) const;
+  static bool mayStay(Front& front, const Eigen::MatrixXd& rows, double most_change);
+  void invertFront(Front& front, const Eigen::MatrixXd& rows);
   std::vector<int> pathFrom(int block) const;
   std::vector<double> inverseColumn(int a, int b, int component) const;
 
@@ -156,7 +177,7 @@ class IncrementalCholesky {
   std::vector<double> rows_;  // rows of the current front
   std::vector<Move> moves_;
   std::vector<int> to_visit_;
-  std::uint64_t next_order_ = 1, next_age_ = 1;
+  std::uint64_t next_order_ = 1, next_age_ = 1, factorizations_ = 0;
   double factor_flops_ = 0, flops_when_ordered_ = 0;
   std::size_t filled_blocks_ = 0, blocks_when_ordered_ = 0;
   Work work_;

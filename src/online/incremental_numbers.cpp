@@ -234,6 +234,7 @@ void IncrementalCholesky::factorizeFront(int f) {
   }
   front.diagonal_below.assign(diagonal.begin() + front.p, diagonal.end());
   front.has_factor = true;
+  front.factorization = ++factorizations_;
   ++work_.fronts_factorized;
   work_.flops += frontFlops(front.p, front.u);
   forgetPlaces(front);

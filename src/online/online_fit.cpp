@@ -176,45 +176,6 @@ OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
   }
 }
 
-void OnlineFit::writeCovariance(int a, int b, double* out) const {
-  if (problem_.activeSet().hasBounds()) {
-    throw Error("slom.not-updated",
-                "covariances of an update were asked for variable " + problem_.variableName(a) +
-                    ", but there are bounds, and update() leaves such fits to optimize(); ask covariance()",
-                problem_.variableName(a));
-  }
-  if (!is_at_end_ || structure_revision_ != problem_.structureRevision() ||
-      value_revision_ != problem_.valueRevision()) {
-    throw Error("slom.not-updated",
-                "covariances of an update were asked for variable " + problem_.variableName(a) +
-                    ", but the problem has changed since, or optimize() took over; call update() first, or "
-                    "ask covariance()",
-                problem_.variableName(a));
-  }
-  const int rows = problem_.variables()[at(a)].dof, columns = problem_.variables()[at(b)].dof;
-  std::fill_n(out, at(rows) * at(columns), 0.0);
-  if (known_[at(a)] == kUnknown || known_[at(b)] == kUnknown) return;
-  for (const int v : {a, b}) {
-    for (const auto& [variable, component] : factor_.undeterminedAbove(v)) {
-      if (problem_.activeSet().isFixedOrActive(variable, component)) continue;
-      const std::string name = problem_.componentNames(variable)[at(component)];
-      throw Error("slom.rank-deficient",
-                  "variable " + problem_.variableName(v) +
-                      " has no covariance, as no measurement determines " + name + "; add one, or fix " +
-                      name,
-                  problem_.variableName(v));
-    }
-  }
-  const std::vector<double> block = factor_.inverseBlock(a, b);
-  std::copy(block.begin(), block.end(), out);
-  for (int j = 0; j < columns; ++j) {
-    for (int i = 0; i < rows; ++i) {
-      if (problem_.activeSet().isFixedOrActive(a, i) || problem_.activeSet().isFixedOrActive(b, j))
-        out[i + j * rows] = 0;
-    }
-  }
-}
-
 void OnlineFit::fill(UpdateSummary& summary, bool converged) const {
   const IncrementalCholesky::Work& work = factor_.work();
   summary.converged = converged;

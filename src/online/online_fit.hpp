@@ -30,6 +30,11 @@ class OnlineFit {
   /// Writes the block of H^-1 of two variables, dof_a x dof_b, column-major, 0 where one of them is fixed: by the Jacobians that are in the
   /// factor. Throws [slom.not-updated] where something has changed since run(), and [slom.rank-deficient].
   void writeCovariance(int a, int b, double* out) const;
+  /// Brings the covariances of all variables up to date, as IncrementalCholesky::updateInverse() does. Throws as writeCovariance() does.
+  void updateMarginals(double most_change);
+  bool hasBlock(int variable) const { return known_[static_cast<std::size_t>(variable)] != kUnknown; }
+  /// That of a variable with a block, as updateMarginals() left it.
+  void writeMarginal(int variable, double* out) const;
 
  private:
   /// A measurement, at its place in its pool.
@@ -97,6 +102,8 @@ class OnlineFit {
   void stretch(double before, double promised);
   double rss() const { return rss_ + rss_rest_; }
   void fill(UpdateSummary& summary, bool converged) const;
+  void requireCurrent(int variable) const;
+  void requireDetermined(int variable, const std::vector<std::pair<int, int>>& undetermined) const;
   double flops() const { return factor_.work().flops + flops_; }
   Record& recordOf(Place place) {
     return records_[static_cast<std::size_t>(place.first)][static_cast<std::size_t>(place.second)];

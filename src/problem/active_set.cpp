@@ -99,4 +99,13 @@ int ActiveSet::fixedOrActiveCount() const {
   return count;
 }
 
+void ActiveSet::clear(int a, int dof_a, int b, int dof_b, double* block) const {
+  if (!isConstrained(a) && !isConstrained(b)) return;
+  for (int j = 0; j < dof_b; ++j) {
+    for (int i = 0; i < dof_a; ++i, ++block) {
+      if (isFixedOrActive(a, i) || isFixedOrActive(b, j)) *block = 0;
+    }
+  }
+}
+
 }  // namespace slom

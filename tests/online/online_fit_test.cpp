@@ -1,5 +1,4 @@
-// The online fit: at every step the optimum of the batch fit, whatever was inserted, removed, fixed or moved before; and a factor that
-// is, bit by bit, the one computed from scratch.
+// The online fit: at every step the optimum of the batch fit, whatever was inserted, removed, fixed or moved before.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,8 +6,6 @@
 #include <sstream>
 #include <vector>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <slom/fixed_lag.hpp>
@@ -16,7 +13,6 @@
 #include <slom/slom.hpp>
 
 #include "base/words.hpp"
-#include "online/incremental_cholesky.hpp"
 #include "support/message_of.hpp"
 #include "support/slow_with_sanitizers.hpp"
 
@@ -173,95 +169,6 @@ TEST(OnlineFit, IsNearTheBatchOptimumWithLosses) {
   for (unsigned seed = 0; seed < 5; ++seed) expectOptimumAfterAnyOperations(seed, Huber(3), 1e-5);
 }
 
-TEST(IncrementalCholesky, IsTheFactorFromScratchBitByBitAndSolves) {
-  for (unsigned seed = 0; seed < 3; ++seed) {
-    std::mt19937 random(seed);
-    IncrementalCholesky factor;
-    std::vector<int> elements, blocks;
-    const auto index = [&](std::size_t n) {
-      return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
-    };
-    const auto fill = [&](int e) {
-      std::normal_distribution<double> normal;
-      std::vector<double> A(factor.A(e).size()), g(A.size() / static_cast<std::size_t>(factor.rowsOf(e)));
-      for (double& a : A) a = normal(random);
-      for (double& x : g) x = normal(random);
-      factor.setA(e, A);
-      factor.setGradient(e, g);
-    };
-    for (int i = 0; i < (testing::has_sanitizers ? 60 : 300); ++i) {
-      const int b = static_cast<int>(blocks.size());
-      factor.insertBlock(b, 1 + b % 3);
-      blocks.push_back(b);
-      const std::vector<int> own{b};
-      elements.push_back(factor.insertElement(own, 3));
-      fill(elements.back());
-      for (int k = 0; k < 2 && b > 0; ++k) {
-        const int other = k == 0 ? b - 1 : static_cast<int>(index(static_cast<std::size_t>(b)));
-        if (k == 1 && (other == b - 1 || index(3) > 0)) continue;
-        const std::vector<int> pair{other, b};
-        elements.push_back(factor.insertElement(pair, 2));
-        fill(elements.back());
-      }
-      if (index(4) == 0) {  // what is removed is not one of those that make blocks regular
-        const std::size_t e = index(elements.size());
-        if (factor.blocksOf(elements[e]).size() == 2) {
-          factor.removeElement(elements[e]);
-          elements.erase(elements.begin() + static_cast<std::ptrdiff_t>(e));
-        }
-      }
-      if (index(3) == 0) fill(elements[index(elements.size())]);
-      if (index(3) == 0) continue;
-      factor.refactor();
-      const std::vector<double> before = factor.content();
-      const double promise = factor.promise();
-      const int all = factor.frontCount();
-      factor.resetWork();
-      factor.recompute();
-      EXPECT_EQ(factor.work().fronts_factorized, all);
-      ASSERT_EQ(before, factor.content()) << "seed " << seed << ", block " << i;
-      EXPECT_EQ(promise, factor.promise());
-
-      if (i % 10 != 0) continue;
-      // The step is that of a dense solver.
-      std::vector<int> start{0};
-      for (const int k : blocks) start.push_back(start.back() + factor.dof(k));
-      Eigen::MatrixXd H = Eigen::MatrixXd::Zero(start.back(), start.back());
-      Eigen::VectorXd g = Eigen::VectorXd::Zero(start.back());
-      for (const int e : elements) {
-        const int rows = factor.rowsOf(e);
-        Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(rows, start.back());
-        const double* a = factor.A(e).data();
-        const double* from = factor.gradient(e).data();
-        for (const int k : factor.blocksOf(e)) {
-          for (int c = 0; c < factor.dof(k); ++c, a += rows) {
-            wide.col(start[static_cast<std::size_t>(k)] + c) = Eigen::Map<const Eigen::VectorXd>(a, rows);
-            g[start[static_cast<std::size_t>(k)] + c] += *from++;
-          }
-        }
-        H += wide.transpose() * wide;
-      }
-      const Eigen::VectorXd d = -H.ldlt().solve(g);
-      EXPECT_NEAR(promise, -g.dot(d), 1e-9 * promise);
-      Eigen::VectorXd online = Eigen::VectorXd::Zero(d.size());
-      for (const auto& [block, step] : factor.solve(0)) {
-        for (int c = 0; c < factor.dof(block); ++c)
-          online[start[static_cast<std::size_t>(block)] + c] = step[c];
-      }
-      EXPECT_LT((online - d).norm(), 1e-8 * d.norm());
-      const Eigen::MatrixXd C = H.inverse();
-      for (int k = 0; k < 5; ++k) {
-        const int a = blocks[index(blocks.size())], b = blocks[index(blocks.size())];
-        const std::vector<double> block = factor.inverseBlock(a, b);
-        const Eigen::Map<const Eigen::MatrixXd> got(block.data(), factor.dof(a), factor.dof(b));
-        const auto expected = C.block(start[static_cast<std::size_t>(a)], start[static_cast<std::size_t>(b)],
-                                      factor.dof(a), factor.dof(b));
-        EXPECT_LT((got - expected).norm(), 1e-9 * C.norm()) << a << ", " << b;
-      }
-    }
-  }
-}
-
 /// A window that forgets: the priors that marginalisation leaves come and go.
 TEST(OnlineFit, FollowsAWindow) {
   Estimator est;
@@ -354,61 +261,6 @@ TEST(OnlineFit, HasCovariancesBetweenUpdates) {
     }
   }
   EXPECT_GT(compared, 40);
-}
-
-TEST(OnlineFit, HasTheCovariancesOfALinearProblemToTheLastDigits) {
-  Estimator est;
-  std::vector<VarID<Point>> chain{est.insertRV(Point(0, 0), false, "origin")};
-  for (int i = 1; i < 30; ++i) {
-    chain.push_back(est.insertRV(Point(i, 0)));
-    est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, chain[chain.size() - 2],
-                          chain.back(), slom::measured(Point(1, 0.1)), StandardDeviation(0.1));
-    if (i % 7 == 0) {
-      est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, chain[std::size_t(i - 5)],
-                            chain.back(), slom::measured(Point(5, 0.5)), StandardDeviation(0.2));
-    }
-    est.update();
-    EXPECT_LT((est.updatedCovariance(chain.back()) - est.covariance(chain.back())).norm(), 1e-12);
-    EXPECT_LT((est.updatedCovariance(chain[chain.size() / 2], chain.back()) -
-               est.covariance(chain[chain.size() / 2], chain.back()))
-                  .norm(),
-              1e-12);
-  }
-  EXPECT_EQ(est.updatedCovariance(chain[0]).norm(), 0);
-  EXPECT_EQ(est.updatedCovariance(chain[0], chain[3]).norm(), 0);
-  est.fix(chain[5], "y");
-  est.update();
-  EXPECT_LT((est.updatedCovariance(chain[5]) - est.covariance(chain[5])).norm(), 1e-12);
-  EXPECT_EQ(est.updatedCovariance(chain[5])(1, 1), 0);
-  est.setSigma(Sigma::estimated);
-  EXPECT_LT((est.updatedCovariance(chain[7]) - est.covariance(chain[7])).norm(), 1e-12);
-}
-
-TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
-  Estimator est;
-  const auto a = est.insertRV(Point(1, 2), "a"), b = est.insertRV(Point(1, 2), "b");
-  est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
-  est.insertMeasurement([](const auto& p) { return p; }, b);
-  EXPECT_EQ(testing::messageOf([&] { est.updatedCovariance(a); }),
-            "[slom.not-updated] covariances of an update were asked for variable a, but update() was never "
-            "called; call update() first, or ask covariance()");
-  est.update();
-  EXPECT_EQ(
-      testing::messageOf([&] { est.updatedCovariance(a); }),
-      "[slom.rank-deficient] variable a has no covariance, as no measurement determines a.y; add one, or "
-      "fix a.y");
-  EXPECT_LT((est.updatedCovariance(b) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
-  est.reinitRV(b, Point(2, 2));
-  EXPECT_EQ(
-      testing::messageOf([&] { est.updatedCovariance(b); }),
-      "[slom.not-updated] covariances of an update were asked for variable b, but the problem has changed "
-      "since, or optimize() took over; call update() first, or ask covariance()");
-  est.bound(b, "x", -10, 10);
-  est.update();
-  EXPECT_EQ(
-      testing::messageOf([&] { est.updatedCovariance(b); }),
-      "[slom.not-updated] covariances of an update were asked for variable b, but there are bounds, and "
-      "update() leaves such fits to optimize(); ask covariance()");
 }
 
 /// A measurement without a residual is refused by name; once it is gone, all is as it would be without it.

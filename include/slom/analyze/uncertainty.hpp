@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -69,7 +70,8 @@ class Marginals {
   }
 
  private:
-  friend Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge,
+  friend Marginals makeMarginals(const Problem& problem,
+                                 const std::function<bool(int variable, double* block)>& write,
                                  double variance_factor);
   static constexpr std::size_t kFixed = ~std::size_t{0};
   struct Place {

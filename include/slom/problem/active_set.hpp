@@ -38,6 +38,9 @@ class ActiveSet {
   bool isFixedOrActive(int variable, int component) const {
     return isConstrained(variable) && of(variable).isFixedOrActive(component);
   }
+  /// Makes the rows of components of a, and the columns of those of b, that are fixed or at an active bound 0 in a block of dof_a x
+  /// dof_b, column-major.
+  void clear(int a, int dof_a, int b, int dof_b, double* block) const;
   bool hasFixed(int variable) const { return isConstrained(variable) && !of(variable).fixed.empty(); }
   /// The bounds of a variable, at most one for each component, sorted by component.
   const std::vector<ComponentBound>& bounds(int variable) const;

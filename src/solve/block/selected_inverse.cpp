@@ -1,54 +1,25 @@
 // The entries of the inverse at the places of the matrix's own blocks, from the root of the tree downwards.
-//   source   Takahashi, Fagan and Chen, "Formation of a sparse bus impedance matrix and its application to short circuit
-//            study", 1973; Campbell and Davis, "Computing the sparse inverse subset: an inverse multifrontal approach", 1995
-#include <algorithm>
-
 #include "base/index.hpp"
 #include "base/threads.hpp"
+#include "front_inverse.hpp"
 #include "multifrontal.hpp"
 
 namespace slom {
 
-namespace {
-
-using dense::kStripe;
 using Eigen::MatrixXd;
-
-/// The rows x p matrix whose stripes lie at `panel`.
-MatrixXd unpack(const double* panel, int rows, int p) {
-  MatrixXd result(rows, p);
-  for (int s = 0; s < rows; s += kStripe) {
-    const int height = std::min(kStripe, rows - s);
-    const Eigen::Map<const MatrixXd, 0, Eigen::OuterStride<kStripe>> stripe(
-        panel + static_cast<std::ptrdiff_t>(s) * p, height, p);
-    result.middleRows(s, height) = stripe;
-  }
-  return result;
-}
-
-}  // namespace
 
 /// Front f's part of the inverse, pivots first; `above` is that of its parent. Writes the blocks of its columns into Z.
 Eigen::MatrixXd MultifrontalCholesky::invertFront(int f, const MatrixXd& above, BlockLower& Z) const {
   const Front& front = fronts_.front[at(f)];
   const Layout& layout = layout_[at(f)];
   const int p = front.p, u = front.u;
-  const MatrixXd D = unpack(L_.data() + layout.D, p, p);
-  const auto lower = D.triangularView<Eigen::Lower>();
-  const MatrixXd inverse = lower.solve(MatrixXd::Identity(p, p));
   MatrixXd result(p + u, p + u);
-  result.topLeftCorner(p, p).noalias() = inverse.transpose() * inverse;
-  if (u > 0) {
-    const int* const place = relative_.data() + layout.relative;
-    auto rows = result.bottomRightCorner(u, u);
-    for (int j = 0; j < u; ++j) {
-      for (int i = 0; i < u; ++i) rows(i, j) = above(place[i] / kStripe, place[j] / kStripe);
-    }
-    const MatrixXd Y = unpack(L_.data() + layout.B, u, p) * inverse;
-    result.bottomLeftCorner(u, p).noalias() = -rows * Y;
-    result.topLeftCorner(p, p).noalias() -= Y.transpose() * result.bottomLeftCorner(u, p);
-    result.topRightCorner(p, u) = result.bottomLeftCorner(u, p).transpose();
+  const int* const place = relative_.data() + layout.relative;
+  auto rows = result.bottomRightCorner(u, u);
+  for (int j = 0; j < u; ++j) {
+    for (int i = 0; i < u; ++i) rows(i, j) = above(place[i] / dense::kStripe, place[j] / dense::kStripe);
   }
+  slom::invertFront(L_.data() + layout.D, L_.data() + layout.B, p, u, result);
   for (int e = layout.first_entry; e < layout.last_entry; ++e) {
     const Entry& entry = entries_[at(e)];
     Eigen::Map<MatrixXd>(Z.values(entry.block), entry.height, entry.width) =

@@ -1,0 +1,86 @@
+/// The diagonal blocks of the inverse, from the root downwards as far as they change.
+///
+/// A front's part of the inverse follows from its part of the factor and that of its parent. Where the factor is unchanged and what the front gets from its
+/// parent, S, has changed by D with -c S <= D <= c S, everything in its subtree changes by no more than the share c of itself: it depends on S
+/// as P + Q S Q^T with constant P >= 0 and Q. So a subtree with a small c stays as it is. With S = L L^T, c = |L^-1 D L^-T|_F will do.
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "online/incremental_cholesky.hpp"
+#include "solve/block/front_inverse.hpp"
+
+namespace slom {
+
+using Eigen::MatrixXd;
+
+void IncrementalCholesky::updateInverse(double most_change) {
+  std::vector<int> inverted;
+  const auto visit = [&](int f, const MatrixXd& rows) {
+    if (mayStay(fronts_[at(f)], rows, most_change)) return;
+    invertFront(fronts_[at(f)], rows);
+    inverted.push_back(f);
+  };
+  for (const int f : roots_) visit(f, MatrixXd());
+  for (std::size_t i = 0; i < inverted.size(); ++i) {
+    const Front& front = fronts_[at(inverted[i])];
+    place(front);
+    for (const int c : front.children) visit(c, inverseOfRows(fronts_[at(c)], front.inverse_part->Z));
+    forgetPlaces(front);
+  }
+  for (auto f = inverted.rbegin(); f != inverted.rend(); ++f) {
+    Inverse& inverse = *fronts_[at(*f)].inverse_part;
+    inverse.change_below = 0;
+    for (const int c : fronts_[at(*f)].children)
+      inverse.change_below = std::max(inverse.change_below, fronts_[at(c)].inverse_part->change);
+    inverse.change = inverse.change_below;
+  }
+}
+
+/// The part of Z, of its parent, that belongs to the rows of a front. The parent's blocks are placed.
+MatrixXd IncrementalCholesky::inverseOfRows(const Front& child, const MatrixXd& Z) const {
+  std::vector<int> places;
+  for (const int b : child.rows) {
+    for (int i = 0; i < dof(b); ++i) places.push_back(local_[at(b)] + i);
+  }
+  return Z(places, places);
+}
+
+/// Whether what is known of the front and its subtree is near enough.
+bool IncrementalCholesky::mayStay(Front& front, const MatrixXd& rows, double most_change) {
+  if (front.inverse_part == nullptr || front.inverse_part->factorization != front.factorization) return false;
+  Inverse& inverse = *front.inverse_part;
+  const auto before = inverse.Z.bottomRightCorner(front.u, front.u);
+  double change = 0;
+  if (front.u > 0 && rows != before) {
+    if (most_change == 0 || front.children.empty()) return false;
+    const Eigen::LLT<MatrixXd> factor(before);
+    if (factor.info() != Eigen::Success) return false;
+    MatrixXd difference = rows - before;
+    factor.matrixL().solveInPlace(difference);
+    factor.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(difference);
+    change = difference.norm();
+  }
+  inverse.change = (1 + change) * (1 + inverse.change_below) - 1;
+  return inverse.change <= most_change;
+}
+
+void IncrementalCholesky::invertFront(Front& front, const MatrixXd& rows) {
+  if (front.inverse_part == nullptr) front.inverse_part = std::make_unique<Inverse>();
+  Inverse& inverse = *front.inverse_part;
+  inverse.Z.resize(front.p + front.u, front.p + front.u);
+  inverse.Z.bottomRightCorner(front.u, front.u) = rows;
+  slom::invertFront(front.D.data(), front.B.data(), front.p, front.u, inverse.Z);
+  inverse.factorization = front.factorization;
+  ++work_.fronts_inverted;
+}
+
+void IncrementalCholesky::writeInverse(int block, double* out) const {
+  const Front& front = fronts_[at(blocks_[at(block)].front)];
+  int offset = 0;
+  for (auto b = front.pivots.begin(); *b != block; ++b) offset += dof(*b);
+  Eigen::Map<MatrixXd>(out, dof(block), dof(block)) =
+      front.inverse_part->Z.block(offset, offset, dof(block), dof(block));
+}
+
+}  // namespace slom
