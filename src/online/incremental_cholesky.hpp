@@ -112,6 +112,7 @@ class IncrementalCholesky {
     std::uint64_t factorization = 0;  // that it was computed from
     double change_below = 0;          // bounds what was left in the subtree when Z was computed
     double change = 0;                // the same since then, with that of Z
+    double flops = 0;                 // of computing the subtree
   };
   struct Front {
     std::vector<int> pivots, rows;  // blocks

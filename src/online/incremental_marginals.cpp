@@ -3,6 +3,7 @@
 /// A front's part of the inverse follows from its part of the factor and that of its parent. Where the factor is unchanged and what the front gets from its
 /// parent, S, has changed by D with -c S <= D <= c S, everything in its subtree changes by no more than the share c of itself: it depends on S
 /// as P + Q S Q^T with constant P >= 0 and Q. So a subtree with a small c stays as it is. With S = L L^T, c = |L^-1 D L^-T|_F will do.
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -13,6 +14,27 @@
 namespace slom {
 
 using Eigen::MatrixXd;
+
+namespace {
+/// A test of whether a subtree may stay must cost less than this share of computing it.
+constexpr double kTestShare = 0.5;
+
+/// Unknowns whose differences are tried.
+constexpr Eigen::Index kNearby = 12;
+
+/// Whether x^T D x > c x^T S x for the change D of S and some x that are quickly tried: unknowns, and differences of two that are near.
+bool doesExceed(const MatrixXd& now, const auto& S, double c) {
+  const auto exceeds = [&](double before, double after) { return std::abs(after - before) > c * before; };
+  const Eigen::Index u = now.rows();
+  for (Eigen::Index i = 0; i < u; ++i) {
+    if (exceeds(S(i, i), now(i, i))) return true;
+    for (Eigen::Index j = std::max<Eigen::Index>(0, i - kNearby); j < i; ++j) {
+      if (exceeds(S(i, i) + S(j, j) - 2 * S(i, j), now(i, i) + now(j, j) - 2 * now(i, j))) return true;
+    }
+  }
+  return false;
+}
+}  // namespace
 
 void IncrementalCholesky::updateInverse(double most_change) {
   std::vector<int> inverted;
@@ -34,6 +56,9 @@ void IncrementalCholesky::updateInverse(double most_change) {
     for (const int c : fronts_[at(*f)].children)
       inverse.change_below = std::max(inverse.change_below, fronts_[at(c)].inverse_part->change);
     inverse.change = inverse.change_below;
+    const double n = fronts_[at(*f)].p + fronts_[at(*f)].u;
+    inverse.flops = 2 * fronts_[at(*f)].p * n * n;
+    for (const int c : fronts_[at(*f)].children) inverse.flops += fronts_[at(c)].inverse_part->flops;
   }
 }
 
@@ -54,6 +79,8 @@ bool IncrementalCholesky::mayStay(Front& front, const MatrixXd& rows, double mos
   double change = 0;
   if (front.u > 0 && rows != before) {
     if (most_change == 0 || front.children.empty()) return false;
+    const double flops_of_test = 2.5 * front.u * front.u * front.u;
+    if (flops_of_test > kTestShare * inverse.flops || doesExceed(rows, before, most_change)) return false;
     const Eigen::LLT<MatrixXd> factor(before);
     if (factor.info() != Eigen::Success) return false;
     MatrixXd difference = rows - before;
