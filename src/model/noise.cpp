@@ -224,12 +224,55 @@ void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string&
 
 namespace {
 /// m := W m
-template <int N>
-void multiply(const double* W, double* m, int dim, int cols) {
-  const Eigen::Map<const Eigen::Matrix<double, N, N>> left(W, dim, dim);
+void multiplyAny(const double* W, double* m, int dim, int cols) {
+  const Eigen::Map<const MatrixXd> left(W, dim, dim);
   for (int j = 0; j < cols; ++j, m += dim) {
-    Eigen::Map<Eigen::Vector<double, N>> column(m, dim);
+    Eigen::Map<VectorXd> column(m, dim);
     column = left.lazyProduct(column).eval();
+  }
+}
+
+/// Vectors that hold a column of N numbers, as they are computed with and as they lie anywhere in memory.
+template <int N>
+struct LanesFor;
+template <>
+struct LanesFor<3> {
+  typedef double Vector __attribute__((vector_size(32)));
+  typedef Vector InMemory __attribute__((aligned(alignof(double)), may_alias));
+};
+template <>
+struct LanesFor<6> {
+  typedef double Vector __attribute__((vector_size(64)));
+  typedef Vector InMemory __attribute__((aligned(alignof(double)), may_alias));
+};
+
+/// The same for N x N: sums of the columns of W, each in one vector whose lanes from N on hold anything. Vectors are read and written
+/// in memory as they are: put together from parts there, they would have to wait for these.
+template <int N>
+void multiply(const double* W, double* m, int cols) {
+  using Vector = typename LanesFor<N>::Vector;
+  using InMemory = typename LanesFor<N>::InMemory;
+  constexpr int lanes = sizeof(Vector) / sizeof(double), others = lanes - N;
+  Vector column[N];
+  for (int k = 0; k + 1 < N; ++k) column[k] = *reinterpret_cast<const InMemory*>(W + k * N);
+  const Vector last = *reinterpret_cast<const InMemory*>(W + N * N - lanes);  // it ends where W ends
+  if constexpr (N == 3) {
+    column[N - 1] = __builtin_shufflevector(last, last, 1, 2, 3, 3);
+  } else {
+    static_assert(others == 2);
+    column[N - 1] = __builtin_shufflevector(last, last, 2, 3, 4, 5, 6, 7, 7, 7);
+  }
+  for (int j = 0; j < cols; ++j, m += N) {
+    Vector sum = column[0] * m[0];
+    for (int k = 1; k < N; ++k) sum += column[k] * m[k];
+    if (j + 1 < cols) {
+      double next[others];
+      for (int k = 0; k < others; ++k) next[k] = m[N + k];
+      *reinterpret_cast<InMemory*>(m) = sum;
+      for (int k = 0; k < others; ++k) m[N + k] = next[k];
+    } else {
+      for (int k = 0; k < N; ++k) m[k] = sum[k];
+    }
   }
 }
 
@@ -275,7 +318,13 @@ void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
       withDimension(dim, [&](auto n) { scale<n>(W, m, dim, cols); });
       break;
     case WhiteningKind::full:
-      withDimension(dim, [&](auto n) { multiply<n>(W, m, dim, cols); });
+      if (dim == 3) {
+        multiply<3>(W, m, cols);
+      } else if (dim == 6) {
+        multiply<6>(W, m, cols);
+      } else {
+        multiplyAny(W, m, dim, cols);
+      }
       break;
   }
 }

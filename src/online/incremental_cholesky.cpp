@@ -46,14 +46,28 @@ int IncrementalCholesky::insertElement(std::span<const int> blocks, int rows) {
     element.columns += dof(b);
     markPathFrom(b);
   }
-  element.A.assign(at(rows) * at(element.columns), 0.0);
-  element.g.assign(at(element.columns), 0.0);
+  element.squared_norm = 0;
+  element.start = roomFor(element.entries() + at(element.columns));
   loose_elements_.push_back(e);
   return e;
 }
 
+/// Where in numbers_ so many zeros lie.
+std::size_t IncrementalCholesky::roomFor(std::size_t count) {
+  std::vector<std::size_t>& free = free_numbers_[count];
+  if (free.empty()) {
+    numbers_.resize(numbers_.size() + count, 0.0);
+    return numbers_.size() - count;
+  }
+  const std::size_t start = free.back();
+  free.pop_back();
+  std::fill_n(numbers_.begin() + static_cast<std::ptrdiff_t>(start), count, 0.0);
+  return start;
+}
+
 void IncrementalCholesky::removeElement(int e) {
   Element& element = elements_[at(e)];
+  free_numbers_[element.entries() + at(element.columns)].push_back(element.start);
   for (const int b : element.blocks) markPathFrom(b);
   std::erase(loose_elements_, e);
   element = {};
@@ -62,13 +76,16 @@ void IncrementalCholesky::removeElement(int e) {
 
 void IncrementalCholesky::setA(int e, std::span<const double> A) {
   Element& element = elements_[at(e)];
-  element.A.assign(A.begin(), A.end());
+  std::copy(A.begin(), A.end(), numbers_.begin() + static_cast<std::ptrdiff_t>(element.start));
+  element.squared_norm =
+      Eigen::Map<const Eigen::VectorXd>(A.data(), static_cast<Eigen::Index>(A.size())).squaredNorm();
   if (element.front >= 0) touch(element.front, true);
 }
 
 void IncrementalCholesky::setGradient(int e, std::span<const double> g) {
   Element& element = elements_[at(e)];
-  element.g.assign(g.begin(), g.end());
+  std::copy(g.begin(), g.end(),
+            numbers_.begin() + static_cast<std::ptrdiff_t>(element.start + element.entries()));
   if (element.front >= 0) touch(element.front, false);
 }
 

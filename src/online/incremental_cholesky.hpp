@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <span>
@@ -43,8 +44,16 @@ class IncrementalCholesky {
   /// Blocks of the element one after the other; A is rows x columns, column-major.
   std::span<const int> blocksOf(int element) const { return elements_[at(element)].blocks; }
   int rowsOf(int element) const { return elements_[at(element)].rows; }
-  const std::vector<double>& A(int element) const { return elements_[at(element)].A; }
-  const std::vector<double>& gradient(int element) const { return elements_[at(element)].g; }
+  /// A view of it and of the gradient is valid until another element is inserted.
+  std::span<const double> A(int element) const {
+    const Element& e = elements_[at(element)];
+    return {numbers_.data() + e.start, e.entries()};
+  }
+  std::span<const double> gradient(int element) const {
+    const Element& e = elements_[at(element)];
+    return {numbers_.data() + e.start + e.entries(), at(e.columns)};
+  }
+  double squaredNormOfA(int element) const { return elements_[at(element)].squared_norm; }
   void setA(int element, std::span<const double> A);
   void setGradient(int element, std::span<const double> g);
 
@@ -103,8 +112,11 @@ class IncrementalCholesky {
   struct Element {
     std::vector<int> blocks;  // empty: there is none
     int rows = 0, columns = 0;
-    std::vector<double> A, g;
-    int front = -1;  // the front in which it is assembled: that of its first eliminated block
+    std::size_t start = 0;    // of A in numbers_, and after it g
+    double squared_norm = 0;  // of A
+    int front = -1;           // the front in which it is assembled: that of its first eliminated block
+
+    std::size_t entries() const { return at(rows) * at(columns); }
   };
   /// A front's part of H^-1.
   struct Inverse {
@@ -132,6 +144,7 @@ class IncrementalCholesky {
   };
   void touch(int front, bool is_factor);
   void pushDirty(int front);
+  std::size_t roomFor(std::size_t count);
   void markPathFrom(int block);
   void dissolve(int front);
   void rebuildTop();
@@ -165,6 +178,8 @@ class IncrementalCholesky {
   std::vector<Block> blocks_;
   std::vector<Element> elements_;
   std::vector<int> free_elements_;
+  std::vector<double> numbers_;                                   // of elements, side by side
+  std::map<std::size_t, std::vector<std::size_t>> free_numbers_;  // where there is room for so many
   std::vector<Front> fronts_;
   std::vector<int> free_fronts_;
   std::set<int> roots_;

@@ -100,10 +100,10 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
     const int rows = element.rows;
-    const double* A_k = element.A.data();
+    const double* A_k = A(e).data();
     for (const int k : element.blocks) {
       const int dof_k = dof(k), at_k = local_[at(k)];
-      const double* A_l = element.A.data();
+      const double* A_l = A(e).data();
       for (const int l : element.blocks) {
         const int dof_l = dof(l), at_l = local_[at(l)];
         const double* const first = A_l;
@@ -199,7 +199,7 @@ void IncrementalCholesky::factorizeFront(int f) {
   std::vector<double> diagonal(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
-    const double* a = element.A.data();
+    const double* a = A(e).data();
     for (const int b : element.blocks) {
       for (int i = 0; i < dof(b); ++i) {
         for (int r = 0; r < element.rows; ++r, ++a) diagonal[at(local_[at(b)] + i)] += *a * *a;
@@ -262,7 +262,7 @@ void IncrementalCholesky::solveFront(int f) {
   std::vector<double> g(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
-    addByPlace(element.blocks, element.g.data(), g);
+    addByPlace(element.blocks, gradient(e).data(), g);
   }
   front.promise_below = 0;
   for (const int c : front.children) {

@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+
+#include <Eigen/Core>
 
 #include "base/index.hpp"
 #include "online/online_fit.hpp"
@@ -26,6 +29,29 @@ class Graduated {
  private:
   Linearizer& linearizer_;
 };
+
+/// g := J^T r
+template <int Rows>
+void writeGradientOf(int rows, const double* J, const double* r, std::vector<double>& g) {
+  const int n = Rows > 0 ? Rows : rows;
+  for (double& sum : g) {
+    sum = 0;
+    for (int k = 0; k < n; ++k) sum += J[k] * r[k];
+    J += n;
+  }
+}
+void writeGradient(int rows, const double* J, const double* r, std::vector<double>& g) {
+  switch (rows) {
+    case 2:
+      return writeGradientOf<2>(rows, J, r, g);
+    case 3:
+      return writeGradientOf<3>(rows, J, r, g);
+    case 6:
+      return writeGradientOf<6>(rows, J, r, g);
+    default:
+      return writeGradientOf<0>(rows, J, r, g);
+  }
+}
 
 }  // namespace
 
@@ -64,27 +90,22 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
   addToRss(cost);
   record.cost = cost;
   if (record.element == kNone) return;
-  const std::vector<double>& before = factor_.A(record.element);
+  const std::span<const double> before = factor_.A(record.element);
   const int rows = factor_.rowsOf(record.element);
   if (!record.is_plain) {
     merge(place, J, dof);
     J = A_.data();
   }
-  g_.clear();
-  double difference = 0, size = 0;
-  const double* b = before.data();
-  for (const double* a = J; a < J + before.size();) {
-    double sum = 0;
-    for (int k = 0; k < rows; ++k, ++a, ++b) {
-      sum += *a * r[k];
-      difference += (*a - *b) * (*a - *b);
-      size += *b * *b;
-    }
-    g_.push_back(sum);
-  }
+  const auto entries = static_cast<Eigen::Index>(before.size());
+  const double difference = (Eigen::Map<const Eigen::VectorXd>(J, entries) -
+                             Eigen::Map<const Eigen::VectorXd>(before.data(), entries))
+                                .squaredNorm();
+  g_.resize(before.size() / at(rows));
+  writeGradient(rows, J, r, g_);
   flops_ += 2.0 * static_cast<double>(before.size());
   factor_.setGradient(record.element, g_);
-  if (difference > most_difference * most_difference * size) factor_.setA(record.element, {J, before.size()});
+  if (difference > most_difference * most_difference * factor_.squaredNormOfA(record.element))
+    factor_.setA(record.element, {J, before.size()});
 }
 
 /// The Jacobian of an element from those of a measurement, where that has variables without a block, or one twice.

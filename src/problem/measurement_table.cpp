@@ -118,7 +118,7 @@ const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
   }
   if (!uses_) throw std::bad_alloc();
   Uses::OfVariable& uses = uses_->at(variable);
-  Uses::tidy(uses);
+  uses_->tidy(uses);
   return uses.all;
 }
 
@@ -141,6 +141,7 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
     dropFirstEstimates(*measurement, pool.variables(i));
   for (int k = 0; k < pool.arity(); ++k) --table_[at(pool.variables(i)[k])].uses;
   pool.remove(i);
+  if (uses_) ++uses_->removed;
   --measurement_count_;
   changes_.add({Change::Kind::measurement_removed, i, indexOfPool(pool)}, size());
 }

@@ -1,6 +1,8 @@
 /// Which measurements depend on a variable.
 #pragma once
 
+#include <utility>
+
 #include "slom/problem/problem.hpp"
 
 namespace slom {
@@ -10,15 +12,18 @@ namespace slom {
 struct Problem::Uses {
   struct OfVariable {
     std::vector<Use> all;
+    long looked_through = 0;   // `removed`, when removed ones were last looked for
     std::size_t longest = 16;  // with more, removed ones are looked for
   };
   std::vector<OfVariable> of;  // indexed as the variable table
+  long removed = 0;            // measurements, ever
 
   OfVariable& at(int variable) {
     if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);
     return of[static_cast<std::size_t>(variable)];
   }
-  static void tidy(OfVariable& uses) {
+  void tidy(OfVariable& uses) const {
+    if (std::exchange(uses.looked_through, removed) == removed) return;
     std::erase_if(uses.all, [](const Use& use) { return !use.pool->has(use.ref); });
     uses.longest = 2 * uses.all.size() + 16;
   }

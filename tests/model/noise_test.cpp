@@ -1,4 +1,5 @@
 // Noise statements: W^T W is the inverse covariance for every form and shape, and every fault is named.
+#include <cstdlib>
 #include <random>
 
 #include <Eigen/Dense>
@@ -110,6 +111,22 @@ std::string refusal(const N& noise) {
     return e.what();
   }
   return "accepted";
+}
+
+/// Matrices of all sizes and any number of columns; numbers beside them stay as they are.
+TEST(Noise, WhitenMultipliesByW) {
+  std::srand(7);
+  for (int n = 1; n <= 9; ++n) {
+    for (int columns = 0; columns <= 13; ++columns) {
+      const MatrixXd W = MatrixXd::Random(n, n), before = MatrixXd::Random(n, columns);
+      MatrixXd m(n, columns + 2);
+      m << MatrixXd::Constant(n, 1, 5), before, MatrixXd::Constant(n, 1, 7);
+      slom::whiten(slom::WhiteningKind::full, W.data(), m.data() + n, n, columns);
+      EXPECT_LT((m.middleCols(1, columns) - W * before).norm(), 1e-14 * (1 + before.norm())) << n;
+      EXPECT_EQ(m.col(0), MatrixXd::Constant(n, 1, 5));
+      EXPECT_EQ(m.col(columns + 1), MatrixXd::Constant(n, 1, 7));
+    }
+  }
 }
 
 TEST(Noise, FaultsAreNamed) {

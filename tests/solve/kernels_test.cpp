@@ -163,8 +163,9 @@ TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
       std::vector<Numbers> results;
       for (const Kernels* kernels : available()) {
         MatrixXd aa = AA, bb = BB, ab = AB, ar = Ar, br = Br;
-        ASSERT_TRUE(kernels->addPair(rows, k, l, A.data(), B.data(), r.data(),
-                                     {aa.data(), bb.data(), ab.data(), ar.data(), br.data(), is_new}));
+        const PairProduct pair{A.data(),  B.data(),  r.data(),  aa.data(), bb.data(),
+                               ab.data(), ar.data(), br.data(), is_new};
+        ASSERT_TRUE(kernels->addPairs(rows, k, l, 1, &pair));
         EXPECT_LT((aa - AA - A.transpose() * A).norm() + (bb - BB - B.transpose() * B).norm() +
                       (ab - before - A.transpose() * B).norm() + (ar - Ar - A.transpose() * r).norm() +
                       (br - Br - B.transpose() * r).norm(),

@@ -135,6 +135,8 @@ class MeasurementPool {
   SlotRef insert(void* measurement, const int* variables, const NoiseView& noise, const Loss& loss);
   /// Index of the measurement with this handle; throws [slom.stale-handle].
   int indexOf(SlotRef ref) const;
+  /// The same of one that is there.
+  int indexOfPresent(SlotRef ref) const { return index_of_slot_[ref.slot]; }
   /// Whether a measurement has this handle.
   bool has(SlotRef ref) const {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&

@@ -108,7 +108,7 @@ class Problem {
   /// the table is kept, and a call takes time in proportion to what it finds.
   template <class F>
   void forEachUse(int variable, const F& f) const {
-    for (const Use& use : usesOf(variable)) f(*use.pool, use.pool->indexOf(use.ref));
+    for (const Use& use : usesOf(variable)) f(*use.pool, use.pool->indexOfPresent(use.ref));
   }
   /// `pose[3] = (1 2 0.5), pose[4] = (...)`: the variables of a measurement and their values.
   std::string valuesText(const int* variables, int arity) const;

@@ -11,9 +11,6 @@
 namespace slom {
 
 namespace {
-/// Prefetch distance, in measurements.
-constexpr int kMeasurementsAhead = 4;
-
 /// Faster for short arrays than std::fill_n, which calls memset.
 void clear(double* x, int n) { Eigen::Map<Eigen::VectorXd>(x, n).setZero(); }
 
@@ -167,73 +164,106 @@ const int* NormalEquations::placesOf(int group) const {
   return place_of_.empty() ? structure_->groups[at(group)].blocks.data() : place_of_[at(group)].data();
 }
 
-/// Adds all products of a measurement of two free variables by one kernel, with the same bits as product by product. Returns false, with
-/// nothing added, where no kernel does it.
-bool NormalEquations::addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
-                              Destination destination, const double* J, const double* r) {
+/// Measurements of two free variables, of one shape, that one call of a kernel adds.
+struct NormalEquations::Pairs {
+  static constexpr int kMost = 8;
+  int rows = 0, later_dof = 0, earlier_dof = 0, count = 0;
+  bool has_kernel = false;
+  dense::PairProduct pair[kMost];
+};
+
+/// Puts a measurement to those that are added together, with the same bits as product by product. False where no kernel does it, or where it has
+/// another shape than they.
+bool NormalEquations::append(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
+                             Destination destination, const double* J, const double* r, Pairs& pairs) {
   if (places[0] < 0 || places[1] < 0 || places[0] == places[1]) return false;
-  const Place* const place[] = {&place_[at(places[0])], &place_[at(places[1])]};
-  const int later = place[0]->column > place[1]->column ? 0 : 1, earlier = 1 - later;
-  const dense::PairTarget to{place[later]->diagonal, place[earlier]->diagonal, values(destination.block),
-                             place[later]->gradient, place[earlier]->gradient, destination.is_first != 0};
-  const double* const of[] = {J, J + static_cast<std::ptrdiff_t>(rows) * dof[0]};
-  return kernel.addPair(rows, dof[later], dof[earlier], of[later], of[earlier], r, to);
+  const Place &first = place_[at(places[0])], &second = place_[at(places[1])];
+  const bool is_first_later = first.column > second.column;
+  const Place &later = is_first_later ? first : second, &earlier = is_first_later ? second : first;
+  const int later_dof = dof[is_first_later ? 0 : 1], earlier_dof = dof[is_first_later ? 1 : 0];
+  if (pairs.rows != rows || pairs.later_dof != later_dof || pairs.earlier_dof != earlier_dof) {
+    if (pairs.count > 0) return false;
+    pairs.rows = rows;
+    pairs.later_dof = later_dof;
+    pairs.earlier_dof = earlier_dof;
+    pairs.has_kernel = kernel.addPairs(rows, later_dof, earlier_dof, 0, nullptr);
+  }
+  if (!pairs.has_kernel) return false;
+  const double* const J_second = J + static_cast<std::ptrdiff_t>(rows) * dof[0];
+  double* const block = values(destination.block);
+  pairs.pair[pairs.count++] = {is_first_later ? J : J_second,
+                               is_first_later ? J_second : J,
+                               r,
+                               later.diagonal,
+                               earlier.diagonal,
+                               block,
+                               later.gradient,
+                               earlier.gradient,
+                               destination.is_first != 0};
+  dense::prefetch(later.diagonal, later.diagonal + 1);
+  dense::prefetch(earlier.diagonal, earlier.diagonal + 1);
+  dense::prefetch(block, block + later_dof * earlier_dof);
+  return true;
 }
 
-/// Prefetches what a measurement of two variables adds to.
-void NormalEquations::prefetch(const int* places, Destination destination) const {
-  for (int k = 0; k < 2; ++k) {
-    if (places[k] < 0) return;
+void NormalEquations::addAll(const dense::Kernels& kernel, Pairs& pairs) {
+  if (pairs.count > 0)
+    kernel.addPairs(pairs.rows, pairs.later_dof, pairs.earlier_dof, pairs.count, pairs.pair);
+  pairs.count = 0;
+}
+
+/// Adds the products of a measurement one by one.
+void NormalEquations::addEach(const dense::Kernels& kernel, int arity, int rows, const int* places,
+                              const int* dof, const Destination* destination, const double* J,
+                              const double* r) {
+  const auto add_product = kernel.addProduct;
+  for (int k = 0; k < arity; ++k) {
+    const double* const Jk = J;
+    J += static_cast<std::ptrdiff_t>(rows) * dof[k];
+    if (places[k] < 0) {
+      destination += arity - 1 - k;
+      continue;
+    }
     const Place& place = place_[at(places[k])];
-    dense::prefetch(place.diagonal, place.diagonal + 1);
+    add_product(rows, dof[k], 1, Jk, r, place.gradient);
+    add_product(rows, dof[k], dof[k], Jk, Jk, place.diagonal);
+    const double* Jl = J;
+    for (int l = k + 1; l < arity; ++l, ++destination) {
+      const double* const Jl_here = Jl;
+      Jl += static_cast<std::ptrdiff_t>(rows) * dof[l];
+      if (places[l] < 0) continue;
+      const int other = place_[at(places[l])].column;
+      double* const H = begun(*destination, dof[k] * dof[l]);
+      if (other >= place.column) add_product(rows, dof[l], dof[k], Jl_here, Jk, H);
+      if (other <= place.column) add_product(rows, dof[k], dof[l], Jk, Jl_here, H);
+    }
   }
-  if (destination.block < H_.begin(H_.columns()))
-    dense::prefetch(H_.values(destination.block), H_.values(destination.block + 1));
 }
 
 void NormalEquations::add(const JacobianBatch& batch) {
   const dense::Kernels& kernel = dense::kernels();
-  const auto add_product = kernel.addProduct;
-  const int arity = structure_->groups[at(batch.group)].arity;
+  const int arity = structure_->groups[at(batch.group)].arity, products = arity * (arity - 1) / 2;
   const double* r = batch.r;
   const double* J = batch.J;
-  const Destination* destination =
-      destination_[at(batch.group)].data() + at(batch.first) * at(arity * (arity - 1) / 2);
+  const Destination* destination = destination_[at(batch.group)].data() + at(batch.first) * at(products);
   const int* places = placesOf(batch.group) + at(batch.first) * at(arity);
   const int* dof = batch.dof;
-  for (int m = 0; m < batch.count; ++m, places += arity, dof += arity) {
+  Pairs pairs;
+  for (int m = 0; m < batch.count; ++m) {
     const int rows = batch.rows[m];
-    if (arity == 2 && m + kMeasurementsAhead < batch.count)
-      prefetch(places + 2 * kMeasurementsAhead, destination[kMeasurementsAhead]);
-    if (arity == 2 && addPair(kernel, rows, places, dof, *destination, J, r)) {
-      ++destination;
-      J += static_cast<std::ptrdiff_t>(rows) * (dof[0] + dof[1]);
-      r += rows;
-      continue;
+    if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs)) {
+      addAll(kernel, pairs);
+      if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs))
+        addEach(kernel, arity, rows, places, dof, destination, J, r);
     }
-    for (int k = 0; k < arity; ++k) {
-      const double* const Jk = J;
-      J += static_cast<std::ptrdiff_t>(rows) * dof[k];
-      if (places[k] < 0) {
-        destination += arity - 1 - k;
-        continue;
-      }
-      const Place& place = place_[at(places[k])];
-      add_product(rows, dof[k], 1, Jk, r, place.gradient);
-      add_product(rows, dof[k], dof[k], Jk, Jk, place.diagonal);
-      const double* Jl = J;
-      for (int l = k + 1; l < arity; ++l, ++destination) {
-        const double* const Jl_here = Jl;
-        Jl += static_cast<std::ptrdiff_t>(rows) * dof[l];
-        if (places[l] < 0) continue;
-        const int other = place_[at(places[l])].column;
-        double* const H = begun(*destination, dof[k] * dof[l]);
-        if (other >= place.column) add_product(rows, dof[l], dof[k], Jl_here, Jk, H);
-        if (other <= place.column) add_product(rows, dof[k], dof[l], Jk, Jl_here, H);
-      }
-    }
+    if (pairs.count == Pairs::kMost) addAll(kernel, pairs);
+    for (int k = 0; k < arity; ++k) J += static_cast<std::ptrdiff_t>(rows) * dof[k];
     r += rows;
+    places += arity;
+    dof += arity;
+    destination += products;
   }
+  addAll(kernel, pairs);
 }
 
 double NormalEquations::squaredNormOfJd(const Eigen::VectorXd& d) const {

@@ -61,9 +61,12 @@ class NormalEquations {
   void findDestinations();
   void placeAccumulators();
   void clearUntouched(const std::vector<signed char>& partition);
-  bool addPair(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
-               Destination destination, const double* J, const double* r);
-  void prefetch(const int* places, Destination destination) const;
+  struct Pairs;
+  bool append(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
+              Destination destination, const double* J, const double* r, Pairs& pairs);
+  static void addAll(const dense::Kernels& kernel, Pairs& pairs);
+  void addEach(const dense::Kernels& kernel, int arity, int rows, const int* places, const int* dof,
+               const Destination* destination, const double* J, const double* r);
   const int* placesOf(int group) const;
   const double* values(int block) const;
   double* values(int block) { return const_cast<double*>(std::as_const(*this).values(block)); }

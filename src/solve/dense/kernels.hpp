@@ -52,8 +52,9 @@ struct Child {
   const double* update;
 };
 
-/// What a measurement with the Jacobians A and B adds to: blocks of J^T J and parts of J^T r.
-struct PairTarget {
+/// A measurement with the residual r and the Jacobians A and B, and what it adds to: blocks of J^T J and parts of J^T r.
+struct PairProduct {
+  const double *A, *B, *r;
   double *AA, *BB, *AB, *Ar, *Br;
   bool AB_is_new;  ///< AB has no value yet and is taken as 0
 };
@@ -89,10 +90,9 @@ struct Kernels {
   void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// H += A^T B for A rows x k, B rows x l, H k x l, all column-major and without gaps
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
-  /// AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as for
-  /// addProduct. Returns false, with nothing done, for sizes it is not made for.
-  bool (*addPair)(int rows, int k, int l, const double* A, const double* B, const double* r,
-                  const PairTarget& to);
+  /// For each of `count`, in order: AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows x k and B rows x l, all as
+  /// for addProduct. Returns false, with nothing done, for sizes it is not made for.
+  bool (*addPairs)(int rows, int k, int l, int count, const PairProduct* pairs);
   /// Y := W L^-T for W k x d, column-major without gaps, and lower triangular L, d x d, with inverse diagonal; Y has
   /// paddedRows(k) rows, those after the k-th are 0.
   void (*solveRight)(int d, int k, const double* L, const double* W, double* Y);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Kernels makeKernels(const char* name) {
   return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
-          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &addPair, &solveRight, &subtractOuters,
+          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &addPairs, &solveRight, &subtractOuters,
           &subtractProduct, &subtractTransposedProduct, &eliminate, &forwardColumn, &backwardColumn};
 }
 

@@ -86,11 +86,11 @@ SLOM_INLINE inline void addToThree(const Vector (&rows)[3], const double* r, dou
 }
 
 /// Three residuals of two variables with three unknowns each.
-void addPairOfThrees(const double* A, const double* B, const double* r, const PairTarget& to) {
+SLOM_INLINE inline void addPairOfThrees(const PairProduct& pair) {
   Vector a[3], b[3];
-  rowsOf(A, a);
-  rowsOf(B, b);
-  ThreeByThree AA(to.AA), BB(to.BB), AB = to.AB_is_new ? ThreeByThree() : ThreeByThree(to.AB);
+  rowsOf(pair.A, a);
+  rowsOf(pair.B, b);
+  ThreeByThree AA(pair.AA), BB(pair.BB), AB = pair.AB_is_new ? ThreeByThree() : ThreeByThree(pair.AB);
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const Three left(a[i], a[i]), right(b[i], b[i]);
@@ -98,39 +98,51 @@ void addPairOfThrees(const double* A, const double* B, const double* r, const Pa
     AB.add(left, right);
     BB.add(right, right);
   }
-  AA.storeTo(to.AA);
-  BB.storeTo(to.BB);
-  AB.storeTo(to.AB);
-  addToThree(a, r, to.Ar);
-  addToThree(b, r, to.Br);
+  AA.storeTo(pair.AA);
+  BB.storeTo(pair.BB);
+  AB.storeTo(pair.AB);
+  addToThree(a, pair.r, pair.Ar);
+  addToThree(b, pair.r, pair.Br);
 }
 
 template <int R, int K, int L>
-void addPairOf(const double* A, const double* B, const double* r, const PairTarget& to) {
+SLOM_INLINE inline void addPairOf(const PairProduct& pair) {
   {
     ColumnOf<K> rows[R];
-    transpose<R, K>(A, rows);
-    addColumnsOfProduct<R, K>(rows, K, A, to.AA);
-    addColumnsOfProduct<R, K>(rows, 1, r, to.Ar);
-    addColumnsOfProduct<R, K>(rows, L, B, to.AB, to.AB_is_new);
+    transpose<R, K>(pair.A, rows);
+    addColumnsOfProduct<R, K>(rows, K, pair.A, pair.AA);
+    addColumnsOfProduct<R, K>(rows, 1, pair.r, pair.Ar);
+    addColumnsOfProduct<R, K>(rows, L, pair.B, pair.AB, pair.AB_is_new);
   }
   ColumnOf<L> rows[R];
-  transpose<R, L>(B, rows);
-  addColumnsOfProduct<R, L>(rows, L, B, to.BB);
-  addColumnsOfProduct<R, L>(rows, 1, r, to.Br);
+  transpose<R, L>(pair.B, rows);
+  addColumnsOfProduct<R, L>(rows, L, pair.B, pair.BB);
+  addColumnsOfProduct<R, L>(rows, 1, pair.r, pair.Br);
+}
+
+template <int R, int K, int L>
+bool addPairsOf(int count, const PairProduct* pairs) {
+  for (int n = 0; n < count; ++n) {
+    if constexpr (R == 3 && K == 3 && L == 3) {
+      addPairOfThrees(pairs[n]);
+    } else {
+      addPairOf<R, K, L>(pairs[n]);
+    }
+  }
+  return true;
 }
 
 constexpr int shapeOf(int rows, int k, int l) { return 256 * rows + 16 * k + l; }
 
-bool addPair(int rows, int k, int l, const double* A, const double* B, const double* r, const PairTarget& to) {
+bool addPairs(int rows, int k, int l, int count, const PairProduct* pairs) {
   if (rows > 15 || k > 15 || l > 15) return false;
   switch (shapeOf(rows, k, l)) {
-    case shapeOf(2, 9, 3): addPairOf<2, 9, 3>(A, B, r, to); return true;
-    case shapeOf(2, 6, 3): addPairOf<2, 6, 3>(A, B, r, to); return true;
-    case shapeOf(3, 6, 3): addPairOf<3, 6, 3>(A, B, r, to); return true;
-    case shapeOf(6, 6, 6): addPairOf<6, 6, 6>(A, B, r, to); return true;
-    case shapeOf(3, 3, 3): addPairOfThrees(A, B, r, to); return true;
-    case shapeOf(2, 3, 2): addPairOf<2, 3, 2>(A, B, r, to); return true;
+    case shapeOf(2, 9, 3): return addPairsOf<2, 9, 3>(count, pairs);
+    case shapeOf(2, 6, 3): return addPairsOf<2, 6, 3>(count, pairs);
+    case shapeOf(3, 6, 3): return addPairsOf<3, 6, 3>(count, pairs);
+    case shapeOf(6, 6, 6): return addPairsOf<6, 6, 6>(count, pairs);
+    case shapeOf(3, 3, 3): return addPairsOf<3, 3, 3>(count, pairs);
+    case shapeOf(2, 3, 2): return addPairsOf<2, 3, 2>(count, pairs);
     default: return false;
   }
 }
