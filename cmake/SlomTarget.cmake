@@ -15,9 +15,10 @@ function(slom_fuzzed target)
   endif()
 endfunction()
 
-# slom_unity(<target>): its sources are compiled several at a time, so that what all of them include is parsed once for several.
+# slom_unity(<target>): its sources are compiled several at a time, so that what all of them include is parsed, and what they
+# instantiate of templates is compiled, once for several. SLOM_UNITY_BUILD=OFF compiles each alone.
 function(slom_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE ${SLOM_UNITY_BATCH_SIZE})
 endfunction()
 
 # For sources that take longer to compile than they run: with less optimisation, without flattening, and by clang, which compiles for

@@ -26,7 +26,7 @@ using slom::testing::messageOf;
 using vec2 = mtk::vect<2>;
 
 /// y = line_0 + line_1 t + level of the group.
-struct Line {
+struct RegressionLine {
   auto operator()(const auto& line, double t) const { return line[0] + line[1] * t; }
 };
 struct LevelledLine {
@@ -90,8 +90,8 @@ void fill(Regression& fit, const Shape& shape) {
                                   slom::measured(y), noise, slom::group("set", 100 - g),
                                   slom::group("place", i));
       } else {
-        fit.est.insertMeasurement(Line(), fit.line, t, slom::measured(y), noise, slom::group("set", 100 - g),
-                                  slom::group("place", i));
+        fit.est.insertMeasurement(RegressionLine(), fit.line, t, slom::measured(y), noise,
+                                  slom::group("set", 100 - g), slom::group("place", i));
       }
       rows.push_back(row);
       data.push_back(y / shape.sigma);
@@ -101,7 +101,8 @@ void fill(Regression& fit, const Shape& shape) {
   }
   for (int i = 0; i < shape.without_group; ++i) {
     const double t = normal(engine), y = 1 + 2 * t + 0.5 * normal(engine);
-    fit.est.insertMeasurement(Line(), fit.line, t, slom::measured(y), slom::StandardDeviation(shape.sigma));
+    fit.est.insertMeasurement(RegressionLine(), fit.line, t, slom::measured(y),
+                              slom::StandardDeviation(shape.sigma));
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns);
     row[0] = 1 / shape.sigma;
     row[1] = t / shape.sigma;
@@ -134,14 +135,15 @@ std::vector<std::vector<int>> rowsOf(const std::vector<int>& group) {
   return result;
 }
 
-struct Dense {
+struct DenseClustered {
   MatrixXd C;
   VectorXd dof;
 };
 
 /// The sandwich, with the symmetric roots of dense I - H_gg. Directions in which I - H_gg is 0, and rows without a group, contribute what
 /// is stated.
-Dense denseClustered(const Regression& fit, const std::vector<int>& group, ClusterCorrection correction) {
+DenseClustered denseClustered(const Regression& fit, const std::vector<int>& group,
+                              ClusterCorrection correction) {
   const MatrixXd C = fit.C(), H = fit.J * C * fit.J.transpose();
   const std::vector<std::vector<int>> groups = rowsOf(group);
   const auto G = static_cast<double>(groups.size()), N = static_cast<double>(fit.J.rows()),
@@ -175,7 +177,7 @@ Dense denseClustered(const Regression& fit, const std::vector<int>& group, Clust
   for (Index i = 0; i < fit.J.rows(); ++i) {
     if (group[static_cast<std::size_t>(i)] < 0) stated += fit.J.row(i).transpose() * fit.J.row(i);
   }
-  Dense result{C * (factor * meat + stated) * C, VectorXd(fit.J.cols())};
+  DenseClustered result{C * (factor * meat + stated) * C, VectorXd(fit.J.cols())};
   for (Index c = 0; c < fit.J.cols(); ++c) {
     MatrixXd P(fit.J.rows(), static_cast<Index>(groups.size()));
     for (std::size_t g = 0; g < groups.size(); ++g)
@@ -199,7 +201,7 @@ TEST(Clustered, IsTheTextbookFormula) {
     fill(fit, {.without_group = without_group});
     for (const ClusterCorrection correction : kCorrections) {
       const slom::Clustered c = fit.est.clustered({.by = {"set"}, .correction = correction});
-      const Dense dense = denseClustered(fit, fit.group, correction);
+      const DenseClustered dense = denseClustered(fit, fit.group, correction);
       EXPECT_LT(relative(c.covariance(fit.line), dense.C), 1e-9) << static_cast<int>(correction);
       EXPECT_LT(relative(c.degreesOfFreedom(fit.line), dense.dof), 1e-9) << static_cast<int>(correction);
       EXPECT_LT(relative(c.standardDeviation(fit.line), dense.C.diagonal().cwiseSqrt()), 1e-9);
@@ -214,7 +216,7 @@ TEST(Clustered, OfAVariableThatOneGroupAloneSees) {
   fill(fit, {.has_levels = true});
   for (const ClusterCorrection correction : kCorrections) {
     const slom::Clustered c = fit.est.clustered({.by = {"set"}, .correction = correction});
-    const Dense dense = denseClustered(fit, fit.group, correction);
+    const DenseClustered dense = denseClustered(fit, fit.group, correction);
     EXPECT_LT(relative(c.covariance(fit.line), dense.C.topLeftCorner(2, 2)), 1e-9);
     EXPECT_LT(relative(c.degreesOfFreedom(fit.line), dense.dof.head(2)), 1e-9);
     for (int g = 0; g < 7; ++g) {

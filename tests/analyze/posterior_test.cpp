@@ -20,8 +20,7 @@ using slom::measured;
 using slom::StandardDeviation;
 using slom::testing::messageOf;
 using Point = mtk::vect<2>;
-using SO3 = mtk::SO3<>;
-using Pose = mtk::trafo<SO3>;
+using Pose = mtk::trafo<mtk::SO3<>>;
 using Place = mtk::vect<3>;
 
 /// Three points by distances from two fixed ones and from each other.
@@ -78,14 +77,14 @@ TEST(Posterior, TakesUnknownsThatComeWithTheMeasurements) {
     double sigma = 0.2;
     std::apply([&](const auto&... id) { (est.prior(id, *id, sigma *= 1.5), ...); }, all);
     const auto& [a, b, c] = all;
-    look(est, a, b, c, Pose(SO3::exp(Place(0.3, -0.2, 0.5)), Place(1, 1, -3)));
+    look(est, a, b, c, Pose(mtk::SO3<>::exp(Place(0.3, -0.2, 0.5)), Place(1, 1, -3)));
     return all;
   };
   slom::Estimator est, longer;
   const auto ids = make(est);
   const auto in_longer = make(longer);
   auto what_if = std::apply([&](const auto&... id) { return slom::posterior(est, id...); }, ids);
-  const Pose next(SO3::exp(Place(-1, 2, 0.1)), Place(5, -2, 0));
+  const Pose next(mtk::SO3<>::exp(Place(-1, 2, 0.1)), Place(5, -2, 0));
   std::apply([&](const auto&... id) { look(what_if.estimator, id..., next); }, what_if.ids);
   std::apply([&](const auto&... id) { look(longer, id..., next); }, in_longer);
   const auto joint = [](const slom::Estimator& e, const auto& all) {

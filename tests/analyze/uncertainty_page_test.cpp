@@ -27,12 +27,12 @@ std::string page() { return slom::testing::readFile(slom::testing::sourcePath("d
 const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
 
 /// Five points, all distances between them but for one, to a centimetre.
-struct Survey {
+struct SurveyOfThePage {
   slom::Estimator est;
   slom::VarID<vec2> church = est.insertRV(vec2(0, 0), "church"), mill = est.insertRV(vec2(100, 0), "mill"),
                     tower = est.insertRV(vec2(60, 80), "tower"), barn = est.insertRV(vec2(-20, 50), "barn"),
                     oak = est.insertRV(vec2(40, 40), "oak");
-  Survey() {
+  SurveyOfThePage() {
     std::mt19937 engine(3);
     std::normal_distribution<double> normal(0, 0.01);
     const std::vector<slom::VarID<vec2>> points{church, mill, tower, barn, oak};
@@ -82,7 +82,7 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
 }
 
 TEST(UncertaintyPage, Works) {
-  Survey survey;
+  SurveyOfThePage survey;
   auto& [est, church, mill, tower, barn, oak] = survey;
   {
   const slom::Diagnosis diagnosis = est.diagnose();

@@ -10,7 +10,7 @@ using testing::TemporaryFolder;
 const std::string content =
     testing::contentOf(testing::perturbed(testing::simulated(3, 20, 0.2, 1), 0.02, 2));
 
-void expectRefused(const std::string& sentence, const std::vector<std::string>& options) {
+void expectOptionsRefused(const std::string& sentence, const std::vector<std::string>& options) {
   command.expectRefused(content, sentence, options);
 }
 
@@ -20,10 +20,11 @@ TEST(BundleOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(BundleOptions, Algorithms) {
-  expectRefused("--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr", {"--solver", "lu"});
-  expectRefused("--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
+  expectOptionsRefused("--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr",
+                       {"--solver", "lu"});
+  expectOptionsRefused("--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
   for (const std::string name : {"gn", "dogleg"}) {
-    expectRefused(
+    expectOptionsRefused(
         "--algorithm " + name +
             ": place, rotation and scale of a scene are free, and lm alone can hold them, by its damping; "
             "leave the option out",
@@ -31,21 +32,22 @@ TEST(BundleOptions, Algorithms) {
   }
 }
 TEST(BundleOptions, SharedOptionsAreChecked) {
-  expectRefused("--robust huber: write huber:SCALE, SCALE a positive number of standard deviations",
-                {"--robust", "huber"});
-  expectRefused("--threads -1: give a number from 0 on", {"--threads", "-1"});
-  expectRefused("--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
+  expectOptionsRefused("--robust huber: write huber:SCALE, SCALE a positive number of standard deviations",
+                       {"--robust", "huber"});
+  expectOptionsRefused("--threads -1: give a number from 0 on", {"--threads", "-1"});
+  expectOptionsRefused("--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
 }
 TEST(BundleOptions, Tolerance) {
   for (const std::string number : {"-1", "1", "nan"}) {
-    expectRefused("--tolerance " + number + ": give a number from 0 on, and below 1",
-                  {"--tolerance", number});
+    expectOptionsRefused("--tolerance " + number + ": give a number from 0 on, and below 1",
+                         {"--tolerance", number});
   }
-  expectRefused("Could not convert: --tolerance = small; see slom bundle --help", {"--tolerance", "small"});
+  expectOptionsRefused("Could not convert: --tolerance = small; see slom bundle --help",
+                       {"--tolerance", "small"});
 }
 TEST(BundleOptions, ExtensionsOfResults) {
   for (const std::string name : {"scene", "scene.obj", "scene.ply.gz", "txt"}) {
-    expectRefused(
+    expectOptionsRefused(
         "--output " + name +
             ": a result is a BAL file, FILE.txt or FILE.bal, or a cloud of points to look at, FILE.ply",
         {"--output", name});

@@ -25,7 +25,7 @@ CameraResult lensOf(const std::vector<double>& values) {
   return camera;
 }
 
-const std::vector<double> fisheye{230, 232, 322, 243, -0.18, 0.59};
+const std::vector<double> fisheye_lens{230, 232, 322, 243, -0.18, 0.59};
 
 /// Written down once more from the paper, with more digits.
 vec2 pixelByFormula(const std::vector<double>& c, const vec3& p) {
@@ -55,7 +55,7 @@ TEST(DoubleSphere, IsAPinholeWithoutSphereAndShift) {
 TEST(DoubleSphere, SeesBeyondItsSideAndNothingOutOfItsDomain) {
   // z > -w2 |p| with w1 = (1 - 0.59) / 0.59: 126 degrees off the axis.
   const double w1 = 0.41 / 0.59, w2 = (w1 - 0.18) / std::sqrt(-2 * w1 * 0.18 + 0.18 * 0.18 + 1);
-  const CameraResult lens = lensOf(fisheye);
+  const CameraResult lens = lensOf(fisheye_lens);
   for (const double angle : {std::acos(-w2) - 1e-3, 1.7, 1.0})
     EXPECT_TRUE(lens.project(vec3(std::sin(angle), 0., std::cos(angle))).allFinite()) << angle;
   for (const double angle : {std::acos(-w2) + 1e-3, 2.5, M_PI})
@@ -63,7 +63,7 @@ TEST(DoubleSphere, SeesBeyondItsSideAndNothingOutOfItsDomain) {
 }
 
 TEST(DoubleSphere, ARayIsSeenAtItsPixel) {
-  const CameraResult lens = lensOf(fisheye);
+  const CameraResult lens = lensOf(fisheye_lens);
   for (double u = 0; u <= 640; u += 80) {
     for (double v = 0; v <= 480; v += 80) {
       const auto ray = lens.ray(vec2(u, v));
@@ -82,7 +82,7 @@ Result calibrated(const std::vector<double>& truth, const testing::Scene& scene,
   return calibrate(testing::simulated(*makeLens(lensOf(truth)), scene, seed), settings);
 }
 
-const std::vector<std::vector<double>> lenses{fisheye,
+const std::vector<std::vector<double>> lenses{fisheye_lens,
                                               {420, 425, 322, 243, 0.1, 0.35},
                                               {300, 302, 322, 243, 0.2, 0.55},
                                               {300, 302, 322, 243, -0.3, 0.7}};
@@ -166,7 +166,7 @@ struct Command : ::testing::Test {
     slom::testing::writeFile(
         folder / "cam.csv",
         "# image_size_px: 640 x 480\n" +
-            testing::cornerFile(testing::simulated(*makeLens(lensOf(fisheye)), scene, 1).cameras[0]));
+            testing::cornerFile(testing::simulated(*makeLens(lensOf(fisheye_lens)), scene, 1).cameras[0]));
   }
   testing::CommandResult run(std::vector<std::string> options) const {
     options.insert(options.begin(),

@@ -1,7 +1,6 @@
 // Data of a program that make no sense are refused, by a sentence that says which camera, image, corner or reading, what the
 // value is and what to do.
 #include <functional>
-#include <limits>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -13,11 +12,10 @@ namespace slom::calibration {
 namespace {
 
 using slom::testing::messageOf;
+using testing::infinity;
+using testing::nan;
 using testing::pinholeWithDistortion;
 using testing::rigInMemory;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Spoil = std::function<void(Dataset&)>;
 

@@ -1,7 +1,6 @@
 // Results that do not belong to the data, or lack what is asked of them, and settings that make no sense.
 #include <chrono>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,11 +14,10 @@ namespace slom::calibration {
 namespace {
 
 using slom::testing::messageOf;
+using testing::infinity;
+using testing::nan;
 using testing::pinholeWithDistortion;
 using testing::rigInMemory;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class ResultInMemory : public ::testing::Test {
  protected:

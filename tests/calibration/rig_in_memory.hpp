@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <slom/calibration.hpp>
 
 namespace slom::calibration::testing {
+
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Six images of a board of 7 x 5 corners by two pinholes with f = 500 px, 0.1 m apart, and a reading for each. Noise of
 /// about 0.1 px and 0.01 m/s^2 that is the same in each run.

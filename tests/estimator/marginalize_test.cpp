@@ -97,11 +97,11 @@ TEST(Marginalize, TakesOneVariableAfterTheOtherAsAllTogether) {
 }
 
 /// A loop of poses in the plane with an odometer and closures, some of them wrong where `loss` says so.
-struct Loop {
+struct ClosedLoop {
   Estimator est;
   std::vector<VarID<Pose>> poses;
 
-  explicit Loop(int n, const Loss& loss = {}) {
+  explicit ClosedLoop(int n, const Loss& loss = {}) {
     std::mt19937 rng(3);
     const auto noise = [&](double s) { return std::normal_distribution<>(0, s)(rng); };
     const double turn = 2 * M_PI / n;
@@ -143,7 +143,7 @@ MatrixXd schurComplement(const MatrixXd& H, int first, int count) {
 
 TEST(Marginalize, IsTheSchurComplementOfThePlane) {
   for (const bool has_loss : {false, true}) {
-    Loop loop(12, has_loss ? Cauchy(1) : Loss());
+    ClosedLoop loop(12, has_loss ? Cauchy(1) : Loss());
     loop.est.fix(loop.poses[0]);
     ASSERT_TRUE(loop.est.optimize().converged);
     loop.est.free(loop.poses[0]);
@@ -235,7 +235,7 @@ TEST(Marginalize, KnowsWhatIsFixed) {
 }
 
 TEST(Marginalize, PriorsAreMeasurementsAsOthersAre) {
-  Loop loop(12);
+  ClosedLoop loop(12);
   loop.est.fix(loop.poses[0]);
   ASSERT_TRUE(loop.est.optimize().converged);
   const MatrixXd C = loop.est.covariance(loop.poses[2]);

@@ -24,7 +24,7 @@ using Vec2 = mtk::vect<2>;
 using Vec3 = mtk::vect<3>;
 constexpr double kPi = 3.14159265358979323846;
 
-MTK_BUILD_MANIFOLD(Camera, ((SE3, pose))((Vec3, lens)))
+MTK_BUILD_MANIFOLD(PlacedCamera, ((SE3, pose))((Vec3, lens)))
 
 template <class S>
 struct Stick {
@@ -435,7 +435,8 @@ TEST(DerivativesOfManifolds, InThePlaneAndOnTheSphere) {
 }
 
 TEST(DerivativesOfManifolds, OfCompoundsAndUsersTypes) {
-  const Camera camera(SE3(mtk::SO3<>::exp(Vec3(0.2, 0.3, -1)), Vec3(0.1, 0.2, 4)), Vec3(500, 0.1, -0.02));
+  const PlacedCamera camera(SE3(mtk::SO3<>::exp(Vec3(0.2, 0.3, -1)), Vec3(0.1, 0.2, 4)),
+                            Vec3(500, 0.1, -0.02));
   const auto project = [](const auto& c, const auto& X) {
     return mtk::preaccumulate(c.pose * X, [&](const auto& p) {
       const auto& [f, k1, k2] = c.lens;

@@ -15,15 +15,15 @@ namespace {
 using slom::testing::messageOf;
 using Long = long double;
 using LongVector = Eigen::Matrix<Long, 3, 1>;
-constexpr Long kPi = 3.14159265358979323846264338327950288L;
+constexpr Long kLongPi = 3.14159265358979323846264338327950288L;
 
 /// Angles from the smallest number to pi, both sides.
 std::vector<Long> angles(Long epsilon, Long least) {
   std::vector<Long> all{
       0, least, least * 1e3L, std::sqrt(least), std::sqrt(least) * 10, epsilon, std::sqrt(epsilon)};
   for (Long a = 1e-20L; a < 3; a *= 3) all.push_back(a);
-  for (Long d = 1; d > epsilon; d /= 5) all.push_back(kPi - d);
-  all.push_back(kPi);
+  for (Long d = 1; d > epsilon; d /= 5) all.push_back(kLongPi - d);
+  all.push_back(kLongPi);
   return all;
 }
 
@@ -69,7 +69,7 @@ TYPED_TEST(ExpLog, OfSO3) {
       const Long full = n > 0 ? 2 * std::atan2(n, std::abs(w)) / n * (w < 0 ? -1 : 1) : Long(2);
       EXPECT_LE(relativeError(mtk::SO3<S>::log(R), LongVector(full * q), 1e3L * least), this->kTolerance)
           << t;
-      if (t < kPi * (1 - 2 * this->kEpsilon)) {  // nearer to pi, rounding may lead to the other side
+      if (t < kLongPi * (1 - 2 * this->kEpsilon)) {  // nearer to pi, rounding may lead to the other side
         EXPECT_LE(relativeError(mtk::SO3<S>::log(R), exact, 1e3L * least), 2 * this->kTolerance) << t;
       }
     }
@@ -100,14 +100,14 @@ TYPED_TEST(ExpLog, OfSO2) {
   for (const Long angle : angles(this->kEpsilon, std::numeric_limits<S>::min())) {
     for (const Long sign : {-1, 1}) {
       for (int turns = -3; turns <= 3; ++turns) {
-        const S a = S(sign * angle + 2 * kPi * turns);
-        const Long expected = std::remainder(Long(a), 2 * kPi);
+        const S a = S(sign * angle + 2 * kLongPi * turns);
+        const Long expected = std::remainder(Long(a), 2 * kLongPi);
         const Long got = mtk::SO2<S>::log(mtk::SO2<S>::exp(mtk::vect<1, S>(a)))[0];
-        const Long error = std::abs(std::remainder(got - expected, 2 * kPi));
+        const Long error = std::abs(std::remainder(got - expected, 2 * kLongPi));
         EXPECT_LE(error, this->kTolerance * std::max(std::abs(expected), turns == 0 ? Long(0) : Long(1)))
             << Long(a);
-        EXPECT_GE(got, -kPi - this->kEpsilon);
-        EXPECT_LE(got, kPi + this->kEpsilon);
+        EXPECT_GE(got, -kLongPi - this->kEpsilon);
+        EXPECT_LE(got, kLongPi + this->kEpsilon);
       }
     }
   }
@@ -119,7 +119,7 @@ TYPED_TEST(ExpLog, OfS2WalksTheGreatCircle) {
     for (int i = 0; i < 50; ++i) {
       const mtk::S2<S> x(this->direction().template cast<S>());
       const LongVector from = x.vector().template cast<Long>();
-      const Long phi = 2 * kPi * i / 50;
+      const Long phi = 2 * kLongPi * i / 50;
       mtk::S2<S> y = x;
       const mtk::vect<2, S> d(S(angle * std::cos(phi)), S(angle * std::sin(phi)));
       y.boxplus(d);

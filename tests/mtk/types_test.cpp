@@ -19,8 +19,8 @@ typedef mtk::SO3<> SO3;
 typedef mtk::trafo<SO3> SE3;
 typedef mtk::trafo<mtk::SO2<>> SE2;
 
-struct Camera : mtk::vect<9> {};
-MTK_BUILD_MANIFOLD(StereoCamera, ((Camera, left))((Camera, right))((SE3, left2right)))
+struct BareCamera : mtk::vect<9> {};
+MTK_BUILD_MANIFOLD(StereoCamera, ((BareCamera, left))((BareCamera, right))((SE3, left2right)))
 
 struct Intrinsics : mtk::vect<4> {
   [[maybe_unused]] static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
@@ -100,9 +100,9 @@ TEST(Names, ComeFromMacroCompilerAndType) {
 }
 
 TEST(Compound, HasTheConstructorOfAllMembers) {
-  Camera left;
+  BareCamera left;
   left[3] = 7;
-  const StereoCamera cam(left, Camera(), SE3(vec3(1, 2, 3)));
+  const StereoCamera cam(left, BareCamera(), SE3(vec3(1, 2, 3)));
   EXPECT_EQ(cam.left[3], 7);
   EXPECT_EQ(cam.left2right.pos[2], 3);
   EXPECT_EQ(StereoCamera().right.norm(), 0);

@@ -11,13 +11,13 @@
 namespace {
 
 using slom::StopReason;
-using slom::testing::classics::Classic;
 
 /// One of the classical problems, by its number, from a multiple of its published start.
 class ClassicFit {
  public:
   ClassicFit(int number, double factor) {
-    const Classic& classic = slom::testing::classics::all()[static_cast<std::size_t>(number - 1)];
+    const slom::testing::classics::Classic& classic =
+        slom::testing::classics::all()[static_cast<std::size_t>(number - 1)];
     const auto n = static_cast<Eigen::Index>(classic.start.size());
     const Eigen::VectorXd start = factor * Eigen::Map<const Eigen::VectorXd>(classic.start.data(), n);
     x = est.insertRV(start, "x");

@@ -9,10 +9,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// The Jacobian as the estimator computes it.
-struct Problem {
+struct DenseProblem {
   slom::Estimator est;
   slom::DenseQR* solver = new slom::DenseQR;
-  Problem() { est.changeSolver(std::unique_ptr<slom::LinearSolver>(solver)); }
+  DenseProblem() { est.changeSolver(std::unique_ptr<slom::LinearSolver>(solver)); }
   MatrixXd jacobian() {
     slom::Options options;
     options.max_iterations = 0;
@@ -25,7 +25,7 @@ double relativeError(const MatrixXd& got, const MatrixXd& want) { return (got - 
 
 /// f(x) = A exp(x / s): bends over lengths of order s.
 double errorOfExponential(double x, double s, double amplitude = 1) {
-  Problem p;
+  DenseProblem p;
   const auto id = p.est.insertRV(x);
   p.est.insertMeasurement([=](const double& v) { return amplitude * std::exp(v / s); }, id);
   return relativeError(p.jacobian(), MatrixXd::Constant(1, 1, amplitude / s * std::exp(x / s)));
@@ -50,7 +50,7 @@ TEST(CentralDifferences, WorkAtAndNearZero) {
 
 TEST(CentralDifferences, WorkFarFromTheOrigin) {
   // Coordinates of a surveyor: millions of metres, distances of ten.
-  Problem p;
+  DenseProblem p;
   const Eigen::Vector2d at(4.5e6, 5.4e6), to = at + Eigen::Vector2d(6, 8);
   const auto id = p.est.insertRV(at);
   p.est.insertMeasurement([=](const Eigen::Vector2d& v) { return (v - to).norm(); }, id);
@@ -61,7 +61,7 @@ TEST(CentralDifferences, WorkFarFromTheOrigin) {
 TEST(CentralDifferences, FollowPeriodicFunctionsOfLargeArguments) {
   for (const double x : {3.0, 100.0, 1e4, 1e6 + 0.3, 1e8 + 0.7}) {
     for (const bool extrapolate : {false, true}) {
-      Problem p;
+      DenseProblem p;
       const auto id = p.est.insertRV(x);
       const auto wave = [](const double& v) { return std::sin(v); };
       if (extrapolate) {
@@ -77,14 +77,14 @@ TEST(CentralDifferences, FollowPeriodicFunctionsOfLargeArguments) {
 }
 
 TEST(CentralDifferences, StayInsideTheDomainWhereTheyCan) {
-  Problem p;
+  DenseProblem p;
   const auto id = p.est.insertRV(1e-7);
   p.est.insertMeasurement([](const double& v) { return std::log(v); }, id);
   EXPECT_LT(relativeError(p.jacobian(), MatrixXd::Constant(1, 1, 1e7)), 1e-7);
 }
 
 TEST(CentralDifferences, OfLinearFunctionsAreExact) {
-  Problem p;
+  DenseProblem p;
   MatrixXd A(5, 3);
   A << 1, 2, 3, -4, 5, 6, 7, -8, 9, 1e-6, 1e6, 0, 0, 0, 1;
   const auto id = p.est.insertRV(mtk::vect<3>(0.3, -200, 0));
@@ -98,7 +98,7 @@ TEST(CentralDifferences, OfLinearFunctionsAreExact) {
 TEST(CentralDifferences, LiveInTheTangentSpace) {
   // d/dd of (T exp(d)) p is [I, -R [p]x] for our perturbations.
   using SE3 = mtk::trafo<mtk::SO3<>>;
-  Problem p;
+  DenseProblem p;
   const SE3 T(mtk::SO3<>::exp(mtk::vect<3>(3.1, 0.3, -0.2)), mtk::vect<3>(1, 0, -20));
   const mtk::vect<3> point(0.4, -0.7, 2);
   const auto id = p.est.insertRV(T);

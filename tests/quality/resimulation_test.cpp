@@ -28,7 +28,7 @@ constexpr int runs = 20;
 constexpr int runs = 200;
 #endif
 constexpr double normal_quantile = 3.2905;  // 1e-3, two-sided
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double at_infinity = std::numeric_limits<double>::infinity();
 
 /// The motion, from the frame of a calibration to that of the truth, that lets the true cameras see the
 /// calibration's boards best where the true boards are.
@@ -72,7 +72,7 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
     camera.model = "opencv5";
     for (const double value : truth.cameras[c]) camera.parameters.push_back({"", value, 1});
     const auto lens = makeLens(camera);
-    for (const double distance : {0.7, 2.0, infinity}) {
+    for (const double distance : {0.7, 2.0, at_infinity}) {
       for (const vec2& pixel : {vec2(320., 240.), vec2(0., 240.), vec2(320., 479.), vec2(0., 0.),
                                 vec2(639., 479.), vec2(500., 100.)}) {
         probes.push_back({c, pixel, distance, *lens->unproject(pixel)});

@@ -52,13 +52,13 @@ class German {
   std::locale before_;
 };
 
-Archive surveying() {
+Archive networkArchive() {
   Archive archive;
   archive.measurement<Range, VarID<Point>, VarID<Point>, Measured<double>>();
   return archive;
 }
 
-Estimator network() {
+Estimator networkInMemory() {
   Estimator est;
   const auto a = est.insertRV(Point(0.25, -1000.5), false, "A"),
              b = est.insertRV(Point(12345.75, 1e-7), false, "B");
@@ -70,17 +70,17 @@ Estimator network() {
   return est;
 }
 
-std::string saved(const Estimator& est) {
+std::string savedText(const Estimator& est) {
   std::ostringstream os;
-  surveying().save(est, os);
+  networkArchive().save(est, os);
   return os.str();
 }
 
 /// The text of the network after it was saved and loaded.
 std::string savedTwice() {
-  std::istringstream text(saved(network()));
-  StoredProblem problem = surveying().load(text);
-  EXPECT_EQ(saved(problem.estimator), text.str());
+  std::istringstream text(savedText(networkInMemory()));
+  StoredProblem problem = networkArchive().load(text);
+  EXPECT_EQ(savedText(problem.estimator), text.str());
   EXPECT_EQ(*problem.variable<Point>("B"), Point(12345.75, 1e-7));
   return text.str();
 }
@@ -96,7 +96,7 @@ TEST(Locale, SavedProblemsHavePoints) {
 
 TEST(Locale, ReportsHavePoints) {
   const auto reports = [] {
-    Estimator est = network();
+    Estimator est = networkInMemory();
     const std::string report = est.preflight().text() + est.optimize().report() + est.diagnose().text();
     return report + est.outliers().text();
   };
@@ -126,7 +126,8 @@ TEST(Locale, FilesWithCommasAreRefusedWithTheReason) {
       "write points";
   const auto expectRefused = [&](const std::string& text, const std::string& sentence) {
     std::istringstream is(text);
-    EXPECT_EQ(messageOf([&] { surveying().load(is, "FILE"); }), "[slom.bad-archive] FILE:" + sentence + why);
+    EXPECT_EQ(messageOf([&] { networkArchive().load(is, "FILE"); }),
+              "[slom.bad-archive] FILE:" + sentence + why);
   };
   expectRefused(group + "0 1 | scalar 3,5 huber 1.345 | 5.5\nend\n",
                 "6: \"3,5\" is neither a number of the noise nor a loss nor a |");

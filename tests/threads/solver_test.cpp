@@ -63,10 +63,10 @@ void makeSingular(RandomProblem& problem, int block) {
   }
 }
 
-struct Outcome {
+struct SolverOutcome {
   slom::SolveStatus status;
   VectorXd step, damped_step;
-  bool operator==(const Outcome& other) const {
+  bool operator==(const SolverOutcome& other) const {
     return status.ok == other.status.ok && status.unknown == other.status.unknown &&
            status.pivot == other.status.pivot && step == other.step && damped_step == other.damped_step;
   }
@@ -74,11 +74,11 @@ struct Outcome {
 
 using Elimination = slom::BlockSolverOptions::Elimination;
 
-Outcome solved(const RandomProblem& problem, Elimination elimination, int threads_to_analyze,
-               int threads_to_solve) {
+SolverOutcome solved(const RandomProblem& problem, Elimination elimination, int threads_to_analyze,
+                     int threads_to_solve) {
   slom::BlockSolver solver({.elimination = elimination});
   slom::withThreads(threads_to_analyze, [&] { problem.linearizeInto(solver); });
-  Outcome outcome;
+  SolverOutcome outcome;
   slom::withThreads(threads_to_solve, [&] {
     EXPECT_TRUE(solver.solve(VectorXd::Constant(problem.structure.unknowns(), 1e-3), outcome.damped_step).ok);
     outcome.status = solver.solve({}, outcome.step);
@@ -88,7 +88,7 @@ Outcome solved(const RandomProblem& problem, Elimination elimination, int thread
 
 void expectTheSameOnAnyNumber(const RandomProblem& problem, bool ok,
                               Elimination elimination = Elimination::none) {
-  const Outcome alone = solved(problem, elimination, 1, 1);
+  const SolverOutcome alone = solved(problem, elimination, 1, 1);
   EXPECT_EQ(alone.status.ok, ok);
   for (const auto& [to_analyze, to_solve] : {std::pair{1, 2}, {2, 1}, {2, 2}}) {
     EXPECT_TRUE(solved(problem, elimination, to_analyze, to_solve) == alone)

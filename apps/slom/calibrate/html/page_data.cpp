@@ -217,7 +217,7 @@ Json worstJson(const Dataset& data, const Result& result) {
   return list;
 }
 
-Json correlationsJson(const Correlations& correlations) {
+Json pageCorrelationsJson(const Correlations& correlations) {
   Json strong = Json::array(), matrix = Json::array();
   for (const auto& pair : correlations.strong) {
     strong.push_back({pair.a, pair.b, rounded(pair.coefficient, 4)});
@@ -274,7 +274,7 @@ std::string pageData(const Dataset& data, const Result& result) {
        {"board_distance", quality.board_distance_m},
        {"split_why_not", quality.split_half.why_not},
        {"worst", worstJson(data, result)},
-       {"correlations", correlationsJson(quality.correlations)},
+       {"correlations", pageCorrelationsJson(quality.correlations)},
        {"views", viewsJson(result)},
        {"times", times}});
 }

@@ -23,7 +23,7 @@ Json rowMajor(const SO3& R) {
   return numbers;
 }
 
-Json pose(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translation", list(T.pos)}}; }
+Json poseJson(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translation", list(T.pos)}}; }
 
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
@@ -42,7 +42,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
                       {"difference_px", copy.difference_px}});
   }
   for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
-  Json from_reference = pose(camera.left2camera);
+  Json from_reference = poseJson(camera.left2camera);
   Eigen::VectorXd std(6);
   std << camera.translation_std, camera.rotation_std;
   from_reference["std"] = list(std);
@@ -96,7 +96,7 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
                  {"line", worst.line > 0 ? Json(worst.line) : Json()},
                  {"place", worst.place},
                  {"error_px", worst.error_px}}},
-               {cameras.front().name + "2world", pose(image.left2world)}};
+               {cameras.front().name + "2world", poseJson(image.left2world)}};
   json["acc_error"] = image.acc_error ? Json(*image.acc_error) : Json();
   return json;
 }

@@ -47,7 +47,7 @@ Json splitHalfJson(const Result& result) {
   return json;
 }
 
-Json correlationsJson(const Correlations& correlations) {
+Json qualityCorrelationsJson(const Correlations& correlations) {
   Json matrix = Json::array(), strong = Json::array();
   for (std::size_t i = 0; i < correlations.size(); ++i) {
     const auto row = correlations.matrix.begin() + std::ptrdiff_t(i * correlations.size());
@@ -73,7 +73,7 @@ Json worstJson(const Result& result) {
   return list;
 }
 
-Json viewsJson(const Result& result) {
+Json furtherViewsJson(const Result& result) {
   Json list = Json::array();
   for (const FurtherView& view : result.quality->further_views) {
     list.push_back({{"camera", result.cameras[view.camera].name},
@@ -107,8 +107,8 @@ Json qualityJson(const Result& result) {
   if (!result.success() || !quality.hasProjection()) return json;
   json["board_distance_m"] = quality.board_distance_m;
   json["split_half"] = splitHalfJson(result);
-  json["correlations"] = correlationsJson(quality.correlations);
-  json["further_views"] = viewsJson(result);
+  json["correlations"] = qualityCorrelationsJson(quality.correlations);
+  json["further_views"] = furtherViewsJson(result);
   return json;
 }
 
