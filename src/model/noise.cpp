@@ -232,47 +232,52 @@ void multiplyAny(const double* W, double* m, int dim, int cols) {
   }
 }
 
-/// Vectors that hold a column of N numbers, as they are computed with and as they lie anywhere in memory.
-template <int N>
-struct LanesFor;
-template <>
-struct LanesFor<3> {
-  typedef double Vector __attribute__((vector_size(32)));
-  typedef Vector InMemory __attribute__((aligned(alignof(double)), may_alias));
+typedef double TwoNumbers __attribute__((vector_size(16)));
+typedef double FourNumbers __attribute__((vector_size(32)));
+typedef double EightNumbers __attribute__((vector_size(64)));
+/// The same, as they lie anywhere in memory.
+typedef TwoNumbers TwoInMemory __attribute__((aligned(alignof(double)), may_alias));
+typedef FourNumbers FourInMemory __attribute__((aligned(alignof(double)), may_alias));
+typedef EightNumbers EightInMemory __attribute__((aligned(alignof(double)), may_alias));
+
+/// A column of three numbers in one vector, whose other lanes hold anything.
+struct ColumnOfThree {
+  using Numbers = FourNumbers;
+  static void read(const double* W, Numbers (&column)[3]) {
+    column[0] = *reinterpret_cast<const FourInMemory*>(W);
+    column[1] = *reinterpret_cast<const FourInMemory*>(W + 3);
+    const Numbers last = *reinterpret_cast<const FourInMemory*>(W + 5);  // it ends where W ends
+    column[2] = __builtin_shufflevector(last, last, 1, 2, 3, 3);
+  }
+  static void write(const Numbers& x, double* m) {
+    *reinterpret_cast<TwoInMemory*>(m) = __builtin_shufflevector(x, x, 0, 1);
+    m[2] = x[2];
+  }
 };
-template <>
-struct LanesFor<6> {
-  typedef double Vector __attribute__((vector_size(64)));
-  typedef Vector InMemory __attribute__((aligned(alignof(double)), may_alias));
+/// The same of six.
+struct ColumnOfSix {
+  using Numbers = EightNumbers;
+  static void read(const double* W, Numbers (&column)[6]) {
+    for (int k = 0; k < 5; ++k) column[k] = *reinterpret_cast<const EightInMemory*>(W + 6 * k);
+    const Numbers last = *reinterpret_cast<const EightInMemory*>(W + 28);
+    column[5] = __builtin_shufflevector(last, last, 2, 3, 4, 5, 6, 7, 7, 7);
+  }
+  static void write(const Numbers& x, double* m) {
+    *reinterpret_cast<FourInMemory*>(m) = __builtin_shufflevector(x, x, 0, 1, 2, 3);
+    *reinterpret_cast<TwoInMemory*>(m + 4) = __builtin_shufflevector(x, x, 4, 5);
+  }
 };
 
-/// The same for N x N: sums of the columns of W, each in one vector whose lanes from N on hold anything. Vectors are read and written
-/// in memory as they are: put together from parts there, they would have to wait for these.
-template <int N>
+/// m := W m for N x N: sums of the columns of W. Vectors are read as they lie in memory: put together from parts there, they would have
+/// to wait for these.
+template <class Column, int N>
 void multiply(const double* W, double* m, int cols) {
-  using Vector = typename LanesFor<N>::Vector;
-  using InMemory = typename LanesFor<N>::InMemory;
-  constexpr int lanes = sizeof(Vector) / sizeof(double), others = lanes - N;
-  Vector column[N];
-  for (int k = 0; k + 1 < N; ++k) column[k] = *reinterpret_cast<const InMemory*>(W + k * N);
-  const Vector last = *reinterpret_cast<const InMemory*>(W + N * N - lanes);  // it ends where W ends
-  if constexpr (N == 3) {
-    column[N - 1] = __builtin_shufflevector(last, last, 1, 2, 3, 3);
-  } else {
-    static_assert(others == 2);
-    column[N - 1] = __builtin_shufflevector(last, last, 2, 3, 4, 5, 6, 7, 7, 7);
-  }
+  typename Column::Numbers column[N];
+  Column::read(W, column);
   for (int j = 0; j < cols; ++j, m += N) {
-    Vector sum = column[0] * m[0];
+    typename Column::Numbers sum = column[0] * m[0];
     for (int k = 1; k < N; ++k) sum += column[k] * m[k];
-    if (j + 1 < cols) {
-      double next[others];
-      for (int k = 0; k < others; ++k) next[k] = m[N + k];
-      *reinterpret_cast<InMemory*>(m) = sum;
-      for (int k = 0; k < others; ++k) m[N + k] = next[k];
-    } else {
-      for (int k = 0; k < N; ++k) m[k] = sum[k];
-    }
+    Column::write(sum, m);
   }
 }
 
@@ -319,9 +324,9 @@ void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols) {
       break;
     case WhiteningKind::full:
       if (dim == 3) {
-        multiply<3>(W, m, cols);
+        multiply<ColumnOfThree, 3>(W, m, cols);
       } else if (dim == 6) {
-        multiply<6>(W, m, cols);
+        multiply<ColumnOfSix, 6>(W, m, cols);
       } else {
         multiplyAny(W, m, dim, cols);
       }
