@@ -6,6 +6,7 @@
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/quality/clustered.hpp"
 
 namespace slom::calibration {
 
@@ -26,12 +27,16 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
       progress.single_camera(report);
     };
   }
-  return settings.model.definition().calibrate(*sorted, started(settings), of_caller);
+  Result result = settings.model.definition().calibrate(*sorted, started(settings), of_caller);
+  addClustered(*sorted, result);
+  return result;
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
   checkConnected(data);
-  return settings.model.definition().calibrate_from(start, data, settings);
+  Result result = settings.model.definition().calibrate_from(start, data, settings);
+  addClustered(data, result);
+  return result;
 }
 
 }  // namespace slom::calibration

@@ -61,6 +61,20 @@ struct Observation {
   std::optional<vec3> acc;
 };
 
+/// The normal equations of one image: by all shared parameters, and by its pose, which is eliminated.
+struct ImageEquations {
+  Eigen::MatrixXd H;  ///< lower triangle; the pose last
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
+};
+ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);
+
+/// By what a reading changes: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z.
+struct ReadingJacobian {
+  Eigen::Matrix<double, 3, 7> by_imu;
+  Eigen::Matrix<double, 3, 6> by_pose;
+};
+ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& observation);
+
 /// The sums over images; of one image, its share.
 class Information {
  public:

@@ -1,5 +1,6 @@
 #include "calibrate/output/json.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -25,6 +26,26 @@ Json rowMajor(const SO3& R) {
 
 Json pose(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translation", list(T.pos)}}; }
 
+Json clusteredJson(const ClusteredUncertainty& clustered) {
+  const std::size_t n = std::size_t(std::lround(std::sqrt(double(clustered.covariance.size()))));
+  Json covariance = Json::array();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto row = clustered.covariance.begin() + std::ptrdiff_t(i * n);
+    covariance.push_back(std::vector<double>(row, row + std::ptrdiff_t(n)));
+  }
+  return {{"images", clustered.images},
+          {"board_points", clustered.board_points},
+          {"block_length", clustered.block_length},
+          {"blocks", clustered.blocks},
+          {"levels_off", clustered.levels_off},
+          {"ratio_by_image", clustered.ratio_by_image},
+          {"ratio_by_block", clustered.ratio_by_block},
+          {"ratio", clustered.ratio},
+          {"is_reliable", clustered.isReliable()},
+          {"notes", sentencesOf(clustered)},
+          {"covariance", std::move(covariance)}};
+}
+
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
   Json unused = Json::array();
@@ -41,11 +62,18 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
                       {"equal_corners", copy.equal_corners},
                       {"difference_px", copy.difference_px}});
   }
-  for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
+  for (const Parameter& p : camera.parameters) {
+    parameters[p.name] = {
+        {"value", p.value}, {"std", p.std}, {"std_clustered", p.std_clustered}, {"dof", p.dof}};
+  }
   Json from_reference = pose(camera.left2camera);
   Eigen::VectorXd std(6);
   std << camera.translation_std, camera.rotation_std;
   from_reference["std"] = list(std);
+  std << camera.translation_clustered.std, camera.rotation_clustered.std;
+  from_reference["std_clustered"] = list(std);
+  std << camera.translation_clustered.dof, camera.rotation_clustered.dof;
+  from_reference["dof"] = list(std);
   return {
       {"model", camera.model},
       {"file", camera.file},
@@ -68,11 +96,17 @@ Json imuJson(const ImuResult& imu, const std::string& reference) {
           {"readings", imu.readings},
           {"rotation_from_" + reference, rowMajor(imu.left2imu)},
           {"std", list(imu.rotation_std)},
+          {"std_clustered", list(imu.rotation_clustered.std)},
+          {"dof", list(imu.rotation_clustered.dof)},
           {"acc_bias", list(imu.acc_bias)},
           {"acc_bias_std", list(imu.acc_bias_std)},
+          {"acc_bias_std_clustered", list(imu.acc_bias_clustered.std)},
+          {"acc_bias_dof", list(imu.acc_bias_clustered.dof)},
           {"acc_bias_fixed", imu.acc_bias_is_fixed},
           {"gravity", imu.gravity},
           {"gravity_std", imu.gravity_std},
+          {"gravity_std_clustered", imu.gravity_std_clustered},
+          {"gravity_dof", imu.gravity_dof},
           {"gravity_fixed", imu.gravity_is_fixed},
           {"largest_std", precision(imu.precision)},
           {"largest_std_if_gravity_fixed", precision(imu.if_gravity_fixed)},
@@ -152,6 +186,7 @@ std::string toJson(const Result& result) {
                      {"reference", reference},
                      {"cameras", std::move(cameras)},
                      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
+                     {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", std::move(worst)},
                      {"strays", std::move(strays)},

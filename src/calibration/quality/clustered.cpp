@@ -1,0 +1,178 @@
+#include "calibration/quality/clustered.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "calibration/fit/rotation_vector.hpp"
+#include "calibration/quality/whitened_scores.hpp"
+#include "slom/calibration/number_text.hpp"
+
+namespace slom::calibration {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int fewest_groups = 2;
+constexpr int fewest_blocks = 8;         // of successive images
+constexpr int fewest_board_points = 10;  // whose errors are compared
+
+/// Mean over all directions of the clustered variance over the stated one.
+double ratioOf(const MatrixXd& V) { return V.trace() / double(V.rows()); }
+
+/// The relative standard deviation of the trace of a covariance that was estimated from so many groups with normal scores.
+double scatterOf(const GroupSums& sums) {
+  return std::sqrt(2 * sums.V.squaredNorm() / std::max(1, sums.groups - 1)) / sums.V.trace();
+}
+
+struct BlockChoice {
+  GroupSums sums;
+  int length = 1;
+  bool levels_off = true;
+  double by_image = 1;  // ratio of single images
+};
+
+/// Blocks of 1, 2, 4, ... images until the mean variance over all directions grows by less than it is uncertain. What blocks of length b miss
+/// is of order 1 / b, so that 2 V(2 b) - V(b) misses less; where the mean does not level off, it is the largest one.
+///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
+BlockChoice chooseBlocks(const WhitenedScores& scores) {
+  BlockChoice choice{scores.byBlocks(1)};
+  choice.by_image = ratioOf(choice.sums.V);
+  double before = choice.by_image;
+  GroupSums largest = choice.sums;
+  int length_of_largest = 1;
+  for (int length = 2; scores.images() / length >= fewest_blocks; length *= 2) {
+    GroupSums now = scores.byBlocks(length);
+    const double ratio = ratioOf(now.V);
+    if (ratio <= before * (1 + scatterOf(now))) {
+      const double extrapolated = std::max(1.0, 2 - before / ratio);
+      now.V *= extrapolated;
+      if (extrapolated > 1) now.dof = (0.4 * now.dof).cwiseMax(1);
+      return {std::move(now), length, true, choice.by_image};
+    }
+    before = ratio;
+    if (ratio > ratioOf(largest.V)) largest = now, length_of_largest = length;
+    choice.levels_off = false;
+  }
+  choice.sums = std::move(largest);
+  choice.length = length_of_largest;
+  return choice;
+}
+
+MatrixXd semidefinite(const MatrixXd& V) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(V);
+  if (!(eigen.eigenvalues()[0] < 0)) return V;
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// Standard deviations and degrees of freedom by shared parameter.
+struct Columns {
+  VectorXd std, dof;
+
+  ClusteredVector vector(int first) const {
+    return {vec3(Eigen::Vector3d(std.segment<3>(first))), vec3(Eigen::Vector3d(dof.segment<3>(first)))};
+  }
+};
+
+/// The standard deviations of the rotation vector of R, as worth as the least of those of its axes.
+ClusteredVector ofRotationVector(const SO3& R, const MatrixXd& covariance, const Columns& columns,
+                                 int first) {
+  const double dof = columns.dof.segment<3>(first).minCoeff();
+  return {rotationVectorStd(R, covariance.block<3, 3>(first, first)), vec3(dof, dof, dof)};
+}
+
+void writeStandardDeviations(const SharedColumns& shared, const MatrixXd& covariance, const Columns& columns,
+                             Result& result) {
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    CameraResult& camera = result.cameras[c];
+    for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
+      const Index column = shared.lens[c] + Index(i);
+      camera.parameters[i].std_clustered = columns.std[column];
+      camera.parameters[i].dof = columns.dof[column];
+    }
+    const vec3 none(0., 0., 0.);
+    camera.translation_clustered.std = camera.rotation_clustered.std = camera.rotation_vector_clustered.std =
+        none;
+    if (c == 0) continue;
+    const int pose = shared.pose[c];
+    camera.translation_clustered = columns.vector(pose);
+    camera.rotation_clustered = columns.vector(pose + 3);
+    camera.rotation_vector_clustered =
+        ofRotationVector(camera.left2camera.orient, covariance, columns, pose + 3);
+  }
+  if (!result.imu) return;
+  ImuResult& imu = *result.imu;
+  imu.rotation_clustered = columns.vector(shared.imu);
+  imu.rotation_vector_clustered = ofRotationVector(imu.left2imu, covariance, columns, shared.imu);
+  imu.acc_bias_clustered = columns.vector(shared.imu + 3);
+  imu.gravity_std_clustered = columns.std[shared.imu + 6];
+  imu.gravity_dof = columns.dof[shared.imu + 6];
+}
+
+}  // namespace
+
+void addClustered(const Dataset& data, Result& result) {
+  if (!result.success() || result.images.size() < std::size_t(fewest_groups)) return;
+  const FittedRig rig(result);
+  if (rig.columns.free.empty()) return;
+  const WhitenedScores scores(data, rig);
+  if (!scores.root().allFinite()) return;
+  const BlockChoice blocks = chooseBlocks(scores);
+  ClusteredUncertainty clustered;
+  clustered.images = scores.images();
+  clustered.block_length = blocks.length;
+  clustered.blocks = blocks.sums.groups;
+  clustered.levels_off = blocks.levels_off;
+  clustered.ratio_by_image = std::sqrt(blocks.by_image);
+  clustered.ratio_by_block = std::sqrt(ratioOf(blocks.sums.V));
+  MatrixXd V = blocks.sums.V;
+  Columns columns{VectorXd(), blocks.sums.dof};
+  const BoardPointSums points = scores.byBoardPoints(blocks.length);
+  if (points.points >= fewest_board_points) {
+    clustered.board_points = points.points;
+    V = semidefinite(V + points.by_point - points.by_both);
+    columns.dof = columns.dof.cwiseMin(points.dof);
+  }
+  clustered.ratio = std::sqrt(ratioOf(V));
+  const MatrixXd& K = scores.root();
+  const MatrixXd covariance = K * V * K.transpose(), by_block = K * blocks.sums.V * K.transpose();
+  // With few groups the difference of two ways may say less than one of them.
+  columns.std = covariance.diagonal().cwiseMax(by_block.diagonal()).cwiseSqrt();
+  clustered.covariance.assign(covariance.data(), covariance.data() + covariance.size());
+  writeStandardDeviations(rig.columns, covariance, columns, result);
+  result.clustered = std::move(clustered);
+}
+
+MatrixXd covarianceOf(const ClusteredUncertainty& clustered) {
+  const auto n = Index(std::lround(std::sqrt(double(clustered.covariance.size()))));
+  return Eigen::Map<const MatrixXd>(clustered.covariance.data(), n, n);
+}
+
+std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered) {
+  std::vector<std::string> sentences;
+  if (!clustered.isReliable()) {
+    sentences.push_back(fmt::format(
+        "There are only {} images: clustered standard deviations are estimated from as few numbers, and say little "
+        "beyond their degrees of freedom. Projection uncertainty and verdict stay with the stated ones; from {} images on they take the "
+        "clustered ones.",
+        clustered.images, ClusteredUncertainty::fewest_images));
+  } else if (clustered.images < 2 * fewest_blocks) {
+    sentences.push_back(fmt::format("There are only {} images, too few to see whether images that follow each other share errors; {} are needed.",
+                                    clustered.images, 2 * fewest_blocks));
+  }
+  if (!clustered.levels_off) {
+    sentences.push_back(fmt::format(
+        "The variances still grow with blocks of {} successive images, of which there are {}: errors are shared for longer, and the "
+        "clustered standard deviations are too small.",
+        clustered.block_length, clustered.blocks));
+  }
+  return sentences;
+}
+
+}  // namespace slom::calibration
