@@ -39,7 +39,10 @@ struct ClusteredUncertainty {
   int board_points = 0;    ///< groups of the second way; 0: there are too few, and images alone count
   int block_length = 1;    ///< images that are taken together
   int blocks = 0;          ///< of so many images
-  bool levels_off = true;  ///< otherwise errors are shared for longer than the longest blocks, and the standard deviations are too small
+  bool levels_off = true;  ///< otherwise errors are shared for longer than the longest blocks
+  /// Factor of the standard deviations by which they exceed those of the longest blocks, where these do not level off; 1 where they
+  /// do, and where there are too few images to say, and they are too small.
+  double extrapolation = 1;
   /// Root mean square, over all directions of the parameters, of the clustered standard deviation over the stated one: by images, by blocks
   /// of them, and by blocks and points of the board.
   double ratio_by_image = unknown, ratio_by_block = unknown, ratio = unknown;
@@ -100,7 +103,7 @@ struct ImuResult {
   ClusteredVector acc_bias_clustered;
   double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
   double gravity_std_clustered = unknown, gravity_dof = unknown;
-  double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]
+  double rms_acc = 0;  ///< sqrt(sum of squared differences / readings) [m/s^2]
   bool acc_bias_is_fixed = false, gravity_is_fixed = false;
   ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
   double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]

@@ -25,42 +25,59 @@ constexpr int fewest_board_points = 10;  // whose errors are compared
 /// Mean over all directions of the clustered variance over the stated one.
 double ratioOf(const MatrixXd& V) { return V.trace() / double(V.rows()); }
 
-/// The relative standard deviation of the trace of a covariance that was estimated from so many groups with normal scores.
-double scatterOf(const GroupSums& sums) {
-  return std::sqrt(2 * sums.V.squaredNorm() / std::max(1, sums.groups - 1)) / sums.V.trace();
+/// The standard deviation, relative to the sum by blocks, of what the trace grows by when the length of the blocks is doubled and errors of
+/// neighbours are independent: that of the products of neighbouring scores.
+double scatterOfGrowth(const GroupSums& sums) {
+  return std::sqrt(sums.V.squaredNorm() / std::max(1, sums.groups - 1)) / sums.V.trace();
 }
 
 struct BlockChoice {
   GroupSums sums;
   int length = 1;
   bool levels_off = true;
-  double by_image = 1;  // ratio of single images
+  double by_image = 1;       // ratio of single images
+  double extrapolation = 1;  // factor of the variance beyond that of the longest blocks
 };
 
+/// Errors with a long memory have sums over blocks of b images whose variance per image grows as b^a, a = 2 H - 1 with the coefficient H of
+/// Hurst. The variance by blocks, which is about the mean of all n images, is then V(b) = V(n) (b / n)^a (1 - (b / n)^(1 - a)).
+/// Beyond a = 0.8 such errors cannot be told from a drift in so few blocks.
+///   source   Beran, "Statistics for long-memory processes", 1994, section 4.4, and section 1.2 for the variance about the mean
+double extrapolationOf(const std::vector<double>& ratios, int images, int length) {
+  constexpr std::size_t doublings = 2;  // that the power is taken from
+  constexpr double largest_power = 0.8;
+  if (ratios.size() <= doublings + 1) return 1;
+  const double growth = ratios.back() / ratios[ratios.size() - 1 - doublings];
+  const double power = std::clamp(std::log2(growth) / doublings, 0.0, largest_power);
+  const double blocks = double(images) / length;
+  return std::pow(blocks, power) / (1 - std::pow(blocks, power - 1));
+}
+
 /// Blocks of 1, 2, 4, ... images until the mean variance over all directions grows by less than it is uncertain. What blocks of length b miss
-/// is of order 1 / b, so that 2 V(2 b) - V(b) misses less; where the mean does not level off, it is the largest one.
-///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
+/// is of order 1 / b, so that 2 V(2 b) - V(b) misses less; where the mean does not level off, it is extrapolated from the longest blocks.
+///   source   Flegal and Jones 2010; Politis and Romano 1995 for 2 V(2 b) - V(b)
 BlockChoice chooseBlocks(const WhitenedScores& scores) {
+  constexpr double dof_left = 0.4;  // of those of V(2 b), in 2 V(2 b) - V(b)
   BlockChoice choice{scores.byBlocks(1)};
   choice.by_image = ratioOf(choice.sums.V);
-  double before = choice.by_image;
-  GroupSums largest = choice.sums;
-  int length_of_largest = 1;
+  std::vector<double> ratios{choice.by_image};
   for (int length = 2; scores.images() / length >= fewest_blocks; length *= 2) {
-    GroupSums now = scores.byBlocks(length);
-    const double ratio = ratioOf(now.V);
-    if (ratio <= before * (1 + scatterOf(now))) {
-      const double extrapolated = std::max(1.0, 2 - before / ratio);
-      now.V *= extrapolated;
-      if (extrapolated > 1) now.dof = (0.4 * now.dof).cwiseMax(1);
-      return {std::move(now), length, true, choice.by_image};
+    choice.sums = scores.byBlocks(length);
+    choice.length = length;
+    const double before = ratios.back(), now = ratioOf(choice.sums.V);
+    choice.levels_off = now - before <= now * scatterOfGrowth(choice.sums);
+    ratios.push_back(now);
+    if (!choice.levels_off) continue;
+    if (now > before) {
+      choice.sums.V *= 2 - before / now;
+      choice.sums.dof = (dof_left * choice.sums.dof).cwiseMax(1);
     }
-    before = ratio;
-    if (ratio > ratioOf(largest.V)) largest = now, length_of_largest = length;
-    choice.levels_off = false;
+    return choice;
   }
-  choice.sums = std::move(largest);
-  choice.length = length_of_largest;
+  if (choice.levels_off) return choice;
+  choice.extrapolation = extrapolationOf(ratios, scores.images(), choice.length);
+  choice.sums.V *= choice.extrapolation;
+  if (choice.extrapolation > 1) choice.sums.dof = (dof_left * choice.sums.dof).cwiseMax(1);
   return choice;
 }
 
@@ -129,6 +146,7 @@ void addClustered(const Dataset& data, Result& result) {
   clustered.block_length = blocks.length;
   clustered.blocks = blocks.sums.groups;
   clustered.levels_off = blocks.levels_off;
+  clustered.extrapolation = std::sqrt(blocks.extrapolation);
   clustered.ratio_by_image = std::sqrt(blocks.by_image);
   clustered.ratio_by_block = std::sqrt(ratioOf(blocks.sums.V));
   MatrixXd V = blocks.sums.V;
@@ -163,14 +181,20 @@ std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered) {
         "clustered ones.",
         clustered.images, ClusteredUncertainty::fewest_images));
   } else if (clustered.images < 2 * fewest_blocks) {
-    sentences.push_back(fmt::format("There are only {} images, too few to see whether images that follow each other share errors; {} are needed.",
-                                    clustered.images, 2 * fewest_blocks));
+    sentences.push_back(fmt::format(
+        "There are only {} images, too few to see whether images that follow each other share errors; {} are needed.",
+        clustered.images, 2 * fewest_blocks));
   }
   if (!clustered.levels_off) {
     sentences.push_back(fmt::format(
-        "The variances still grow with blocks of {} successive images, of which there are {}: errors are shared for longer, and the "
-        "clustered standard deviations are too small.",
-        clustered.block_length, clustered.blocks));
+        "The variances still grow with blocks of {} successive images, of which there are {}: errors are shared for longer, {}.",
+        clustered.block_length, clustered.blocks,
+        clustered.extrapolation > 1
+            ? fmt::format(
+                  "as by a drift or a model that is too simple. By how much follows from that growth: the clustered standard deviations are "
+                  "{} times those of these blocks, and rough",
+                  fixedDecimals(clustered.extrapolation, 1))
+            : "and the clustered standard deviations are too small"));
   }
   return sentences;
 }

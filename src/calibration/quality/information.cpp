@@ -111,7 +111,8 @@ ImageEquations equationsOf(const FittedRig& rig, const Observation& observation)
   const int n = rig.columns.size;
   ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}};
   addEquations(rig, observation, all.H);
-  all.pose_by_shared = Eigen::LDLT<Matrix6>(all.H.bottomRightCorner<6, 6>()).solve(all.H.bottomRows<6>().leftCols(n));
+  all.pose_by_shared =
+      Eigen::LDLT<Matrix6>(all.H.bottomRightCorner<6, 6>()).solve(all.H.bottomRows<6>().leftCols(n));
   return all;
 }
 

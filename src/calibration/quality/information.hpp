@@ -63,7 +63,7 @@ struct Observation {
 
 /// The normal equations of one image: by all shared parameters, and by its pose, which is eliminated.
 struct ImageEquations {
-  Eigen::MatrixXd H;  ///< lower triangle; the pose last
+  Eigen::MatrixXd H;                                        ///< lower triangle; the pose last
   Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
 };
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);

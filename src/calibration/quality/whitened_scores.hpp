@@ -18,7 +18,8 @@ namespace slom::calibration {
 /// The sum over groups of w w^T: K times it times K^T is the clustered covariance.
 struct GroupSums {
   Eigen::MatrixXd V;
-  Eigen::VectorXd dof;  ///< by shared parameter, of its variance (Satterthwaite); NaN for what is not estimated
+  Eigen::VectorXd
+      dof;  ///< by shared parameter, of its variance (Satterthwaite); NaN for what is not estimated
   int groups = 0;
 };
 

@@ -38,6 +38,7 @@ Json clusteredJson(const ClusteredUncertainty& clustered) {
           {"block_length", clustered.block_length},
           {"blocks", clustered.blocks},
           {"levels_off", clustered.levels_off},
+          {"extrapolation", clustered.extrapolation},
           {"ratio_by_image", clustered.ratio_by_image},
           {"ratio_by_block", clustered.ratio_by_block},
           {"ratio", clustered.ratio},

@@ -191,6 +191,26 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
                   imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
 
+/// By how much errors that images share make the clustered standard deviations larger, and what limits them.
+void noteClustered(const Result& result, std::vector<std::string>& notes) {
+  constexpr double worth_a_note = 1.5;
+  if (!result.clustered) return;
+  const ClusteredUncertainty& clustered = *result.clustered;
+  if (clustered.isReliable() && clustered.ratio > worth_a_note) {
+    notes.push_back(fmt::format(
+        "Errors are not independent: over all parameters the clustered standard deviations are {} times the stated ones. Errors that "
+        "the corners of an image share account for a factor of {}{}{}. Trust the clustered ones.",
+        fixedDecimals(clustered.ratio, 1), fixedDecimals(clustered.ratio_by_image, 1),
+        clustered.block_length > 1 ? fmt::format(", with those that successive images share {}",
+                                                 fixedDecimals(clustered.ratio_by_block, 1))
+                                   : "",
+        clustered.board_points > 0 ? fmt::format(", with those at the same corner of the board {}",
+                                                 fixedDecimals(clustered.ratio, 1))
+                                   : ""));
+  }
+  for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
+}
+
 }  // namespace
 
 std::vector<std::string> notes(const Result& result) {
@@ -203,6 +223,7 @@ std::vector<std::string> notes(const Result& result) {
   if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
+  noteClustered(result, notes);
   noteGravity(result, notes);
   return notes;
 }
