@@ -76,6 +76,7 @@ struct CameraResult {
   int board_symmetry = 1;           ///< CameraData::board_symmetry
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
   std::vector<Copy> copies;         ///< views that repeat others
+  std::vector<Exclusion> excluded;  ///< CameraData::excluded
 
   /// The pixel of a point in this camera's frame [m]; NaN where it has none.
   vec2 project(const vec3& point) const;
@@ -129,6 +130,17 @@ struct ImageResult {
   double chi2PerMeasurement() const { return chi2 / measurements; }
 };
 
+/// A corner that the others contradict. The fit follows a corner with a large leverage, at the border of the image, so that its residual is
+/// small; what counts is where the fit without it puts it.
+struct GrossCorner {
+  std::size_t camera = 0;
+  int image = 0, number = 0, line = 0;
+  double error_px = 0;          ///< its residual
+  double error_without_px = 0;  ///< the same of the fit without it, to first order
+  double studentised = 0;  ///< residual over its own standard deviation, of the noise that most corners show
+  std::string place{};     ///< CameraData::place
+};
+
 /// A view that the start values of the rig, the consensus of all common images, do not fit.
 struct Stray {
   std::string camera;
@@ -152,6 +164,7 @@ struct Result {
   std::optional<ImuResult> imu;
   std::optional<ClusteredUncertainty> clustered;  ///< of a calibration that succeeded, from two images on
   std::vector<Stray> strays;
+  std::vector<GrossCorner> gross;        ///< of a calibration that succeeded, the worst first
   std::vector<ImageResult> images;       ///< by rising number
   std::optional<Comparison> comparison;  ///< where it was asked for
   std::optional<Quality> quality;        ///< where it was asked for

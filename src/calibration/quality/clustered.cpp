@@ -132,6 +132,38 @@ void writeStandardDeviations(const SharedColumns& shared, const MatrixXd& covari
   imu.gravity_dof = columns.dof[shared.imu + 6];
 }
 
+/// Corners beyond this many standard deviations, which noise exceeds once in 10^7 corners.
+constexpr double gross = 6;
+
+void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& result) {
+  const auto& tests = scores.cornerTests();
+  std::vector<double> sizes;
+  for (const auto& test : tests) sizes.push_back(test.weighted);
+  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double noise =
+      *middle / std::sqrt(2 * std::log(2.0));  // of u and of v, from the median of a Rayleigh distribution
+  auto test = tests.begin();
+  for (const ImageResult& image : result.images) {
+    for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+      const View* const view = data.cameras[c].find(image.image);
+      if (!view) continue;
+      for (const Corner& corner : view->corners) {
+        const auto [without, weighted] = *test++;
+        if (!(weighted > gross * noise)) continue;
+        const CameraResult& camera = result.cameras[c];
+        const double error =
+            (camera.project(camera.left2camera * (image.left2world.inverse() * corner.world)) - corner.pixel)
+                .norm();
+        result.gross.push_back({c, image.image, corner.number, corner.line, error, without, weighted / noise,
+                                data.cameras[c].place(*view, corner)});
+      }
+    }
+  }
+  std::stable_sort(result.gross.begin(), result.gross.end(),
+                   [](const GrossCorner& a, const GrossCorner& b) { return a.studentised > b.studentised; });
+}
+
 }  // namespace
 
 void addClustered(const Dataset& data, Result& result) {
@@ -140,6 +172,7 @@ void addClustered(const Dataset& data, Result& result) {
   if (rig.columns.free.empty()) return;
   const WhitenedScores scores(data, rig);
   if (!scores.root().allFinite()) return;
+  addGrossCorners(data, scores, result);
   const BlockChoice blocks = chooseBlocks(scores);
   ClusteredUncertainty clustered;
   clustered.images = scores.images();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "calibration/cross_matrix.hpp"
@@ -109,10 +110,11 @@ ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& ob
 
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation) {
   const int n = rig.columns.size;
-  ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}};
+  ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}, {}};
   addEquations(rig, observation, all.H);
-  all.pose_by_shared =
-      Eigen::LDLT<Matrix6>(all.H.bottomRightCorner<6, 6>()).solve(all.H.bottomRows<6>().leftCols(n));
+  const Eigen::LDLT<Matrix6> pose(all.H.bottomRightCorner<6, 6>());
+  all.pose_by_shared = pose.solve(all.H.bottomRows<6>().leftCols(n));
+  all.pose_inverse = pose.solve(Matrix6::Identity());
   return all;
 }
 
@@ -180,6 +182,18 @@ Posterior::Posterior(const Information& information)
   noise_root_ = L.transpose() * inverse;
 }
 
+Posterior::Posterior(const Information& information, const Eigen::MatrixXd& covariance)
+    : Posterior(information) {
+  // In units of the stated deviations, so that the eigenvalues keep their digits.
+  const Eigen::MatrixXd own = covariance(free_, free_);
+  const Eigen::VectorXd scale = own.diagonal().cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * own *
+                                                             inverse.asDiagonal());
+  root_ =
+      scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
 Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
                                     const Eigen::MatrixXd& by_motion) const {
   const auto n = Eigen::Index(free_.size());
@@ -187,8 +201,12 @@ Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
   auto shared = w.topRows(n);
   shared.noalias() = motion_by_shared_.transpose() * by_motion.transpose();
   for (Eigen::Index i = 0; i < n; ++i) shared.row(i) += by_shared.col(free_[std::size_t(i)]).transpose();
-  shared = scale_.asDiagonal() * shared;
-  factor_.matrixL().solveInPlace(shared);
+  if (root_.size() > 0) {
+    shared = (root_.transpose() * shared).eval();
+  } else {
+    shared = scale_.asDiagonal() * shared;
+    factor_.matrixL().solveInPlace(shared);
+  }
   w.bottomRows<6>().noalias() = noise_root_ * by_motion.transpose();
   return w;
 }

@@ -9,6 +9,7 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -32,11 +33,12 @@ void requirePixelsOf(const Dataset& data, const Result& result) {
   if (!difference.empty()) refuseResult(difference);
 }
 
-Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
+Posterior posteriorOf(const Dataset& data, const Result& result, const FittedRig& rig) {
   Information information(rig.columns);
   for (const auto& [image, seen] : observationsOf(data, rig)) information.add(informationOf(rig, seen));
   information.addPrior(rig);
-  return Posterior(information);
+  const bool is_clustered = result.clustered && result.clustered->isReliable();
+  return is_clustered ? Posterior(information, covarianceOf(*result.clustered)) : Posterior(information);
 }
 
 [[noreturn]] void refuseQuestion(const char* subject, const std::string& sentence) {
@@ -49,7 +51,7 @@ double PixelCovariance::largestStd() const { return calibration::largestStd(uu, 
 
 struct PixelUncertainty::Implementation {
   explicit Implementation(const Dataset& data, const Result& result) : rig(result) {
-    const Posterior posterior = posteriorOf(data, rig);
+    const Posterior posterior = posteriorOf(data, result, rig);
     for (std::size_t c = 0; c < rig.lenses.size(); ++c) cameras.emplace_back(rig, posterior, c);
   }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include "calibration/cross_matrix.hpp"
 
@@ -69,8 +70,9 @@ WhitenedScores::WhitenedScores(const Dataset& data, const FittedRig& rig) {
   std::vector<MatrixXd> shares;
   for (const auto& [image, observation] : observations) {
     equations.push_back(equationsOf(rig, observation));
-    const auto& [H, by_shared] = equations.back();
-    shares.push_back(H.topLeftCorner(n, n) - H.bottomRows<6>().leftCols(n).transpose() * by_shared);
+    const MatrixXd& H = equations.back().H;
+    shares.push_back(H.topLeftCorner(n, n) -
+                     H.bottomRows<6>().leftCols(n).transpose() * equations.back().pose_by_shared);
     sum += shares.back();
   }
   K_ = rootOfInverse(rig.columns, sum);
@@ -79,17 +81,18 @@ WhitenedScores::WhitenedScores(const Dataset& data, const FittedRig& rig) {
   for (const auto& [image, observation] : observations) {
     const MatrixXd share = shares[i].selfadjointView<Eigen::Lower>();
     images_.push_back({K_.transpose() * share * K_, VectorXd::Zero(K_.cols())});
-    const MatrixXd by_pose = K_.transpose() * equations[i++].pose_by_shared.transpose();
+    const MatrixXd by_pose = K_.transpose() * equations[i].pose_by_shared.transpose();
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {
       if (const View* const view = data.cameras[c].find(image))
-        addView(rig, *view, c, observation.left2world, by_pose);
+        addView(rig, *view, c, observation.left2world, by_pose, equations[i].pose_inverse);
     }
     if (observation.acc) addReading(rig, observation, by_pose);
+    ++i;
   }
 }
 
 void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
-                             const MatrixXd& by_pose) {
+                             const MatrixXd& by_pose, const Matrix6& pose_inverse) {
   const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
   const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
   const Lens& lens = *rig.lenses[c];
@@ -112,6 +115,11 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     pose << -by_left * world2left, by_turn;
     rows.noalias() -= by_pose * pose.transpose();
     const Eigen::Vector2d residual = corner.pixel - q.pixel;
+    const Eigen::Matrix2d leverage =
+        weight * weight *
+        (pose * pose_inverse * pose.transpose() + rows.transpose() * rows);  // 2 x 2, of u and v
+    const Eigen::Vector2d without = (Eigen::Matrix2d::Identity() - leverage).inverse() * residual;
+    tests_.push_back({without.norm(), std::sqrt(std::max(0.0, residual.dot(without)))});
     const VectorXd score = weight * weight * (rows * residual);
     images_.back().score += score;
     const std::array<double, 3> place{corner.world.x(), corner.world.y(), corner.world.z()};

@@ -41,6 +41,13 @@ class WhitenedScores {
   /// Blocks of `length` successive images; the last one has the remainder, too.
   GroupSums byBlocks(int length) const;
   BoardPointSums byBoardPoints(int length) const;
+  /// Tests of all corners, by image, then by camera, then as in its view.
+  struct CornerTest {
+    double
+        without_px;  ///< |(I - H)^-1 r|: the residual of the fit without the corner, to first order; H is its leverage [px]
+    double weighted;  ///< sqrt(r^T (I - H)^-1 r): the residual, studentised but for the noise [px]
+  };
+  const std::vector<CornerTest>& cornerTests() const { return tests_; }
 
  private:
   struct Image {
@@ -57,12 +64,13 @@ class WhitenedScores {
     return std::min(image / length, std::max(1, images() / length) - 1);
   }
   void addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
-               const Eigen::MatrixXd& by_pose);
+               const Eigen::MatrixXd& by_pose, const Matrix6& pose_inverse);
   void addReading(const FittedRig& rig, const Observation& observation, const Eigen::MatrixXd& by_pose);
 
   Eigen::MatrixXd K_, prior_;  // prior_: K^T P K
   std::vector<Image> images_;
   std::vector<CornerScore> corners_;
+  std::vector<CornerTest> tests_;
   std::map<std::array<double, 3>, int> points_;
 };
 

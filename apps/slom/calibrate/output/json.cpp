@@ -63,6 +63,9 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
                       {"equal_corners", copy.equal_corners},
                       {"difference_px", copy.difference_px}});
   }
+  Json excluded = Json::array();
+  for (const Exclusion& one : camera.excluded)
+    excluded.push_back({{"image", one.image}, {"corner", one.corner ? Json(*one.corner) : Json()}});
   for (const Parameter& p : camera.parameters) {
     parameters[p.name] = {
         {"value", p.value}, {"std", p.std}, {"std_clustered", p.std_clustered}, {"dof", p.dof}};
@@ -83,6 +86,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
       {"unused", std::move(unused)},
       {"copies", std::move(copies)},
+      {"excluded", std::move(excluded)},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
       {"rms_px_alone", camera.rms_px_single}};
@@ -134,6 +138,20 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
                {cameras.front().name + "2world", pose(image.left2world)}};
   json["acc_error"] = image.acc_error ? Json(*image.acc_error) : Json();
   return json;
+}
+
+Json grossJson(const Result& result) {
+  Json list = Json::array();
+  for (const GrossCorner& corner : result.gross) {
+    list.push_back({{"camera", result.cameras[corner.camera].name},
+                    {"image", corner.image},
+                    {"corner", corner.number},
+                    {"line", corner.line > 0 ? Json(corner.line) : Json()},
+                    {"error_px", corner.error_px},
+                    {"error_without_px", corner.error_without_px},
+                    {"studentised", corner.studentised}});
+  }
+  return list;
 }
 
 Json comparisonJson(const Comparison& comparison) {
@@ -191,6 +209,7 @@ std::string toJson(const Result& result) {
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", std::move(worst)},
                      {"strays", std::move(strays)},
+                     {"gross_corners", grossJson(result)},
                      {"notes", notes(result)},
                      {"images", std::move(images)},
                      {"quality", result.quality ? qualityJson(result) : Json()}};

@@ -88,7 +88,7 @@ void noteSigma(const char* what, const char* option, double stated, double squar
   const bool larger = observed > stated;
   notes.push_back(
       fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
-                  "standard deviations above are those of the stated sigmas.",
+                  "stated standard deviations are those of the stated sigmas.",
                   what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
                   stated, option, twoDigits(observed),
                   larger ? ", unless the model is too simple or the worst images are wrong" : ""));
@@ -147,10 +147,31 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
     notes.push_back(fmt::format(
         "Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst "
         "corners of "
-        "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
+        "most images are off by {:.1f} px. It was found wrongly: correct it, or leave it out by --exclude "
+        "{}{}:{}.",
         corner.number, image.image, result.cameras[corner.camera].name, oneLine(corner.place),
-        corner.error_px, *middle));
+        corner.error_px, *middle, result.cameras.size() > 1 ? result.cameras[corner.camera].name + "." : "",
+        image.image, corner.number));
   }
+}
+
+/// Corners that the fit follows, so that their residuals do not show how wrong they are.
+void noteLeverage(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 5;  // named one by one
+  constexpr double hidden = 1.5;   // error without the corner over its residual
+  std::size_t count = 0;
+  for (const GrossCorner& corner : result.gross) {
+    if (!(corner.error_without_px > hidden * corner.error_px) || ++count > most) continue;
+    const std::string& camera = result.cameras[corner.camera].name;
+    notes.push_back(fmt::format(
+        "Corner {0} of image {1} of camera {2} ({3}) draws the fit to itself: with it, it lies {4:.1f} px off, without it {5:.1f} px. "
+        "Look at it, or leave it out by --exclude {6}{1}:{0}.",
+        corner.number, corner.image, camera, oneLine(corner.place), corner.error_px, corner.error_without_px,
+        result.cameras.size() > 1 ? camera + "." : ""));
+  }
+  if (count > most)
+    notes.push_back(
+        fmt::format("{} more corners draw the fit to themselves; the JSON lists them.", count - most));
 }
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
@@ -221,6 +242,7 @@ std::vector<std::string> notes(const Result& result) {
   noteDenominator(result, notes);
   noteStrays(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
+  if (result.strays.empty()) noteLeverage(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteClustered(result, notes);

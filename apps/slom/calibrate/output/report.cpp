@@ -138,6 +138,9 @@ std::string unusedText(const CameraData& camera) {
   for (const Copy& copy : camera.copies)
     files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
                                                                       : oneLine(copy.photo));
+  for (const Exclusion& one : camera.excluded)
+    files["by --exclude"].push_back(one.corner ? fmt::format("corner {} of image {}", *one.corner, one.image)
+                                               : fmt::format("image {}", one.image));
   std::string text;
   for (auto& [reason, names] : files)
     text += fmt::format("  {}: left out, {}: {}\n", camera.name, reason, abridged(std::move(names)));
