@@ -21,8 +21,8 @@ struct Files {
     options.images = images;
     std::mt19937_64 random(2);
     data = simulateMeasurements(simulateTruth(options, random), options, random);
-    slom::testing::writeFile(folder / "a.csv", cornerFile(data.cameras[0]));
-    slom::testing::writeFile(folder / "b.csv", cornerFile(data.cameras[1]));
+    slom::testing::writeFile(folder / "a.csv", testing::cornerFile(data.cameras[0]));
+    slom::testing::writeFile(folder / "b.csv", testing::cornerFile(data.cameras[1]));
   }
   std::string path(const std::string& name) const { return (folder / name).string(); }
   CommandResult run(std::vector<std::string> options, bool both = true) const {
@@ -122,6 +122,36 @@ TEST(ClusteredOutput, IsBesideTheStatedStandardDeviations) {
   EXPECT_EQ(report["quality"]["is_clustered"], true);
   EXPECT_EQ(report["quality"]["cameras"]["a"]["projection_stated"].size(), 2u);
   EXPECT_TRUE(report["gross_corners"].empty());
+  EXPECT_TRUE(report["rejected_corners"].empty());
+}
+
+TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
+  Files files;
+  Corner& wrong = files.data.cameras[0].views[3].corners[10];
+  wrong.pixel.x() += 13;
+  slom::testing::writeFile(files.folder / "a.csv", testing::cornerFile(files.data.cameras[0]));
+  const std::string out = files.path("r.json");
+  const CommandResult rejected = files.run({"--json", out}, false);
+  ASSERT_EQ(rejected.exit_code, 0) << rejected.errors;
+  const std::string sentence = "One corner was left out of the fit, as the others contradict it: corner " +
+                               std::to_string(wrong.number) + " of image 4 of camera a (";
+  const json report = json::parse(std::ifstream(out));
+  ASSERT_EQ(report["notes"].size(), 2u) << report["notes"];
+  const std::string note = report["notes"][0];
+  EXPECT_EQ(note.substr(0, sentence.size()), sentence);
+  EXPECT_NE(note.find(") by 13."), std::string::npos) << note;
+  EXPECT_NE(note.find(" px. --robust none keeps it."), std::string::npos) << note;
+  ASSERT_EQ(report["rejected_corners"].size(), 1u);
+  EXPECT_EQ(report["rejected_corners"][0]["image"], 4);
+  EXPECT_EQ(report["rejected_corners"][0]["corner"], wrong.number);
+  ASSERT_EQ(files.run({"--robust", "none", "--json", out}, false).exit_code, 0);
+  const json kept = json::parse(std::ifstream(out));
+  EXPECT_TRUE(kept["rejected_corners"].empty());
+  ASSERT_EQ(kept["gross_corners"].size(), 1u);
+  EXPECT_EQ(kept["gross_corners"][0]["corner"], wrong.number);
+  const CommandResult unknown = files.run({"--robust", "huge"}, false);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.errors, "slom: --robust huge: what becomes of gross corners is none or reject\n");
 }
 
 }  // namespace

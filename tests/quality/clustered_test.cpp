@@ -2,6 +2,7 @@
 // simulation; and corners with a large leverage against a fit without them. Seeds are fixed.
 #include "calibration/quality/clustered.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -130,7 +131,7 @@ Coverage simulate(int images, double zoom, double memory, int runs) {
 }
 
 TEST(ClusteredCalibration, IntervalsHoldWhereImagesShareErrors) {
-  const Coverage coverage = simulate(14, 0.003, 0, 300);
+  const Coverage coverage = simulate(14, 0.012, 0, 300);
   EXPECT_EQ(coverage.runs, 300);
   EXPECT_LT(coverage.stated, 0.75 * coverage.runs);
   EXPECT_GT(coverage.clustered, 0.91 * coverage.runs);
@@ -146,11 +147,12 @@ TEST(ClusteredCalibration, IntervalsHoldWhereErrorsAreIndependent) {
   EXPECT_NEAR(coverage.mean_square_ratio, 1, 0.15);
 }
 
-TEST(ClusteredCalibration, IntervalsHoldWhereNeighbouringImagesShareErrors) {
-  const Coverage coverage = simulate(64, 0.003, 0.8, 100);
+// Of 64 images seven are independent here; so few do not suffice for 95 %.
+TEST(ClusteredCalibration, IntervalsHoldFarBetterWhereNeighbouringImagesShareErrors) {
+  const Coverage coverage = simulate(64, 0.012, 0.8, 100);
   EXPECT_EQ(coverage.runs, 100);
   EXPECT_LT(coverage.stated, 0.5 * coverage.runs);
-  EXPECT_GT(coverage.clustered, 0.88 * coverage.runs);
+  EXPECT_GT(coverage.clustered, 0.75 * coverage.runs);
   EXPECT_GT(coverage.blocks, 0.8 * coverage.runs);
 }
 
@@ -159,7 +161,7 @@ TEST(ClusteredCalibration, ProjectionAndVerdictTakeItFromTenImagesOn) {
   for (const int images : {9, 12}) {
     const RigOptions options = oneCamera(images);
     const RigTruth truth = testing::simulateTruth(options, random);
-    const Dataset data = withSharedErrors(truth, options, random, 0.004, 0);
+    const Dataset data = withSharedErrors(truth, options, random, 0.015, 0);
     Result result = calibrate(data, Settings());
     ASSERT_TRUE(result.success());
     ASSERT_TRUE(result.clustered);
@@ -255,35 +257,87 @@ Corner& farthestCorner(CameraData& camera, int& image) {
   return *farthest;
 }
 
-TEST(GrossCorners, AreSeenWhereTheFitFollowsThem) {
-  RigOptions options = oneCamera(12);
-  options.columns = 5, options.rows = 4, options.square_m = 0.08, options.distance = 0.45;
-  std::mt19937_64 random(8);
-  const RigTruth truth = testing::simulateTruth(options, random);
-  Dataset data = testing::measured(truth, options, random, false);
-  EXPECT_TRUE(calibrate(data, Settings()).gross.empty());
+Settings keepAll() {
+  Settings settings;
+  settings.robust = Robust::none;
+  return settings;
+}
+
+/// Few corners, one of which, at the border of an image, lies `wrong_by` px too far outside.
+struct WrongCorner {
+  explicit WrongCorner(double wrong_by) {
+    RigOptions options = oneCamera(12);
+    options.columns = 5, options.rows = 4, options.square_m = 0.08, options.distance = 0.45;
+    std::mt19937_64 random(8);
+    good = testing::measured(testing::simulateTruth(options, random), options, random, false);
+    data = good;
+    Corner& wrong = farthestCorner(data.cameras[0], image);
+    const vec2 outwards(wrong.pixel.x() - 330, wrong.pixel.y() - 245);
+    wrong.pixel += wrong_by * outwards / outwards.norm();
+    corner = wrong;
+    without = data;
+    exclude(without, {{"a", image, corner.number}});
+  }
+  /// The residual of the corner in a fit without it [px].
+  double errorIn(const Result& result) const {
+    const CameraResult& camera = result.cameras[0];
+    const auto pose = std::find_if(result.images.begin(), result.images.end(),
+                                   [&](const ImageResult& one) { return one.image == image; });
+    return (camera.project(pose->left2world.inverse() * corner.world) - corner.pixel).norm();
+  }
+  Dataset good, data, without;
+  Corner corner;
   int image = 0;
-  Corner& corner = farthestCorner(data.cameras[0], image);
-  const vec2 outwards(corner.pixel.x() - 330, corner.pixel.y() - 245);
-  corner.pixel += 13 * outwards / outwards.norm();
-  const int number = corner.number;
-  const Corner wrong = corner;
-  const Result result = calibrate(data, Settings());
+};
+
+TEST(GrossCorners, AreSeenWhereTheFitFollowsThem) {
+  for (const double wrong_by : {5., 13.}) {
+    const WrongCorner wrong(wrong_by);
+    EXPECT_TRUE(calibrate(wrong.good, keepAll()).gross.empty());
+    const Result result = calibrate(wrong.data, keepAll());
+    ASSERT_TRUE(result.success());
+    ASSERT_FALSE(result.gross.empty());
+    const GrossCorner& found = result.gross.front();
+    EXPECT_EQ(found.image, wrong.image);
+    EXPECT_EQ(found.number, wrong.corner.number);
+    EXPECT_LT(found.error_px, 0.6 * found.error_without_px);  // the fit follows it
+    const double error = wrong.errorIn(calibrate(wrong.without, keepAll()));
+    EXPECT_NEAR(error, wrong_by, 2);
+    // One step from the factor, while the lens bends by several pixels.
+    EXPECT_NEAR(found.error_without_px, error, 0.5 * error) << wrong_by;
+  }
+}
+
+TEST(GrossCorners, DoNotMoveTheFitThatRejectsThem) {
+  const WrongCorner wrong(13);
+  const Result result = calibrate(wrong.data, Settings()), without = calibrate(wrong.without, Settings());
   ASSERT_TRUE(result.success());
-  ASSERT_FALSE(result.gross.empty());
-  const GrossCorner& found = result.gross.front();
-  EXPECT_EQ(found.image, image);
-  EXPECT_EQ(found.number, number);
-  EXPECT_LT(found.error_px, 0.6 * found.error_without_px);  // the fit follows it
-  exclude(data, {{"a", image, number}});
-  const Result without = calibrate(data, Settings());
-  EXPECT_TRUE(without.gross.empty());
-  const CameraResult& camera = without.cameras[0];
-  const auto pose = std::find_if(without.images.begin(), without.images.end(),
-                                 [&](const ImageResult& one) { return one.image == image; });
-  const double error = (camera.project(pose->left2world.inverse() * wrong.world) - wrong.pixel).norm();
-  EXPECT_NEAR(error, 13, 2);
-  EXPECT_NEAR(found.error_without_px, error, 0.2 * error);
+  ASSERT_FALSE(result.rejected.empty());
+  EXPECT_LE(result.rejected.size(), 2u);  // a good one may be drawn along
+  EXPECT_EQ(result.rejected[0].number, wrong.corner.number);
+  EXPECT_EQ(result.rejected[0].image, wrong.image);
+  EXPECT_NEAR(result.rejected[0].error_without_px, 13, 2);
+  EXPECT_TRUE(result.gross.empty());
+  Dataset rest = wrong.data;
+  for (const GrossCorner& corner : result.rejected) exclude(rest, {{"a", corner.image, corner.number}});
+  const Result same = calibrate(rest, keepAll());
+  EXPECT_EQ(result.redundancy, same.redundancy);
+  for (std::size_t i = 0; i < 9; ++i) {
+    const Parameter& p = result.cameras[0].parameters[i];
+    EXPECT_NEAR(p.value, same.cameras[0].parameters[i].value, 1e-3 * p.std) << p.name;
+    EXPECT_NEAR(p.value, without.cameras[0].parameters[i].value, p.std) << p.name;
+  }
+  Result assessed = result;
+  assessed.quality = assess(wrong.data, Settings(), result);
+  EXPECT_EQ(assessed.quality->cameras[0].residuals.size(), rest.cameras[0].cornerCount());
+}
+
+TEST(GrossCorners, RejectionLeavesGoodDataAsTheyAre) {
+  const WrongCorner wrong(0);
+  const Result kept = calibrate(wrong.good, keepAll()), result = calibrate(wrong.good, Settings());
+  EXPECT_TRUE(result.rejected.empty());
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_EQ(result.cameras[0].parameters[i].value, kept.cameras[0].parameters[i].value);
 }
 
 }  // namespace

@@ -271,6 +271,13 @@ void addCalibrateCommand(CLI::App& app) {
                   "leave out an image, or a corner of it: 17, 17:5, left.17:5; may be repeated")
       ->type_name("[CAMERA.]IMAGE[:CORNER]")
       ->allow_extra_args(false);
+  command
+      .add_option(
+          "--robust", raw->robust,
+          "what becomes of gross corners, which the others contradict: reject leaves them out of the\n"
+          "fit and lists them; none keeps them")
+      ->type_name("none|reject")
+      ->capture_default_str();
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();

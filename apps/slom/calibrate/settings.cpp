@@ -238,6 +238,12 @@ std::vector<Exclusion> parseExclusions(const std::vector<std::string>& texts,
   return exclusions;
 }
 
+Robust parseRobust(const std::string& text) {
+  if (text == "none") return Robust::none;
+  if (text == "reject") return Robust::reject;
+  throw UserError(fmt::format("--robust {}: what becomes of gross corners is none or reject", text));
+}
+
 Model parseModel(const std::string& option, const std::string& name) {
   try {
     return Model(name);
@@ -278,6 +284,7 @@ void checkPaths(const CommandSettings& settings) {
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   parseSources(raw, settings);
+  settings.robust = parseRobust(raw.robust);
   settings.exclusions = parseExclusions(raw.excluded, settings.cameras);
   settings.fixed = parseFixed(raw.fixed, settings.lens_options);
   for (const LensOption& bound : parseBounds(raw.bounded)) settings.lens_options.push_back(bound);

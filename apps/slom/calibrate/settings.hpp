@@ -51,7 +51,8 @@ struct RawOptions {
   std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
-  std::string model;   ///< empty: opencv5, or what the comparison chooses
+  std::string robust = "reject";
+  std::string model;  ///< empty: opencv5, or what the comparison chooses
   std::vector<std::string> compared;
   bool compare = false;
   CommandSettings rest;

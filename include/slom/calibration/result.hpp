@@ -164,6 +164,8 @@ struct Result {
   std::optional<ImuResult> imu;
   std::optional<ClusteredUncertainty> clustered;  ///< of a calibration that succeeded, from two images on
   std::vector<Stray> strays;
+  /// Corners that the fit does without (Settings::robust), and where it puts them; the worst first.
+  std::vector<GrossCorner> rejected;
   std::vector<GrossCorner> gross;        ///< of a calibration that succeeded, the worst first
   std::vector<ImageResult> images;       ///< by rising number
   std::optional<Comparison> comparison;  ///< where it was asked for

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
@@ -164,10 +165,11 @@ Quality assessSorted(const Dataset& data, const Settings& settings, const Result
 
 }  // namespace
 
-Quality assess(const Dataset& data, const Settings& settings, const Result& result) {
-  checkSettings(data, settings);
-  requireWellFormed(data);
-  checkImuImages(data);
+Quality assess(const Dataset& all, const Settings& settings, const Result& result) {
+  checkSettings(all, settings);
+  requireWellFormed(all);
+  checkImuImages(all);
+  const Dataset data = withoutRejected(all, result);
   requireResultOf(data, settings, result);
   return assessSorted(*SortedDataset(data), settings, result);
 }

@@ -134,6 +134,8 @@ void writeStandardDeviations(const SharedColumns& shared, const MatrixXd& covari
 
 /// Corners beyond this many standard deviations, which noise exceeds once in 10^7 corners.
 constexpr double gross = 6;
+/// Fewer residuals than this beyond the unknowns do not say what the noise is.
+constexpr int fewest_redundant = 100;
 
 void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& result) {
   const auto& tests = scores.cornerTests();
@@ -143,6 +145,7 @@ void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& 
   std::nth_element(sizes.begin(), middle, sizes.end());
   const double noise =
       *middle / std::sqrt(2 * std::log(2.0));  // of u and of v, from the median of a Rayleigh distribution
+  if (result.redundancy < fewest_redundant || !(noise > 0)) return;
   auto test = tests.begin();
   for (const ImageResult& image : result.images) {
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {

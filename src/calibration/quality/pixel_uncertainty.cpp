@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/quality/clustered.hpp"
@@ -59,9 +60,10 @@ struct PixelUncertainty::Implementation {
   std::vector<CameraPosterior> cameras;  // which point into the rig
 };
 
-PixelUncertainty::PixelUncertainty(const Dataset& data, const Result& result) {
-  requireWellFormed(data);
-  checkImuImages(data);
+PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {
+  requireWellFormed(all);
+  checkImuImages(all);
+  const Dataset data = withoutRejected(all, result);
   requirePixelsOf(data, result);
   impl_ = std::make_shared<const Implementation>(data, result);
 }

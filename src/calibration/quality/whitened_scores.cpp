@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 
 constexpr double alone = 1e-6;  // 1 - leverage, below which a group determines a direction alone
 
+constexpr double least_redundancy = 0.01;  // of a corner that others check, of its smaller direction
+
 /// K with K K^T = (sum Lambda)^-1, of the lower triangle of the sum.
 MatrixXd rootOfInverse(const SharedColumns& columns, const MatrixXd& sum) {
   const auto& free = columns.free;
@@ -118,7 +120,9 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     const Eigen::Matrix2d leverage =
         weight * weight *
         (pose * pose_inverse * pose.transpose() + rows.transpose() * rows);  // 2 x 2, of u and v
-    const Eigen::Vector2d without = (Eigen::Matrix2d::Identity() - leverage).inverse() * residual;
+    const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - leverage;
+    const bool is_checked = rest.determinant() > least_redundancy * rest.trace();
+    const Eigen::Vector2d without = is_checked ? Eigen::Vector2d(rest.inverse() * residual) : residual;
     tests_.push_back({without.norm(), std::sqrt(std::max(0.0, residual.dot(without)))});
     const VectorXd score = weight * weight * (rows * residual);
     images_.back().score += score;

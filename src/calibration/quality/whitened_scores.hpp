@@ -44,7 +44,8 @@ class WhitenedScores {
   /// Tests of all corners, by image, then by camera, then as in its view.
   struct CornerTest {
     double
-        without_px;  ///< |(I - H)^-1 r|: the residual of the fit without the corner, to first order; H is its leverage [px]
+        without_px;  ///< |(I - H)^-1 r|: the residual of the fit without the corner, to first order; H is its leverage; the residual itself where no
+                     ///< other corner checks it [px]
     double weighted;  ///< sqrt(r^T (I - H)^-1 r): the residual, studentised but for the noise [px]
   };
   const std::vector<CornerTest>& cornerTests() const { return tests_; }

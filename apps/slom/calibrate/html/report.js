@@ -65,7 +65,7 @@ function parameters() {
   section("parameters", "Parameters",
     el("p", {class: "quiet"}, data.success ? `Stated standard deviations follow from the stated noise of corners, which counts as independent, ${number(data.sigma_px)} px in u and in v` +
       (data.imu ? `, and of readings, ${number(data.sigma_acc)} m/s².` : ".") +
-      " Clustered ones allow for errors that are shared within an image, by images that follow each other, and at a corner of the board; where they differ, trust these." : "The fit failed: these values are where it ended, not a calibration."),
+      " Clustered ones allow for errors that are shared within an image, by images that follow each other, and at a corner of the board; where they are larger, trust these." : "The fit failed: these values are where it ended, not a calibration."),
     row, data.notes.length ? el("div", {}, el("h3", {}, "Notes"), el("ul", {}, ...data.notes.map(note => el("li", {}, note)))) : null);
 }
 

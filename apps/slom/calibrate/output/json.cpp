@@ -140,9 +140,9 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
   return json;
 }
 
-Json grossJson(const Result& result) {
+Json grossJson(const Result& result, const std::vector<GrossCorner>& corners) {
   Json list = Json::array();
-  for (const GrossCorner& corner : result.gross) {
+  for (const GrossCorner& corner : corners) {
     list.push_back({{"camera", result.cameras[corner.camera].name},
                     {"image", corner.image},
                     {"corner", corner.number},
@@ -209,7 +209,8 @@ std::string toJson(const Result& result) {
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", std::move(worst)},
                      {"strays", std::move(strays)},
-                     {"gross_corners", grossJson(result)},
+                     {"rejected_corners", grossJson(result, result.rejected)},
+                     {"gross_corners", grossJson(result, result.gross)},
                      {"notes", notes(result)},
                      {"images", std::move(images)},
                      {"quality", result.quality ? qualityJson(result) : Json()}};

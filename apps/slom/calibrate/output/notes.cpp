@@ -155,6 +155,25 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
+/// Corners that the fit does without.
+void noteRejected(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 5;  // named one by one
+  if (result.rejected.empty()) return;
+  std::vector<std::string> named;
+  for (const GrossCorner& corner : result.rejected) {
+    if (named.size() == most) break;
+    named.push_back(fmt::format("corner {} of image {} of camera {} ({}) by {:.1f} px", corner.number,
+                                corner.image, result.cameras[corner.camera].name, oneLine(corner.place),
+                                corner.error_without_px));
+  }
+  const std::size_t more = result.rejected.size() - named.size();
+  notes.push_back(fmt::format(
+      "{} left out of the fit, as the others contradict {}: {}{}. --robust none keeps {}.",
+      result.rejected.size() == 1 ? "One corner was" : fmt::format("{} corners were", result.rejected.size()),
+      result.rejected.size() == 1 ? "it" : "them", fmt::join(named, ", "),
+      more > 0 ? fmt::format(", and {} more", more) : "", result.rejected.size() == 1 ? "it" : "them"));
+}
+
 /// Corners that the fit follows, so that their residuals do not show how wrong they are.
 void noteLeverage(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 5;  // named one by one
@@ -241,6 +260,7 @@ std::vector<std::string> notes(const Result& result) {
   noteCopies(result, notes);
   noteDenominator(result, notes);
   noteStrays(result, notes);
+  noteRejected(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteLeverage(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
