@@ -77,14 +77,14 @@ TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
   Result result = goodResult();
   result.cameras[0].rms_px *= 0.6;
   result.imu->rms_acc *= 3;
-  EXPECT_EQ(notes(result),
-            (std::vector<std::string>{"The residuals of the corners are 1.7 times smaller than --sigma-px "
-                                      "0.25 says; --sigma-px 0.15 would fit them. The standard deviations "
-                                      "above are those of the stated sigmas.",
-                                      "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 "
-                                      "says; --sigma-acc 0.15 would fit them, unless the model is too "
-                                      "simple or the worst images are wrong. The standard deviations above "
-                                      "are those of the stated sigmas."}));
+  EXPECT_EQ(notes(result), (std::vector<std::string>{
+                               "The residuals of the corners are 1.7 times smaller than --sigma-px "
+                               "0.25 says; --sigma-px 0.15 would fit them. The stated standard deviations "
+                               "are those of the stated sigmas.",
+                               "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 "
+                               "says; --sigma-acc 0.15 would fit them, unless the model is too "
+                               "simple or the worst images are wrong. The stated standard deviations "
+                               "are those of the stated sigmas."}));
 }
 
 TEST(Notes, CameraThatFitsWorseTogether) {

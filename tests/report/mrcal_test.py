@@ -92,7 +92,7 @@ def main():
         pixels = np.array([[(WIDTH - 1) * (i % columns) / (columns - 1), (HEIGHT - 1) * (i // columns) / (rows - 1)] for i in range(columns * rows)])
         model = mrcal.cameramodel(optimization_inputs=inputs, icam_intrinsics=camera)
         rays = mrcal.unproject(pixels, *model.intrinsics(), normalize=True)
-        for own in quality["projection"]:
+        for own in quality["projection_stated"]:
             distance = own["distance_m"]
             theirs = mrcal.projection_uncertainty(rays * (distance or 1), model=model, atinfinity=distance is None,
                                                   what="worstdirection-stdev", observed_pixel_uncertainty=SIGMA_PX)

@@ -63,7 +63,10 @@ Dataset readDataset(const CommandSettings& settings) {
     if (given != settings.image_sizes.end()) camera.image_size = given->second;
   }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
-  inWordsOfOptions(settings, [&] { leaveOutCopies(data); });
+  inWordsOfOptions(settings, [&] {
+    exclude(data, settings.exclusions);
+    leaveOutCopies(data);
+  });
   return data;
 }
 
@@ -263,6 +266,18 @@ void addCalibrateCommand(CLI::App& app) {
                   "keep a camera's parameter between two values, k3=-1,1 or left.fx=400,600; may be repeated")
       ->type_name("NAME=LOWER,UPPER")
       ->allow_extra_args(false);
+  command
+      .add_option("--exclude", raw->excluded,
+                  "leave out an image, or a corner of it: 17, 17:5, left.17:5; may be repeated")
+      ->type_name("[CAMERA.]IMAGE[:CORNER]")
+      ->allow_extra_args(false);
+  command
+      .add_option(
+          "--robust", raw->robust,
+          "what becomes of gross corners, which the others contradict: reject leaves them out of the\n"
+          "fit and lists them; none keeps them")
+      ->type_name("none|reject")
+      ->capture_default_str();
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();

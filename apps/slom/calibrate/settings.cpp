@@ -15,6 +15,7 @@
 #include "fitting/fit_limits.hpp"
 #include "output_files.hpp"
 #include "plausible.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -214,6 +215,35 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensOption>&
   return fixed;
 }
 
+/// `17`, `17:5`, `left.17:5`.
+std::vector<Exclusion> parseExclusions(const std::vector<std::string>& texts,
+                                       const std::vector<CameraFile>& cameras) {
+  std::vector<Exclusion> exclusions;
+  for (const std::string& text : texts) {
+    const auto dot = text.rfind('.'), colon = text.find(':', dot == std::string::npos ? 0 : dot);
+    const std::size_t first = dot == std::string::npos ? 0 : dot + 1;
+    Exclusion one;
+    if (dot != std::string::npos) one.camera = text.substr(0, dot);
+    const std::string_view all(text), image = all.substr(first, std::min(colon, text.size()) - first);
+    const bool has_corner = colon != std::string::npos;
+    int corner = 0;
+    if (!parseNumber(image, one.image) || (has_corner && !parseNumber(all.substr(colon + 1), corner))) {
+      throw UserError(fmt::format(
+          "--exclude {}: write IMAGE, IMAGE:CORNER or CAMERA.IMAGE:CORNER, as in --exclude 17 or --exclude {}.17:5",
+          text, cameras.front().name));
+    }
+    if (has_corner) one.corner = corner;
+    exclusions.push_back(one);
+  }
+  return exclusions;
+}
+
+Robust parseRobust(const std::string& text) {
+  if (text == "none") return Robust::none;
+  if (text == "reject") return Robust::reject;
+  throw UserError(fmt::format("--robust {}: what becomes of gross corners is none or reject", text));
+}
+
 Model parseModel(const std::string& option, const std::string& name) {
   try {
     return Model(name);
@@ -254,6 +284,8 @@ void checkPaths(const CommandSettings& settings) {
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   parseSources(raw, settings);
+  settings.robust = parseRobust(raw.robust);
+  settings.exclusions = parseExclusions(raw.excluded, settings.cameras);
   settings.fixed = parseFixed(raw.fixed, settings.lens_options);
   for (const LensOption& bound : parseBounds(raw.bounded)) settings.lens_options.push_back(bound);
   settings.lens.assign(settings.lens_options.begin(), settings.lens_options.end());

@@ -40,6 +40,7 @@ struct CommandSettings : Settings {
   std::string report_file;               ///< empty: none
   OutputFormat format = OutputFormat::opencv;
   std::map<std::string, ImageSize> image_sizes;  ///< by camera, where the user gave them
+  std::vector<Exclusion> exclusions;             ///< of --exclude
   bool quiet = false;
 };
 
@@ -47,10 +48,11 @@ struct CommandSettings : Settings {
 struct RawOptions {
   std::vector<std::string> cameras, images;
   BoardOptions board;
-  std::vector<std::string> fixed, bounded;
+  std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
-  std::string model;   ///< empty: opencv5, or what the comparison chooses
+  std::string robust = "reject";
+  std::string model;  ///< empty: opencv5, or what the comparison chooses
   std::vector<std::string> compared;
   bool compare = false;
   CommandSettings rest;

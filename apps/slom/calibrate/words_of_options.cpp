@@ -31,13 +31,20 @@ std::string imuImages(const CommandSettings&, const DataError::Parts& parts) {
   return fmt::format("{}: {}; correct the number, or set valid to 0", parts.place, parts.fault);
 }
 
+std::string nothingToExclude(const CommandSettings&, const DataError::Parts& parts) {
+  const std::string what = parts.place.substr(parts.place.find(' ') + 1);
+  return fmt::format("--exclude {}: {}; {}", what, parts.fault, parts.remedy);
+}
+
 }  // namespace
 
 std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error) {
   using Sentence = std::string (*)(const CommandSettings&, const DataError::Parts&);
-  static const std::map<std::string, Sentence> sentences{{"slom.calibration.too-few-data", &tooFewData},
-                                                         {"slom.calibration.imu-open", &imuOpen},
-                                                         {"slom.calibration.imu-images", &imuImages}};
+  static const std::map<std::string, Sentence> sentences{
+      {"slom.calibration.too-few-data", &tooFewData},
+      {"slom.calibration.nothing-to-exclude", &nothingToExclude},
+      {"slom.calibration.imu-open", &imuOpen},
+      {"slom.calibration.imu-images", &imuImages}};
   const auto found = sentences.find(error.id());
   return found == sentences.end() ? std::string(error.sentence()) : found->second(settings, error.parts());
 }

@@ -57,6 +57,13 @@ struct Copy {
   bool has_reading = false;                    ///< of the IMU, left out with it
 };
 
+/// A view, or one of its corners, that the user wants the fit to do without.
+struct Exclusion {
+  std::string camera{};  ///< empty: all cameras that have the image
+  int image = 0;
+  std::optional<int> corner{};  ///< Corner::number; nothing: the whole view
+};
+
 /// The size of all images of a camera [px].
 struct ImageSize {
   int width = 0, height = 0;
@@ -72,6 +79,7 @@ struct CameraData {
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
   std::vector<UnusedPhoto> unused{};      ///< by rising image number
   std::vector<Copy> copies{};             ///< by rising image number
+  std::vector<Exclusion> excluded{};      ///< what exclude() has taken out
   int board_symmetry = 1;                 ///< in how many ways the board looks the same (Board::symmetry)
 
   std::size_t cornerCount() const;
@@ -108,6 +116,11 @@ struct Dataset {
   /// The images `is_wanted(number)` alone, of all cameras, without the IMU.
   Dataset withImages(const std::function<bool(int)>& is_wanted) const;
 };
+
+/// Takes out views and corners, and lists them in CameraData::excluded; readings of the IMU of images that no camera has then go with them.
+/// DataError [slom.calibration.nothing-to-exclude] where there is no such camera, image or corner, and where a corner is named of several
+/// cameras at once; the data are then as they were before.
+void exclude(Dataset& data, const std::vector<Exclusion>& exclusions);
 
 /// Leaves out the views that repeat an earlier one of their camera, and lists them in CameraData::copies;
 /// with them the readings of the IMU of images that no camera has then. A photograph given twice does not count as a further

@@ -27,6 +27,7 @@ namespace slom::calibration {
 ///   no-result      uncertainty asked of a calibration that did not succeed, or of other data; a choice among models of which none fits
 ///   no-quality     a verdict asked of a result without Result::quality, or with that of another one
 ///   bad-question   a camera, a pixel or a distance that is not there
+///   nothing-to-exclude  an exclusion of a camera, an image or a corner that is not there
 ///   copies         two cameras with the same views, or a camera with one view and copies of it
 class DataError : public mtk::Error {
  public:
@@ -42,7 +43,7 @@ class DataError : public mtk::Error {
   /// The sentence is `place: fault; remedy`, followed by `, or fix gravity and acc_bias` for each set of `worth_fixing`.
   DataError(std::string id, Parts parts);
 
-  /// Empty but for the ids too-few-data, bad-reading, imu-images and imu-open.
+  /// Empty but for the ids nothing-to-exclude, too-few-data, bad-reading, imu-images and imu-open.
   const Parts& parts() const noexcept { return parts_; }
 
  private:

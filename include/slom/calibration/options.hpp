@@ -36,6 +36,12 @@ struct Limits {
   std::function<bool()> should_stop;  ///< asked often; may be empty
 };
 
+/// What becomes of gross corners, which the others contradict (Result::gross).
+enum class Robust {
+  none,    ///< they count as all others
+  reject,  ///< the fit is made again without them, until there are none; good data are not touched. Result::rejected lists them.
+};
+
 /// Sigmas lie from 1e-6 to 1e6, Fixed::gravity from 1e-3 to 1e6 m/s^2, components of Fixed::acc_bias within 1e6 m/s^2. A constraint leaves
 /// values that a lens may have (focal lengths from 1e-3 to 1e9 px, others within 1e6), and no parameter is constrained twice. DataError
 /// [slom.calibration.bad-settings] otherwise.
@@ -43,6 +49,7 @@ struct Settings {
   Model model = Model("opencv5");  ///< of all cameras
   double sigma_px = 0.25;          ///< standard deviation of a corner's u and of its v [px]
   double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
+  Robust robust = Robust::reject;
   Fixed fixed;
   std::vector<LensConstraint> lens;
   /// Standard deviation of a prior at 0 on the parameters that a model can trade against others (Model::heldNearZero). Without a value

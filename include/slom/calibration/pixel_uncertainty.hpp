@@ -24,7 +24,8 @@ struct PixelCovariance {
 
 /// A point that stands still before the rig is seen in a pixel. A calibration from other images of the same boards would project it to
 /// another one: how far away, to first order, is the projection uncertainty. It includes what the lens, the pose in the rig and
-/// the frame of the calibration leave open, and no error of the images to come. `Quality` holds the same over a grid.
+/// the frame of the calibration leave open, and no error of the images to come. It is for errors that images share (Result::clustered), where there are images enough, and as stated
+/// otherwise. `Quality` holds the same over a grid.
 ///   source   mrcal, https://mrcal.secretsauce.net/uncertainty.html
 class PixelUncertainty {
  public:

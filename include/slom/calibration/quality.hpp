@@ -1,5 +1,5 @@
 /// How far a calibration can be trusted, as plain numbers: what the report and the JSON show beyond parameters
-/// and their standard deviations. All standard deviations are those of the stated sigmas.
+/// and their standard deviations.
 #pragma once
 
 #include <limits>
@@ -61,8 +61,10 @@ struct SplitHalf {
 
 struct CameraQuality {
   ImageGrid grid;
-  std::vector<CornerResidual> residuals;                 ///< by image, then as in the file
-  std::vector<ProjectionUncertainty> projection;         ///< at the distance of the boards, and at infinity
+  std::vector<CornerResidual> residuals;          ///< by image, then as in the file
+  std::vector<ProjectionUncertainty> projection;  ///< at the distance of the boards, and at infinity
+  std::vector<ProjectionUncertainty>
+      projection_stated;  ///< the same for errors that are independent, as stated
   std::vector<double> distances_m, middle_px, worst_px;  ///< how it depends on the distance
 };
 
@@ -107,6 +109,9 @@ struct PhaseTime {
 /// Everything after `worst` exists for a calibration that succeeded, as far as there was time.
 struct Quality {
   std::vector<CameraQuality> cameras;
+  /// Projection uncertainty and further views are those of errors that images share (Result::clustered), as is what halves may differ by where
+  /// each has images enough; otherwise all are those of the stated sigmas.
+  bool is_clustered = false;
   std::vector<WorstResidual> worst;  ///< the worst first
   double board_distance_m = 0;  ///< median distance of the boards' centres from the cameras that saw them
   SplitHalf split_half;

@@ -1,5 +1,6 @@
 /// What the calibration found, as plain numbers. It does not know where it is written, if anywhere.
-/// Standard deviations are those of the stated sigmas; they are 0 for what is fixed and NaN where the data
+/// Standard deviations are those of the stated sigmas, for errors that are independent; beside them, as `..._clustered`, those for errors
+/// that the corners of an image, or of neighbouring images, share (ClusteredUncertainty). Both are 0 for what is fixed and NaN where the data
 /// leave the value open (`undetermined` then says what).
 #pragma once
 
@@ -20,7 +21,42 @@ inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 struct Parameter {
   std::string name;
   double value = 0, std = unknown;
+  double std_clustered = unknown;
+  double dof = unknown;  ///< degrees of freedom of std_clustered
 };
+
+/// Standard deviations and their degrees of freedom for errors that images share.
+struct ClusteredVector {
+  vec3 std = vec3(unknown, unknown, unknown);
+  vec3 dof = vec3(unknown, unknown, unknown);
+};
+
+/// How sure the parameters that all images share are where errors are dependent: in any way within an image and within blocks of images that
+/// follow each other by number, and between images at the same corner of the board.
+///   source   docs/decisions/clustered_uncertainty.md
+struct ClusteredUncertainty {
+  int images = 0;          ///< groups of the first way
+  int board_points = 0;    ///< groups of the second way; 0: there are too few, and images alone count
+  int block_length = 1;    ///< images that are taken together
+  int blocks = 0;          ///< of so many images
+  bool levels_off = true;  ///< otherwise errors are shared for longer than the longest blocks
+  /// Factor of the standard deviations by which they exceed those of the longest blocks, where these do not level off; 1 where they
+  /// do, and where there are too few images to say, and they are too small.
+  double extrapolation = 1;
+  /// Root mean square, over all directions of the parameters, of the clustered standard deviation over the stated one: by images, by blocks
+  /// of them, and by blocks and points of the board.
+  double ratio_by_image = unknown, ratio_by_block = unknown, ratio = unknown;
+  /// Covariance of the parameters of the cameras, with the pose left2camera (translation, rotation) after those of each but the first
+  /// one, then of the IMU's rotation, acc_bias and gravity; row by row.
+  std::vector<double> covariance;
+
+  /// With fewer images, projection uncertainty, halves and verdict stay with the stated standard deviations.
+  static constexpr int fewest_images = 10;
+  bool isReliable() const { return images >= fewest_images; }
+};
+
+/// What limits these numbers, a sentence each: few images, errors that are shared for longer than can be seen, ...
+std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered);
 
 struct CameraResult {
   std::string name, file, model;  ///< file: CameraData::file; model: Model::name
@@ -32,6 +68,7 @@ struct CameraResult {
   vec3 rotation_std = vec3(unknown, unknown, unknown);     ///< about the axes of the reference camera [rad]
   vec3 rotation_vector_std =
       vec3(unknown, unknown, unknown);  ///< standard deviations of the components of log(rotation) [rad]
+  ClusteredVector translation_clustered, rotation_clustered, rotation_vector_clustered;
   std::size_t images = 0, corners = 0;
   double rms_px = 0;               ///< sqrt(sum of squared corner distances / corners)
   double rms_px_single = unknown;  ///< RMS of the fit of this camera without the others, where it converged
@@ -39,6 +76,7 @@ struct CameraResult {
   int board_symmetry = 1;           ///< CameraData::board_symmetry
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
   std::vector<Copy> copies;         ///< views that repeat others
+  std::vector<Exclusion> excluded;  ///< CameraData::excluded
 
   /// The pixel of a point in this camera's frame [m]; NaN where it has none.
   vec2 project(const vec3& point) const;
@@ -60,10 +98,13 @@ struct ImuResult {
   vec3 rotation_std = vec3(unknown, unknown, unknown);  ///< about the axes of the reference camera [rad]
   vec3 rotation_vector_std =
       vec3(unknown, unknown, unknown);  ///< standard deviations of the components of log(rotation) [rad]
-  vec3 acc_bias;                        ///< [m/s^2]
+  ClusteredVector rotation_clustered, rotation_vector_clustered;
+  vec3 acc_bias;  ///< [m/s^2]
   vec3 acc_bias_std = vec3(unknown, unknown, unknown);
+  ClusteredVector acc_bias_clustered;
   double gravity = 0, gravity_std = unknown;  ///< with sign [m/s^2]
-  double rms_acc = 0;                         ///< sqrt(sum of squared differences / readings) [m/s^2]
+  double gravity_std_clustered = unknown, gravity_dof = unknown;
+  double rms_acc = 0;  ///< sqrt(sum of squared differences / readings) [m/s^2]
   bool acc_bias_is_fixed = false, gravity_is_fixed = false;
   ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
   double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
@@ -89,6 +130,17 @@ struct ImageResult {
   double chi2PerMeasurement() const { return chi2 / measurements; }
 };
 
+/// A corner that the others contradict. The fit follows a corner with a large leverage, at the border of the image, so that its residual is
+/// small; what counts is where the fit without it puts it.
+struct GrossCorner {
+  std::size_t camera = 0;
+  int image = 0, number = 0, line = 0;
+  double error_px = 0;          ///< its residual
+  double error_without_px = 0;  ///< the same of the fit without it, to first order
+  double studentised = 0;  ///< residual over its own standard deviation, of the noise that most corners show
+  std::string place{};     ///< CameraData::place
+};
+
 /// A view that the start values of the rig, the consensus of all common images, do not fit.
 struct Stray {
   std::string camera;
@@ -110,7 +162,11 @@ struct Result {
   std::string undetermined;                 ///< empty, or why there are no standard deviations
   std::vector<CameraResult> cameras;
   std::optional<ImuResult> imu;
+  std::optional<ClusteredUncertainty> clustered;  ///< of a calibration that succeeded, from two images on
   std::vector<Stray> strays;
+  /// Corners that the fit does without (Settings::robust), and where it puts them; the worst first.
+  std::vector<GrossCorner> rejected;
+  std::vector<GrossCorner> gross;        ///< of a calibration that succeeded, the worst first
   std::vector<ImageResult> images;       ///< by rising number
   std::optional<Comparison> comparison;  ///< where it was asked for
   std::optional<Quality> quality;        ///< where it was asked for

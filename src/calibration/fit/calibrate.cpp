@@ -1,11 +1,16 @@
 #include "slom/calibration/calibrate.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/quality/clustered.hpp"
 
 namespace slom::calibration {
 
@@ -13,6 +18,53 @@ std::string sentenceOf(const slom::Error& error) {
   const bool names_unknown = error.id() == "slom.rank-deficient" && !error.subject().empty();
   return names_unknown ? "the measurements do not determine " + error.subject() : std::string(error.fault());
 }
+
+namespace {
+
+/// Residuals of the rejected corners, of which the fit knows nothing.
+void predictRejected(const Dataset& data, Result& result) {
+  for (GrossCorner& corner : result.rejected) {
+    const CameraResult& camera = result.cameras[corner.camera];
+    const View* const view = data.cameras[corner.camera].find(corner.image);
+    const auto image = std::find_if(result.images.begin(), result.images.end(),
+                                    [&](const ImageResult& one) { return one.image == corner.image; });
+    const auto found = std::find_if(view->corners.begin(), view->corners.end(),
+                                    [&](const Corner& one) { return one.number == corner.number; });
+    const vec3 in_left = image->left2world.inverse() * found->world;
+    corner.error_px = corner.error_without_px =
+        (camera.project(camera.left2camera * in_left) - found->pixel).norm();
+  }
+  std::stable_sort(
+      result.rejected.begin(), result.rejected.end(),
+      [](const GrossCorner& a, const GrossCorner& b) { return a.error_without_px > b.error_without_px; });
+}
+
+/// Fits again without the worst gross corners, as long as there are some. Images that contradict each other are another matter.
+Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result result) {
+  constexpr int most_rounds = 10;
+  for (int round = 0; round < most_rounds && result.success() && result.strays.empty(); ++round) {
+    const std::vector<GrossCorner> worst = rejectable(data, result);
+    if (worst.empty() || !reasonToEnd(settings.limits).empty()) break;
+    Result next = result;
+    next.rejected.insert(next.rejected.end(), worst.begin(), worst.end());
+    const std::vector<GrossCorner> rejected = next.rejected;
+    const Dataset rest = withoutRejected(data, next);
+    const auto& model = settings.model.definition();
+    next = data.imu ? model.calibrate(rest, settings, {}) : model.calibrate_from(result, rest, settings);
+    if (!next.success()) break;  // the values with all corners are better than none
+    addClustered(rest, next);
+    next.rejected = rejected;
+    next.strays = result.strays;
+    next.sigma_denominator = result.sigma_denominator;
+    for (std::size_t c = 0; c < next.cameras.size(); ++c)
+      next.cameras[c].rms_px_single = result.cameras[c].rms_px_single;
+    result = std::move(next);
+  }
+  predictRejected(data, result);
+  return result;
+}
+
+}  // namespace
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkSettings(data, settings);
@@ -26,12 +78,18 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
       progress.single_camera(report);
     };
   }
-  return settings.model.definition().calibrate(*sorted, started(settings), of_caller);
+  const Settings from_now = started(settings);
+  Result result = settings.model.definition().calibrate(*sorted, from_now, of_caller);
+  addClustered(*sorted, result);
+  return settings.robust == Robust::reject ? withoutGrossCorners(*sorted, from_now, std::move(result))
+                                           : result;
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
   checkConnected(data);
-  return settings.model.definition().calibrate_from(start, data, settings);
+  Result result = settings.model.definition().calibrate_from(start, data, settings);
+  addClustered(data, result);
+  return result;
 }
 
 }  // namespace slom::calibration

@@ -161,6 +161,7 @@ CameraResult RigProblem<Camera>::cameraResult(std::size_t index) const {
   result.image_size = data.image_size;
   result.unused = data.unused;
   result.copies = data.copies;
+  result.excluded = data.excluded;
   result.board_symmetry = data.board_symmetry;
   result.model = Camera::model_name;
   for (int i = 0; i < Camera::DOF; ++i) {

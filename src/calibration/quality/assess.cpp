@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/quality/clustered.hpp"
 #include "calibration/quality/correlations.hpp"
 #include "calibration/quality/next_best_view.hpp"
 #include "calibration/quality/projection.hpp"
@@ -47,15 +49,17 @@ class Clock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void addProjection(const FittedRig& rig, const Posterior& posterior, double board_distance_m,
-                   const Settings& settings, std::vector<CameraQuality>& cameras) {
+void addProjection(const FittedRig& rig, const Posterior& posterior, const Posterior& stated,
+                   double board_distance_m, const Settings& settings, std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     requireTime(settings.limits);
     CameraQuality& camera = cameras[c];
     const CameraPosterior known(rig, posterior, c);
     const double infinity = std::numeric_limits<double>::infinity();
-    camera.projection =
-        known.maps(camera.grid, raysOf(*rig.lenses[c], camera.grid), {board_distance_m, infinity});
+    const auto rays = raysOf(*rig.lenses[c], camera.grid);
+    camera.projection = known.maps(camera.grid, rays, {board_distance_m, infinity});
+    camera.projection_stated =
+        CameraPosterior(rig, stated, c).maps(camera.grid, rays, {board_distance_m, infinity});
     ImageGrid coarse = camera.grid;
     coarse.columns = 9, coarse.rows = 7;
     constexpr int distances = 25;  // from a third of the boards' distance to far behind them
@@ -69,6 +73,19 @@ void addProjection(const FittedRig& rig, const Posterior& posterior, double boar
   }
 }
 
+/// Further images as good as those that are there would bring as large a part of the clustered uncertainty as of the stated one.
+void scaleToClustered(Quality& quality) {
+  const auto worst = [&](std::vector<ProjectionUncertainty> CameraQuality::*maps) {
+    double most = 0;
+    for (const CameraQuality& camera : quality.cameras)
+      most = std::fmax(most, (camera.*maps).front().worst_px);
+    return most;
+  };
+  const double factor = worst(&CameraQuality::projection) / worst(&CameraQuality::projection_stated);
+  if (!std::isfinite(factor)) return;
+  for (FurtherView& view : quality.further_views) view.before_px *= factor, view.after_px *= factor;
+}
+
 /// What is to be expected of a calibration that succeeded. WorkEnded when there is no time left for all of it.
 void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
                      const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
@@ -80,11 +97,14 @@ void addExpectations(const Dataset& data, const Settings& settings, const Result
     information.add(informationOf(rig, observation));
   }
   information.addPrior(rig);
-  const Posterior posterior(information);
+  const Posterior stated(information);
+  quality.is_clustered = result.clustered && result.clustered->isReliable();
+  const Posterior posterior =
+      quality.is_clustered ? Posterior(information, covarianceOf(*result.clustered)) : stated;
   quality.board_distance_m = boardDistance(observations, rig);
-  quality.correlations = correlationsOf(rig.columns, posterior.covarianceOfShared());
+  quality.correlations = correlationsOf(rig.columns, stated.covarianceOfShared());
   clock.record("covariance");
-  addProjection(rig, posterior, quality.board_distance_m, settings, quality.cameras);
+  addProjection(rig, posterior, stated, quality.board_distance_m, settings, quality.cameras);
   clock.record("projection");
   quality.split_half = splitHalf(data, settings, result, grids);
   clock.record("split_half");
@@ -92,6 +112,7 @@ void addExpectations(const Dataset& data, const Settings& settings, const Result
   options.board_distance_m = quality.board_distance_m;
   options.limits = settings.limits;
   quality.further_views = furtherViews(rig, information, fullestView(data), grids, options);
+  if (quality.is_clustered) scaleToClustered(quality);
   clock.record("further_views");
 }
 
@@ -144,10 +165,11 @@ Quality assessSorted(const Dataset& data, const Settings& settings, const Result
 
 }  // namespace
 
-Quality assess(const Dataset& data, const Settings& settings, const Result& result) {
-  checkSettings(data, settings);
-  requireWellFormed(data);
-  checkImuImages(data);
+Quality assess(const Dataset& all, const Settings& settings, const Result& result) {
+  checkSettings(all, settings);
+  requireWellFormed(all);
+  checkImuImages(all);
+  const Dataset data = withoutRejected(all, result);
   requireResultOf(data, settings, result);
   return assessSorted(*SortedDataset(data), settings, result);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "calibration/cross_matrix.hpp"
@@ -63,19 +64,23 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& observat
   H.bottomRows<6>().middleCols<6>(left2camera) += by_pose;
 }
 
-/// Likewise for a reading: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z
+/// Likewise for a reading.
 void addReading(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
-  const Eigen::Matrix3d left2world = observation.left2world.orient.toRotationMatrix();
-  const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
-  const Eigen::Vector3d in_left = imu2left * (*observation.acc - rig.imu->acc_bias);
-  Eigen::Matrix<double, 3, 7> by_imu;
-  by_imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
-  Eigen::Matrix<double, 3, 6> by_pose;
-  by_pose << Eigen::Matrix3d::Zero(), -left2world * crossMatrix(in_left);
+  const auto [by_imu, by_pose] = differentiateReading(rig, observation);
   const double weight = 1 / (rig.sigma_acc * rig.sigma_acc);
   H.block<7, 7>(rig.columns.imu, rig.columns.imu) += weight * by_imu.transpose() * by_imu;
   H.bottomRows<6>().middleCols<7>(rig.columns.imu) += weight * by_pose.transpose() * by_imu;
   H.bottomRightCorner<6, 6>() += weight * by_pose.transpose() * by_pose;
+}
+
+/// Adds up H of one image; of its pose, the part that corners make.
+Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
+  for (std::size_t c = 0; c < observation.points.size(); ++c) {
+    if (!observation.points[c].empty()) addCorners(rig, c, observation, H);
+  }
+  const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
+  if (observation.acc) addReading(rig, observation, H);
+  return from_corners;
 }
 
 }  // namespace
@@ -91,6 +96,26 @@ FittedRig::FittedRig(const Result& result)
     left2camera.push_back(camera.left2camera);
   }
   for (const ImageResult& image : result.images) left2world[image.image] = image.left2world;
+}
+
+ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& observation) {
+  const Eigen::Matrix3d left2world = observation.left2world.orient.toRotationMatrix();
+  const Eigen::Matrix3d imu2left = rig.imu->left2imu.toRotationMatrix().transpose();
+  const Eigen::Vector3d in_left = imu2left * (*observation.acc - rig.imu->acc_bias);
+  ReadingJacobian J;
+  J.by_imu << left2world * crossMatrix(in_left), -left2world * imu2left, Eigen::Vector3d(0, 0, -1);
+  J.by_pose << Eigen::Matrix3d::Zero(), -left2world * crossMatrix(in_left);
+  return J;
+}
+
+ImageEquations equationsOf(const FittedRig& rig, const Observation& observation) {
+  const int n = rig.columns.size;
+  ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}, {}};
+  addEquations(rig, observation, all.H);
+  const Eigen::LDLT<Matrix6> pose(all.H.bottomRightCorner<6, 6>());
+  all.pose_by_shared = pose.solve(all.H.bottomRows<6>().leftCols(n));
+  all.pose_inverse = pose.solve(Matrix6::Identity());
+  return all;
 }
 
 Information::Information(const SharedColumns& columns) : free_(columns.free), all_(columns.size) {
@@ -128,11 +153,7 @@ Eigen::MatrixXd Information::covariance() const { return Posterior(*this).covari
 Information informationOf(const FittedRig& rig, const Observation& observation) {
   const int n = rig.columns.size;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n + 6, n + 6);
-  for (std::size_t c = 0; c < observation.points.size(); ++c) {
-    if (!observation.points[c].empty()) addCorners(rig, c, observation, H);
-  }
-  const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
-  if (observation.acc) addReading(rig, observation, H);
+  const Matrix6 from_corners = addEquations(rig, observation, H);
   const Eigen::LDLT<Matrix6> pose(H.bottomRightCorner<6, 6>());
   Matrix6 motion = Matrix6::Zero();  // P
   motion.topLeftCorner<3, 3>() = -observation.left2world.orient.toRotationMatrix();
@@ -161,6 +182,18 @@ Posterior::Posterior(const Information& information)
   noise_root_ = L.transpose() * inverse;
 }
 
+Posterior::Posterior(const Information& information, const Eigen::MatrixXd& covariance)
+    : Posterior(information) {
+  // In units of the stated deviations, so that the eigenvalues keep their digits.
+  const Eigen::MatrixXd own = covariance(free_, free_);
+  const Eigen::VectorXd scale = own.diagonal().cwiseMax(0).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * own *
+                                                             inverse.asDiagonal());
+  root_ =
+      scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+}
+
 Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
                                     const Eigen::MatrixXd& by_motion) const {
   const auto n = Eigen::Index(free_.size());
@@ -168,8 +201,12 @@ Eigen::MatrixXd Posterior::whitened(const Eigen::MatrixXd& by_shared,
   auto shared = w.topRows(n);
   shared.noalias() = motion_by_shared_.transpose() * by_motion.transpose();
   for (Eigen::Index i = 0; i < n; ++i) shared.row(i) += by_shared.col(free_[std::size_t(i)]).transpose();
-  shared = scale_.asDiagonal() * shared;
-  factor_.matrixL().solveInPlace(shared);
+  if (root_.size() > 0) {
+    shared = (root_.transpose() * shared).eval();
+  } else {
+    shared = scale_.asDiagonal() * shared;
+    factor_.matrixL().solveInPlace(shared);
+  }
   w.bottomRows<6>().noalias() = noise_root_ * by_motion.transpose();
   return w;
 }

@@ -61,6 +61,21 @@ struct Observation {
   std::optional<vec3> acc;
 };
 
+/// The normal equations of one image: by all shared parameters, and by its pose, which is eliminated.
+struct ImageEquations {
+  Eigen::MatrixXd H;                                        ///< lower triangle; the pose last
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
+  Matrix6 pose_inverse;                                     ///< H_ff^-1
+};
+ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);
+
+/// By what a reading changes: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z.
+struct ReadingJacobian {
+  Eigen::Matrix<double, 3, 7> by_imu;
+  Eigen::Matrix<double, 3, 6> by_pose;
+};
+ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& observation);
+
 /// The sums over images; of one image, its share.
 class Information {
  public:
@@ -90,6 +105,9 @@ Information informationOf(const FittedRig& rig, const Observation& observation);
 /// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
 struct Posterior {
   explicit Posterior(const Information& information);
+  /// With another covariance of all shared parameters, such as the clustered one; what the poses of the images leave open of the motion of the
+  /// frame stays as stated.
+  Posterior(const Information& information, const Eigen::MatrixXd& covariance);
   /// Columns w, of rows a (of all shared parameters) and e.
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const;
   /// 0 for those that are not estimated.
@@ -105,6 +123,8 @@ struct Posterior {
   Eigen::VectorXd
       scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
   Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd
+      root_;  // with another covariance, root_ root_^T is that of the free parameters; otherwise empty
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_shared_;  // G^-1 F
   Matrix6 noise_root_;                                         // its square is G^-1 N G^-1
 };

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -32,11 +34,12 @@ void requirePixelsOf(const Dataset& data, const Result& result) {
   if (!difference.empty()) refuseResult(difference);
 }
 
-Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
+Posterior posteriorOf(const Dataset& data, const Result& result, const FittedRig& rig) {
   Information information(rig.columns);
   for (const auto& [image, seen] : observationsOf(data, rig)) information.add(informationOf(rig, seen));
   information.addPrior(rig);
-  return Posterior(information);
+  const bool is_clustered = result.clustered && result.clustered->isReliable();
+  return is_clustered ? Posterior(information, covarianceOf(*result.clustered)) : Posterior(information);
 }
 
 [[noreturn]] void refuseQuestion(const char* subject, const std::string& sentence) {
@@ -49,7 +52,7 @@ double PixelCovariance::largestStd() const { return calibration::largestStd(uu, 
 
 struct PixelUncertainty::Implementation {
   explicit Implementation(const Dataset& data, const Result& result) : rig(result) {
-    const Posterior posterior = posteriorOf(data, rig);
+    const Posterior posterior = posteriorOf(data, result, rig);
     for (std::size_t c = 0; c < rig.lenses.size(); ++c) cameras.emplace_back(rig, posterior, c);
   }
 
@@ -57,9 +60,10 @@ struct PixelUncertainty::Implementation {
   std::vector<CameraPosterior> cameras;  // which point into the rig
 };
 
-PixelUncertainty::PixelUncertainty(const Dataset& data, const Result& result) {
-  requireWellFormed(data);
-  checkImuImages(data);
+PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {
+  requireWellFormed(all);
+  checkImuImages(all);
+  const Dataset data = withoutRejected(all, result);
   requirePixelsOf(data, result);
   impl_ = std::make_shared<const Implementation>(data, result);
 }

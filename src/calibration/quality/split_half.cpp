@@ -9,6 +9,7 @@
 #include "calibration/cross_matrix.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -118,6 +119,12 @@ void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen
   result.probability = probabilityOf(result.chi2, result.dof);
 }
 
+/// The mean of the clustered covariance, which with few blocks of images has directions without variance, and the stated one, scaled to as
+/// much on the whole.
+Eigen::MatrixXd wellConditioned(const ClusteredUncertainty& clustered, const Eigen::MatrixXd& stated) {
+  return (covarianceOf(clustered) + clustered.ratio * clustered.ratio * stated) / 2;
+}
+
 SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const ImageGrid& grid,
                         const Eigen::MatrixXd& covariance) {
   const Lens& first = *a.rig.lenses[c];
@@ -190,11 +197,17 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
     }
     halves.push_back(std::make_unique<Half>(results.back(), part));
   }
+  const bool is_clustered = std::all_of(results.begin(), results.end(), [](const Result& half) {
+    return half.clustered && half.clustered->isReliable();
+  });
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
-    for (const auto& half : halves)
-      covariance += half->posterior.covarianceOfShared().block(first, first, n, n);
+    for (std::size_t h = 0; h < halves.size(); ++h) {
+      const Eigen::MatrixXd stated = halves[h]->posterior.covarianceOfShared();
+      covariance +=
+          (is_clustered ? wellConditioned(*results[h].clustered, stated) : stated).block(first, first, n, n);
+    }
     result.cameras.push_back(compare(*halves[0], *halves[1], c, grids[c], covariance));
     compareParameters(results[0].cameras[c], results[1].cameras[c], covariance, result.cameras.back());
   }

@@ -17,6 +17,7 @@ constexpr double too_noisy = 1.5;  // corners: observed over stated sigma
 constexpr double halves_disagree = 1e-3;  // probability
 constexpr double halves_differ = 1.5;     // over what noise gives
 constexpr double worst_bearable_px = 3;
+constexpr double much_more_than_stated = 2;  // clustered over stated standard deviations
 
 double medianChi2(const Result& result) {
   std::vector<double> all;
@@ -57,14 +58,35 @@ void doubtCorners(const Result& result, std::vector<std::string>& doubts) {
   }
 }
 
+void doubtLeverage(const Result& result, std::vector<std::string>& doubts) {
+  constexpr double hidden = 1.5;  // error without the corner over its residual
+  int count = 0;
+  for (const GrossCorner& corner : result.gross) {
+    if (!(corner.error_without_px > hidden * corner.error_px)) continue;
+    if (++count > 3) return;
+    doubts.push_back(fmt::format(
+        "corner {} of image {} of {} draws the fit to itself: without it, it is {} px off", corner.number,
+        corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
+  }
+}
+
 void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
   const double observed = std::sqrt(result.chi2PerDof());
   if (!(observed > too_noisy)) return;
-  doubts.push_back(
-      fmt::format("the residuals are {} times what the stated sigmas allow, so all uncertainties here "
-                  "are too small by "
-                  "about that factor",
-                  fixedDecimals(observed, 1)));
+  doubts.push_back(fmt::format(
+      "the residuals are {} times what the stated sigmas allow, so all {} are too small by about that factor",
+      fixedDecimals(observed, 1),
+      result.quality->is_clustered ? "stated uncertainties" : "uncertainties here"));
+}
+
+void doubtIndependence(const Result& result, std::vector<std::string>& doubts) {
+  if (!result.quality->is_clustered || result.clustered->levels_off ||
+      !(result.clustered->ratio > much_more_than_stated))
+    return;
+  doubts.push_back(fmt::format(
+      "errors last over many images, as by a drift or a model that is too simple, so that all uncertainties are rough, and {} "
+      "times the stated ones",
+      fixedDecimals(result.clustered->ratio, 1)));
 }
 
 void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
@@ -199,8 +221,10 @@ Verdict verdictOf(const Result& result) {
   doubtCompleteness(*result.quality, verdict.doubts);
   doubtImages(result, verdict.doubts);
   doubtCorners(result, verdict.doubts);
+  doubtLeverage(result, verdict.doubts);
   doubtHalves(result, verdict.doubts);
   doubtNoise(result, verdict.doubts);
+  doubtIndependence(result, verdict.doubts);
   doubtProjection(result, verdict.doubts);
   verdict.level = verdict.doubts.empty() ? Verdict::Level::trustworthy : Verdict::Level::doubtful;
   verdict.sentence = fmt::format("Calibrated to {} px with {}", fixedDecimals(rmsOfAll(result), 2),

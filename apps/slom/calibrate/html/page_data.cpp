@@ -40,15 +40,17 @@ Json threeDigits(const std::vector<double>& numbers) {
   return list;
 }
 
-/// name, value, standard deviation, unit: as text, with as many digits as are worth printing.
-Json row(const std::string& name, double value, double std, const std::string& unit) {
+/// name, value, stated and clustered standard deviation, unit: as text, with as many digits as are worth printing.
+Json row(const std::string& name, double value, double std, double clustered, const std::string& unit) {
   const ValueText text = withStd(value, std);
-  return {name, text.value, text.std, unit};
+  const std::string second = std > 0 && !std::isnan(clustered) ? withStd(value, clustered).std : "";
+  return {name, text.value, text.std, second, unit};
 }
 
-void addVector(Json& rows, const std::string& name, const vec3& value, const vec3& std,
+void addVector(Json& rows, const std::string& name, const vec3& value, const vec3& std, const vec3& clustered,
                const std::string& unit) {
-  for (int i = 0; i < 3; ++i) rows.push_back(row(name + "." + "xyz"[i], value[i], std[i], unit));
+  for (int i = 0; i < 3; ++i)
+    rows.push_back(row(name + "." + "xyz"[i], value[i], std[i], clustered[i], unit));
 }
 
 Json pose(const SE3& T) {
@@ -114,16 +116,19 @@ Json splitHalf(const SplitHalfCamera& camera) {
 Json parameters(const CameraResult& camera) {
   Json rows = Json::array();
   for (const Parameter& p : camera.parameters) {
-    rows.push_back(row(p.name, p.value, p.std, p.name[0] == 'f' || p.name[0] == 'c' ? "px" : ""));
+    rows.push_back(
+        row(p.name, p.value, p.std, p.std_clustered, p.name[0] == 'f' || p.name[0] == 'c' ? "px" : ""));
   }
   return rows;
 }
 
 Json placement(const CameraResult& camera) {
   Json rows = Json::array();
-  addVector(rows, "translation", camera.left2camera.pos, camera.translation_std, "m");
+  addVector(rows, "translation", camera.left2camera.pos, camera.translation_std,
+            camera.translation_clustered.std, "m");
   addVector(rows, "rotation", vec3(SO3::log(camera.left2camera.orient) * degrees),
-            vec3(camera.rotation_vector_std * degrees), "deg");
+            vec3(camera.rotation_vector_std * degrees), vec3(camera.rotation_vector_clustered.std * degrees),
+            "deg");
   return rows;
 }
 
@@ -160,10 +165,10 @@ Json cameraJson(const Result& result, std::size_t c) {
 
 Json imuJson(const ImuResult& imu) {
   Json rows = Json::array();
-  addVector(rows, "acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s²");
-  rows.push_back(row("gravity", imu.gravity, imu.gravity_std, "m/s²"));
+  addVector(rows, "acc_bias", imu.acc_bias, imu.acc_bias_std, imu.acc_bias_clustered.std, "m/s²");
+  rows.push_back(row("gravity", imu.gravity, imu.gravity_std, imu.gravity_std_clustered, "m/s²"));
   addVector(rows, "rotation", vec3(SO3::log(imu.left2imu) * degrees), vec3(imu.rotation_vector_std * degrees),
-            "deg");
+            vec3(imu.rotation_vector_clustered.std * degrees), "deg");
   return {{"readings", imu.readings},
           {"rms", imu.rms_acc},
           {"parameters", rows},
@@ -256,6 +261,7 @@ std::string pageData(const Dataset& data, const Result& result) {
         {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
        {"success", result.success()},
        {"is_assessed", result.success() && quality.hasProjection()},
+       {"is_clustered", quality.is_clustered},
        {"cut_short", quality.cut_short},
        {"notes", notes(result)},
        {"iterations", result.iterations},

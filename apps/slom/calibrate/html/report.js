@@ -48,7 +48,7 @@ function head() {
 }
 
 function parameters() {
-  const header = ["", "value", "std. dev.", "unit"], row = el("div", {class: "row"});
+  const header = ["", "value", "stated", "clustered", "unit"], row = el("div", {class: "row"});
   const reference = data.cameras[0].name;
   for (const camera of data.cameras) {
     const card = el("div", {}, el("h3", {}, `Camera ${camera.name}, ${camera.model}`),
@@ -63,8 +63,9 @@ function parameters() {
       table(`Bias and gravity; rotation from ${reference} to the IMU`, header, data.imu.parameters)));
   }
   section("parameters", "Parameters",
-    el("p", {class: "quiet"}, data.success ? `Standard deviations follow from the stated noise of corners, ${number(data.sigma_px)} px in u and in v` +
-      (data.imu ? `, and of readings, ${number(data.sigma_acc)} m/s².` : ".") : "The fit failed: these values are where it ended, not a calibration."),
+    el("p", {class: "quiet"}, data.success ? `Stated standard deviations follow from the stated noise of corners, which counts as independent, ${number(data.sigma_px)} px in u and in v` +
+      (data.imu ? `, and of readings, ${number(data.sigma_acc)} m/s².` : ".") +
+      " Clustered ones allow for errors that are shared within an image, by images that follow each other, and at a corner of the board; where they are larger, trust these." : "The fit failed: these values are where it ended, not a calibration."),
     row, data.notes.length ? el("div", {}, el("h3", {}, "Notes"), el("ul", {}, ...data.notes.map(note => el("li", {}, note)))) : null);
 }
 
@@ -208,7 +209,7 @@ function method() {
     `${data.measurements} measurements, ${data.unknowns} unknowns, redundancy ${data.redundancy}; the fit ended after ${plural(data.iterations, "iteration")}: ${data.stop_reason}. ` +
     `The statistics of this page took ${total < 0.01 ? "less than 0.01" : number(total)} s.`),
   el("p", {}, "Projection uncertainty is what ", el("a", {href: "https://mrcal.secretsauce.net/uncertainty.html"}, "mrcal"),
-    " calls so, with the motion between two calibrations found by cross-reprojection of the boards. It and the gain of further views hold to first order and for the stated noise; they know nothing of a model that does not fit. That is what residuals and cross-validation are for."));
+    " calls so, with the motion between two calibrations found by cross-reprojection of the boards. It and the gain of further views hold to first order and for " + (data.is_clustered ? "errors that images share, as clustered standard deviations" : "the stated noise") + "; they know nothing of a model that does not fit. That is what residuals and cross-validation are for."));
 }
 
 head();

@@ -1,5 +1,6 @@
 #include "calibrate/output/json.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -25,6 +26,27 @@ Json rowMajor(const SO3& R) {
 
 Json poseJson(const SE3& T) { return {{"rotation", rowMajor(T.orient)}, {"translation", list(T.pos)}}; }
 
+Json clusteredJson(const ClusteredUncertainty& clustered) {
+  const std::size_t n = std::size_t(std::lround(std::sqrt(double(clustered.covariance.size()))));
+  Json covariance = Json::array();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto row = clustered.covariance.begin() + std::ptrdiff_t(i * n);
+    covariance.push_back(std::vector<double>(row, row + std::ptrdiff_t(n)));
+  }
+  return {{"images", clustered.images},
+          {"board_points", clustered.board_points},
+          {"block_length", clustered.block_length},
+          {"blocks", clustered.blocks},
+          {"levels_off", clustered.levels_off},
+          {"extrapolation", clustered.extrapolation},
+          {"ratio_by_image", clustered.ratio_by_image},
+          {"ratio_by_block", clustered.ratio_by_block},
+          {"ratio", clustered.ratio},
+          {"is_reliable", clustered.isReliable()},
+          {"notes", sentencesOf(clustered)},
+          {"covariance", std::move(covariance)}};
+}
+
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
   Json unused = Json::array();
@@ -41,11 +63,21 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
                       {"equal_corners", copy.equal_corners},
                       {"difference_px", copy.difference_px}});
   }
-  for (const Parameter& p : camera.parameters) parameters[p.name] = {{"value", p.value}, {"std", p.std}};
+  Json excluded = Json::array();
+  for (const Exclusion& one : camera.excluded)
+    excluded.push_back({{"image", one.image}, {"corner", one.corner ? Json(*one.corner) : Json()}});
+  for (const Parameter& p : camera.parameters) {
+    parameters[p.name] = {
+        {"value", p.value}, {"std", p.std}, {"std_clustered", p.std_clustered}, {"dof", p.dof}};
+  }
   Json from_reference = poseJson(camera.left2camera);
   Eigen::VectorXd std(6);
   std << camera.translation_std, camera.rotation_std;
   from_reference["std"] = list(std);
+  std << camera.translation_clustered.std, camera.rotation_clustered.std;
+  from_reference["std_clustered"] = list(std);
+  std << camera.translation_clustered.dof, camera.rotation_clustered.dof;
+  from_reference["dof"] = list(std);
   return {
       {"model", camera.model},
       {"file", camera.file},
@@ -54,6 +86,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"image_size", camera.image_size ? Json{camera.image_size->width, camera.image_size->height} : Json()},
       {"unused", std::move(unused)},
       {"copies", std::move(copies)},
+      {"excluded", std::move(excluded)},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
       {"rms_px_alone", camera.rms_px_single}};
@@ -68,11 +101,17 @@ Json imuJson(const ImuResult& imu, const std::string& reference) {
           {"readings", imu.readings},
           {"rotation_from_" + reference, rowMajor(imu.left2imu)},
           {"std", list(imu.rotation_std)},
+          {"std_clustered", list(imu.rotation_clustered.std)},
+          {"dof", list(imu.rotation_clustered.dof)},
           {"acc_bias", list(imu.acc_bias)},
           {"acc_bias_std", list(imu.acc_bias_std)},
+          {"acc_bias_std_clustered", list(imu.acc_bias_clustered.std)},
+          {"acc_bias_dof", list(imu.acc_bias_clustered.dof)},
           {"acc_bias_fixed", imu.acc_bias_is_fixed},
           {"gravity", imu.gravity},
           {"gravity_std", imu.gravity_std},
+          {"gravity_std_clustered", imu.gravity_std_clustered},
+          {"gravity_dof", imu.gravity_dof},
           {"gravity_fixed", imu.gravity_is_fixed},
           {"largest_std", precision(imu.precision)},
           {"largest_std_if_gravity_fixed", precision(imu.if_gravity_fixed)},
@@ -99,6 +138,20 @@ Json imageJson(const ImageResult& image, const std::vector<CameraResult>& camera
                {cameras.front().name + "2world", poseJson(image.left2world)}};
   json["acc_error"] = image.acc_error ? Json(*image.acc_error) : Json();
   return json;
+}
+
+Json grossJson(const Result& result, const std::vector<GrossCorner>& corners) {
+  Json list = Json::array();
+  for (const GrossCorner& corner : corners) {
+    list.push_back({{"camera", result.cameras[corner.camera].name},
+                    {"image", corner.image},
+                    {"corner", corner.number},
+                    {"line", corner.line > 0 ? Json(corner.line) : Json()},
+                    {"error_px", corner.error_px},
+                    {"error_without_px", corner.error_without_px},
+                    {"studentised", corner.studentised}});
+  }
+  return list;
 }
 
 Json comparisonJson(const Comparison& comparison) {
@@ -152,9 +205,12 @@ std::string toJson(const Result& result) {
                      {"reference", reference},
                      {"cameras", std::move(cameras)},
                      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
+                     {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
                      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
                      {"worst_images", std::move(worst)},
                      {"strays", std::move(strays)},
+                     {"rejected_corners", grossJson(result, result.rejected)},
+                     {"gross_corners", grossJson(result, result.gross)},
                      {"notes", notes(result)},
                      {"images", std::move(images)},
                      {"quality", result.quality ? qualityJson(result) : Json()}};

@@ -88,7 +88,7 @@ void noteSigma(const char* what, const char* option, double stated, double squar
   const bool larger = observed > stated;
   notes.push_back(
       fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
-                  "standard deviations above are those of the stated sigmas.",
+                  "stated standard deviations are those of the stated sigmas.",
                   what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
                   stated, option, twoDigits(observed),
                   larger ? ", unless the model is too simple or the worst images are wrong" : ""));
@@ -147,10 +147,50 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
     notes.push_back(fmt::format(
         "Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst "
         "corners of "
-        "most images are off by {:.1f} px. It was found wrongly: correct or remove it, or the image.",
+        "most images are off by {:.1f} px. It was found wrongly: correct it, or leave it out by --exclude "
+        "{}{}:{}.",
         corner.number, image.image, result.cameras[corner.camera].name, oneLine(corner.place),
-        corner.error_px, *middle));
+        corner.error_px, *middle, result.cameras.size() > 1 ? result.cameras[corner.camera].name + "." : "",
+        image.image, corner.number));
   }
+}
+
+/// Corners that the fit does without.
+void noteRejected(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 5;  // named one by one
+  if (result.rejected.empty()) return;
+  std::vector<std::string> named;
+  for (const GrossCorner& corner : result.rejected) {
+    if (named.size() == most) break;
+    named.push_back(fmt::format("corner {} of image {} of camera {} ({}) by {:.1f} px", corner.number,
+                                corner.image, result.cameras[corner.camera].name, oneLine(corner.place),
+                                corner.error_without_px));
+  }
+  const std::size_t more = result.rejected.size() - named.size();
+  notes.push_back(fmt::format(
+      "{} left out of the fit, as the others contradict {}: {}{}. --robust none keeps {}.",
+      result.rejected.size() == 1 ? "One corner was" : fmt::format("{} corners were", result.rejected.size()),
+      result.rejected.size() == 1 ? "it" : "them", fmt::join(named, ", "),
+      more > 0 ? fmt::format(", and {} more", more) : "", result.rejected.size() == 1 ? "it" : "them"));
+}
+
+/// Corners that the fit follows, so that their residuals do not show how wrong they are.
+void noteLeverage(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 5;  // named one by one
+  constexpr double hidden = 1.5;   // error without the corner over its residual
+  std::size_t count = 0;
+  for (const GrossCorner& corner : result.gross) {
+    if (!(corner.error_without_px > hidden * corner.error_px) || ++count > most) continue;
+    const std::string& camera = result.cameras[corner.camera].name;
+    notes.push_back(fmt::format(
+        "Corner {0} of image {1} of camera {2} ({3}) draws the fit to itself: with it, it lies {4:.1f} px off, without it {5:.1f} px. "
+        "Look at it, or leave it out by --exclude {6}{1}:{0}.",
+        corner.number, corner.image, camera, oneLine(corner.place), corner.error_px, corner.error_without_px,
+        result.cameras.size() > 1 ? camera + "." : ""));
+  }
+  if (count > most)
+    notes.push_back(
+        fmt::format("{} more corners draw the fit to themselves; the JSON lists them.", count - most));
 }
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
@@ -191,6 +231,26 @@ void noteGravity(const Result& result, std::vector<std::string>& notes) {
                   imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
 
+/// By how much errors that images share make the clustered standard deviations larger, and what limits them.
+void noteClustered(const Result& result, std::vector<std::string>& notes) {
+  constexpr double worth_a_note = 1.5;
+  if (!result.clustered) return;
+  const ClusteredUncertainty& clustered = *result.clustered;
+  if (clustered.isReliable() && clustered.ratio > worth_a_note) {
+    notes.push_back(fmt::format(
+        "Errors are not independent: over all parameters the clustered standard deviations are {} times the stated ones. Errors that "
+        "the corners of an image share account for a factor of {}{}{}. Trust the clustered ones.",
+        fixedDecimals(clustered.ratio, 1), fixedDecimals(clustered.ratio_by_image, 1),
+        clustered.block_length > 1 ? fmt::format(", with those that successive images share {}",
+                                                 fixedDecimals(clustered.ratio_by_block, 1))
+                                   : "",
+        clustered.board_points > 0 ? fmt::format(", with those at the same corner of the board {}",
+                                                 fixedDecimals(clustered.ratio, 1))
+                                   : ""));
+  }
+  for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
+}
+
 }  // namespace
 
 std::vector<std::string> notes(const Result& result) {
@@ -200,9 +260,12 @@ std::vector<std::string> notes(const Result& result) {
   noteCopies(result, notes);
   noteDenominator(result, notes);
   noteStrays(result, notes);
+  noteRejected(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
+  if (result.strays.empty()) noteLeverage(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
+  noteClustered(result, notes);
   noteGravity(result, notes);
   return notes;
 }

@@ -21,11 +21,14 @@ Json cameraJson(const CameraQuality& camera) {
   const ImageBox& box = camera.grid.box;
   Json projection = Json::array();
   for (const ProjectionUncertainty& map : camera.projection) projection.push_back(projectionJson(map));
+  Json stated = Json::array();
+  for (const ProjectionUncertainty& map : camera.projection_stated) stated.push_back(projectionJson(map));
   return {
       {"image_size", {box.width, box.height}},
       {"image_size_is_assumed", box.is_assumed},
       {"grid", {{"columns", camera.grid.columns}, {"rows", camera.grid.rows}}},
       {"projection", std::move(projection)},
+      {"projection_stated", std::move(stated)},
       {"by_distance",
        {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
 }
@@ -105,6 +108,7 @@ Json qualityJson(const Result& result) {
       {"seconds", std::move(seconds)},
       {"cut_short", quality.cut_short.empty() ? Json() : Json(quality.cut_short)}};
   if (!result.success() || !quality.hasProjection()) return json;
+  json["is_clustered"] = quality.is_clustered;
   json["board_distance_m"] = quality.board_distance_m;
   json["split_half"] = splitHalfJson(result);
   json["correlations"] = qualityCorrelationsJson(quality.correlations);

@@ -19,41 +19,59 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-/// `  name        value +- std        unit`
-std::string valueLine(const std::string& name, double value, double std, const std::string& unit) {
+/// `+- 0.81`; what is fixed has no standard deviation.
+std::string plusMinus(double value, double std) {
   const ValueText text = withStd(value, std);
-  const std::string uncertainty = std > 0 ? (std::isfinite(std) ? "+- " + text.std : text.std) : text.std;
-  const std::string line = fmt::format("  {:<14}{:>12} {:<12} {}", name, text.value, uncertainty, unit);
+  return std > 0 && std::isfinite(std) ? "+- " + text.std : text.std;
+}
+
+/// `  name        value +- std        +- clustered  unit`, without the second column where there is none.
+std::string valueLine(const std::string& name, double value, double std, double clustered,
+                      const std::string& unit) {
+  const std::string second = std > 0 && !std::isnan(clustered) ? plusMinus(value, clustered) : "";
+  const std::string line = fmt::format("  {:<14}{:>12} {:<13}{:<13}{}", name, withStd(value, std).value,
+                                       plusMinus(value, std), second, unit);
   return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
 }
 
-std::string vectorLines(const std::string& name, const vec3& value, const vec3& std,
+std::string columnTitles(const Result& result) {
+  return result.clustered ? fmt::format("  {:<26} {:<13}{}\n", "", "stated", "clustered") : "";
+}
+
+std::string vectorLines(const std::string& name, const vec3& value, const vec3& std, const vec3& clustered,
                         const std::string& unit) {
   std::string text;
-  for (int i = 0; i < 3; ++i) text += valueLine(fmt::format("{}.{}", name, "xyz"[i]), value[i], std[i], unit);
+  for (int i = 0; i < 3; ++i)
+    text += valueLine(fmt::format("{}.{}", name, "xyz"[i]), value[i], std[i], clustered[i], unit);
   return text;
 }
 
 /// A rotation as its rotation vector, with the standard deviations of that.
-std::string rotationLines(const SO3& R, const vec3& std) {
-  return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), "deg");
+std::string rotationLines(const SO3& R, const vec3& std, const vec3& clustered) {
+  return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), vec3(clustered * degrees),
+                     "deg");
 }
 
 std::string unitOf(const std::string& parameter) {
   return parameter[0] == 'f' || parameter[0] == 'c' ? "px" : "";
 }
 
-std::string cameraLines(const CameraResult& camera, const std::string& reference) {
+std::string cameraLines(const Result& result, const CameraResult& camera) {
+  const std::string& reference = result.cameras.front().name;
   std::string text = fmt::format("\ncamera {}: {}, {}, {}, RMS {} px", camera.name, camera.model,
                                  plural(camera.images, "image"), plural(camera.corners, "corner"),
                                  fixedDecimals(camera.rms_px, 4));
   text +=
       std::isfinite(camera.rms_px_single) ? fmt::format(" (alone {:.4f} px)\n", camera.rms_px_single) : "\n";
-  for (const Parameter& p : camera.parameters) text += valueLine(p.name, p.value, p.std, unitOf(p.name));
+  text += columnTitles(result);
+  for (const Parameter& p : camera.parameters)
+    text += valueLine(p.name, p.value, p.std, p.std_clustered, unitOf(p.name));
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
-  text += vectorLines("translation", camera.left2camera.pos, camera.translation_std, "m");
-  return text + rotationLines(camera.left2camera.orient, camera.rotation_vector_std);
+  text += vectorLines("translation", camera.left2camera.pos, camera.translation_std,
+                      camera.translation_clustered.std, "m");
+  return text + rotationLines(camera.left2camera.orient, camera.rotation_vector_std,
+                              camera.rotation_vector_clustered.std);
 }
 
 /// What is known how well, and what fixing would bring: largest standard deviations of the axes.
@@ -71,13 +89,14 @@ std::string precisionTable(const ImuResult& imu) {
          row("gravity", "m/s^2", 1, &ImuPrecision::gravity);
 }
 
-std::string imuLines(const ImuResult& imu, const std::string& reference) {
+std::string imuLines(const Result& result, const ImuResult& imu) {
   std::string text = fmt::format("\nimu: {}, RMS {} m/s^2\n", plural(imu.readings, "reading"),
                                  fixedDecimals(imu.rms_acc, 4));
-  text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, "m/s^2");
-  text += valueLine("gravity", imu.gravity, imu.gravity_std, "m/s^2");
-  text += fmt::format("  from {} to imu:\n", reference);
-  text += rotationLines(imu.left2imu, imu.rotation_vector_std);
+  text += columnTitles(result);
+  text += vectorLines("acc_bias", imu.acc_bias, imu.acc_bias_std, imu.acc_bias_clustered.std, "m/s^2");
+  text += valueLine("gravity", imu.gravity, imu.gravity_std, imu.gravity_std_clustered, "m/s^2");
+  text += fmt::format("  from {} to imu:\n", result.cameras.front().name);
+  text += rotationLines(imu.left2imu, imu.rotation_vector_std, imu.rotation_vector_clustered.std);
   const bool is_open = std::isfinite(imu.gravity_std) && !(imu.acc_bias_is_fixed && imu.gravity_is_fixed);
   return is_open ? text + precisionTable(imu) : text;
 }
@@ -119,6 +138,9 @@ std::string unusedText(const CameraData& camera) {
   for (const Copy& copy : camera.copies)
     files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
                                                                       : oneLine(copy.photo));
+  for (const Exclusion& one : camera.excluded)
+    files["by --exclude"].push_back(one.corner ? fmt::format("corner {} of image {}", *one.corner, one.image)
+                                               : fmt::format("image {}", one.image));
   std::string text;
   for (auto& [reason, names] : files)
     text += fmt::format("  {}: left out, {}: {}\n", camera.name, reason, abridged(std::move(names)));
@@ -152,10 +174,9 @@ std::string singleCameraText(const SingleCameraReport& alone) {
 }
 
 std::string reportText(const Result& result) {
-  const std::string& reference = result.cameras.front().name;
   std::string text = outcomeText(outcomeOf(result));
-  for (const CameraResult& camera : result.cameras) text += cameraLines(camera, reference);
-  if (result.imu) text += imuLines(*result.imu, reference);
+  for (const CameraResult& camera : result.cameras) text += cameraLines(result, camera);
+  if (result.imu) text += imuLines(result, *result.imu);
   text += worstLines(result);
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";

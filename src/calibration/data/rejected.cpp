@@ -1,0 +1,41 @@
+#include "calibration/data/rejected.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace slom::calibration {
+
+Dataset withoutRejected(const Dataset& data, const Result& result) {
+  Dataset rest = data;
+  for (const GrossCorner& corner : result.rejected) {
+    if (corner.camera >= rest.cameras.size()) continue;
+    for (View& view : rest.cameras[corner.camera].views) {
+      if (view.image == corner.image)
+        std::erase_if(view.corners, [&](const Corner& one) { return one.number == corner.number; });
+    }
+  }
+  return rest;
+}
+
+std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
+  constexpr double of_the_worst =
+      0.5;  // a gross corner draws the fit with it, so that others look worse than they are
+  constexpr double most = 0.1;  // of the corners of a view; beyond, it is the view that is wrong
+  std::set<std::pair<std::size_t, int>> views;
+  std::vector<GrossCorner> rejected;
+  double worst = 0;
+  for (const GrossCorner& corner : result.gross) {  // the worst first
+    if (!views.insert({corner.camera, corner.image}).second) continue;
+    if (corner.studentised < of_the_worst * worst) break;
+    int gone = 1;
+    for (const GrossCorner& one : result.rejected)
+      gone += one.camera == corner.camera && one.image == corner.image ? 1 : 0;
+    if (gone > most * double(data.cameras[corner.camera].find(corner.image)->corners.size())) continue;
+    worst = std::max(worst, corner.studentised);
+    rejected.push_back(corner);
+  }
+  return rejected;
+}
+
+}  // namespace slom::calibration

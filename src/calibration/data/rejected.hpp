@@ -1,0 +1,18 @@
+// Gross corners that a fit does without (Settings::robust).
+#pragma once
+
+#include <vector>
+
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/result.hpp"
+
+namespace slom::calibration {
+
+/// The data without Result::rejected.
+Dataset withoutRejected(const Dataset& data, const Result& result);
+
+/// Corners of Result::gross to do without: the worst one of a view where it is at least half as far off as the worst of all, unless the view, in `data`, then
+/// lacks more than a tenth of its corners.
+std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result);
+
+}  // namespace slom::calibration
