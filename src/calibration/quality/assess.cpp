@@ -35,9 +35,9 @@ ImageGrid gridOver(const ImageBox& box) {
   return {grid_columns, std::max(rows, 5), box};
 }
 
-class Clock {
+class PhaseClock {
  public:
-  explicit Clock(std::vector<PhaseTime>& times) : times_(times) {}
+  explicit PhaseClock(std::vector<PhaseTime>& times) : times_(times) {}
   void record(const char* phase) {
     const auto now = std::chrono::steady_clock::now();
     times_.push_back({phase, std::chrono::duration<double>(now - last_).count()});
@@ -88,7 +88,7 @@ void scaleToClustered(Quality& quality) {
 
 /// What is to be expected of a calibration that succeeded. WorkEnded when there is no time left for all of it.
 void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
-                     const FittedRig& rig, const std::vector<ImageGrid>& grids, Clock& clock,
+                     const FittedRig& rig, const std::vector<ImageGrid>& grids, PhaseClock& clock,
                      Quality& quality) {
   const std::map<int, Observation> observations = observationsOf(data, rig);
   Information information(rig.columns);
@@ -142,7 +142,7 @@ void requireResultOf(const Dataset& data, const Settings& settings, const Result
 
 Quality assessSorted(const Dataset& data, const Settings& settings, const Result& result) {
   Quality quality;
-  Clock clock(quality.times);
+  PhaseClock clock(quality.times);
   const FittedRig rig(result);
   std::vector<ImageGrid> grids;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
