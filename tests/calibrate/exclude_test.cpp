@@ -15,8 +15,8 @@ using testing::CommandResult;
 using testing::RigOptions;
 using testing::TemporaryFolder;
 
-struct Files {
-  explicit Files(int images = 12) {
+struct FilesOfOneCamera {
+  explicit FilesOfOneCamera(int images = 12) {
     RigOptions options;
     options.images = images;
     std::mt19937_64 random(2);
@@ -35,7 +35,7 @@ struct Files {
 };
 
 TEST(Exclude, LeavesOutImagesAndCorners) {
-  const Files files;
+  const FilesOfOneCamera files;
   const std::string out = files.path("r.json");
   const CommandResult result =
       files.run({"--exclude", "3", "--exclude", "a.5:7", "--exclude", "b.6", "--json", out});
@@ -55,7 +55,7 @@ TEST(Exclude, LeavesOutImagesAndCorners) {
 }
 
 TEST(Exclude, RefusesWhatIsNotThere) {
-  const Files files;
+  const FilesOfOneCamera files;
   const auto error = [&](const std::string& text, bool both = true) {
     const CommandResult result = files.run({"--exclude", text}, both);
     EXPECT_EQ(result.exit_code, 2);
@@ -79,7 +79,7 @@ TEST(Exclude, RefusesWhatIsNotThere) {
 }
 
 TEST(Exclude, TakesReadingsWithTheImagesThatNoCameraHasThen) {
-  Dataset data = Files().data;
+  Dataset data = FilesOfOneCamera().data;
   exclude(data, {{"", 3, {}}, {"a", 4, {}}});
   EXPECT_EQ(data.imu->readings.size(), 11u);
   EXPECT_EQ(data.cameras[0].find(4), nullptr);
@@ -96,7 +96,7 @@ TEST(Exclude, TakesReadingsWithTheImagesThatNoCameraHasThen) {
 }
 
 TEST(ClusteredOutput, IsBesideTheStatedStandardDeviations) {
-  const Files files;
+  const FilesOfOneCamera files;
   const std::string out = files.path("r.json");
   const CommandResult result = files.run({"--json", out});
   ASSERT_EQ(result.exit_code, 0) << result.errors;
@@ -126,7 +126,7 @@ TEST(ClusteredOutput, IsBesideTheStatedStandardDeviations) {
 }
 
 TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
-  Files files;
+  FilesOfOneCamera files;
   Corner& wrong = files.data.cameras[0].views[3].corners[10];
   wrong.pixel.x() += 13;
   slom::testing::writeFile(files.folder / "a.csv", testing::cornerFile(files.data.cameras[0]));
