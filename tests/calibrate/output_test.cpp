@@ -106,8 +106,8 @@ TEST(Notes, ImagesThatContradictTheOthers) {
       notes(result),
       (std::vector<std::string>{
           "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
-          "off. Was it taken at the same time as image 3 of camera left? If not, remove it or "
-          "correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
+          "off. Was it taken at the same time as image 3 of camera left? If not, leave it out "
+          "(--exclude right.3) or correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
           "column further."}));
 }
 
@@ -116,12 +116,13 @@ TEST(Notes, AnImageOfTheReferenceIsComparedWithTheOtherCamera) {
   result.strays.push_back({"left", 3, unknown});
   result.cameras.push_back(result.cameras[0]);
   result.cameras[1].name = "right";
-  EXPECT_EQ(notes(result)[0],
-            "Image 3 of camera left contradicts the others: where they put it, its corners are - px off. Was "
-            "it taken at the same "
-            "time as image 3 of camera right? If not, remove it or correct its number. Otherwise look "
-            "whether its corners were taken "
-            "for their neighbours, a row or column further.");
+  EXPECT_EQ(
+      notes(result)[0],
+      "Image 3 of camera left contradicts the others: where they put it, its corners are - px off. Was "
+      "it taken at the same "
+      "time as image 3 of camera right? If not, leave it out (--exclude left.3) or correct its number. Otherwise look "
+      "whether its corners were taken "
+      "for their neighbours, a row or column further.");
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {

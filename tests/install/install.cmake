@@ -3,7 +3,8 @@ include("${CMAKE_CURRENT_LIST_DIR}/step.cmake")
 file(REMOVE_RECURSE "${PREFIX}")
 step("install" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREFIX}" --config "${CONFIG}")
 
-foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom)
+foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom share/bash-completion/completions/slom
+                      share/man/man1/slom.1 share/man/man1/slom-calibrate.1)
   if(NOT EXISTS "${PREFIX}/${file}")
     message(FATAL_ERROR "not installed: ${file}")
   endif()

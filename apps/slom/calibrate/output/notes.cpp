@@ -120,12 +120,13 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
   for (const Stray& stray : result.strays) {
     notes.push_back(fmt::format(
         "Image {} of camera {}{} contradicts the others: where they put it, its corners are {} px off. "
-        "Was it taken at the same time as image {} of {}? If not, remove it or correct its number. Otherwise "
+        "Was it taken at the same time as image {} of {}? If not, leave it out (--exclude {}.{}) or correct its number. Otherwise "
         "look whether its corners "
         "were taken for their neighbours, a row or column further{}.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
         fixedDecimals(stray.error_px, 0), stray.image,
         result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
+        stray.camera, stray.image,
         result.cameras.front().board_symmetry > 1
             ? ", or counted from another end: this board looks the same when it is turned"
             : ""));
