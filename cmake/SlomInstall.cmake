@@ -1,5 +1,5 @@
 # Install rules: headers, libraries, and the package `slom` that find_package(slom CONFIG) reads. The command
-# has its rule beside its target, in apps/.
+# has its rules beside its target, in apps/.
 include(CMakePackageConfigHelpers)
 set(slom_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/slom")
 
@@ -29,7 +29,10 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/slom-config-version.cmak
                                  COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/slom-config.cmake" "${PROJECT_BINARY_DIR}/slom-config-version.cmake"
         DESTINATION "${slom_package_dir}")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+# Pages, as their links expect them beside the readme; what the command brings of others says so beside its own licence.
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 # For builds that know pkg-config instead of CMake: mtk.pc and slom.pc. A static library names what it stands on itself.
 set(slom_pc_libraries "")

@@ -4,7 +4,8 @@ file(REMOVE_RECURSE "${PREFIX}")
 step("install" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREFIX}" --config "${CONFIG}")
 
 foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom share/bash-completion/completions/slom
-                      share/man/man1/slom.1 share/man/man1/slom-calibrate.1)
+                      share/man/man1/slom.1 share/man/man1/slom-calibrate.1 share/doc/slom/README.md
+                      share/doc/slom/docs/calibrate.md share/doc/slom/LICENSE share/doc/slom/LICENSE.uPlot)
   if(NOT EXISTS "${PREFIX}/${file}")
     message(FATAL_ERROR "not installed: ${file}")
   endif()
