@@ -115,7 +115,7 @@ TEST(CalibrateData, JustinEqualsAnIndependentFit) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
   std::vector<std::string> options = stereo(folder, "radial1");
-  options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--robust", "none"});
+  options.insert(options.end(), {"--imu", (folder / "imu.csv").string()});
   const json result = calibrated(options);
   EXPECT_EQ(result["measurements"], 2 * 3352 + 3 * 11);
   EXPECT_EQ(result["unknowns"], 129);
@@ -169,8 +169,8 @@ TEST(CalibrateData, JustinHasThePrecisionThatTheDocumentationShows) {
 
 TEST(CalibrateData, MonoIsTheLeftCameraOfJustin) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("mono");
-  const json result = calibrated({"--camera", "cam=" + sharedDataPath("mono/corners.csv").string(),
-                                  "--intrinsics", "radial1", "--robust", "none"});
+  const json result = calibrated(
+      {"--camera", "cam=" + sharedDataPath("mono/corners.csv").string(), "--intrinsics", "radial1"});
   EXPECT_EQ(result["measurements"], 3326);
   EXPECT_EQ(result["unknowns"], 112);
   // The same problem in 1 / (1 + k r^2) has 4035.56; 1 + k1 r^2 bends a little differently.

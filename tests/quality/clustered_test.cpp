@@ -340,5 +340,23 @@ TEST(GrossCorners, RejectionLeavesGoodDataAsTheyAre) {
     EXPECT_EQ(result.cameras[0].parameters[i].value, kept.cameras[0].parameters[i].value);
 }
 
+/// A blurred image, all of whose corners are worse than those of others, is no image with gross corners; one that has one still is.
+TEST(GrossCorners, AreThoseBesideTheOthersOfTheirImage) {
+  WrongCorner wrong(0);
+  std::mt19937_64 random(3);
+  std::normal_distribution<> normal(0, 2);
+  View& blurred = wrong.data.cameras[0].views[4];
+  for (Corner& corner : blurred.corners) corner.pixel += vec2(normal(random), normal(random));
+  const Result result = calibrate(wrong.data, Settings());
+  ASSERT_TRUE(result.success());
+  EXPECT_TRUE(result.rejected.empty());
+  EXPECT_TRUE(result.gross.empty());
+  blurred.corners[7].pixel += vec2(30., -25.);
+  const Result with_one = calibrate(wrong.data, Settings());
+  ASSERT_EQ(with_one.rejected.size(), 1u);
+  EXPECT_EQ(with_one.rejected[0].image, blurred.image);
+  EXPECT_EQ(with_one.rejected[0].number, blurred.corners[7].number);
+}
+
 }  // namespace
 }  // namespace slom::app::calib

@@ -137,8 +137,9 @@ struct GrossCorner {
   int image = 0, number = 0, line = 0;
   double error_px = 0;          ///< its residual
   double error_without_px = 0;  ///< the same of the fit without it, to first order
-  double studentised = 0;  ///< residual over its own standard deviation, of the noise that most corners show
-  std::string place{};     ///< CameraData::place
+  double studentised =
+      0;  ///< residual over its own standard deviation, of the noise that most corners of all images show, or of its own where that is larger
+  std::string place{};  ///< CameraData::place
 };
 
 /// A view that the start values of the rig, the consensus of all common images, do not fit.

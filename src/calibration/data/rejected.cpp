@@ -19,6 +19,8 @@ Dataset withoutRejected(const Dataset& data, const Result& result) {
 }
 
 std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
+  // Standard deviations: lens models that are somewhat too simple make 6 or 7 of good corners at the border of an image.
+  constexpr double beyond_doubt = 10;
   constexpr double of_the_worst =
       0.5;  // a gross corner draws the fit with it, so that others look worse than they are
   constexpr double most = 0.1;  // of the corners of a view; beyond, it is the view that is wrong
@@ -27,7 +29,7 @@ std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
   double worst = 0;
   for (const GrossCorner& corner : result.gross) {  // the worst first
     if (!views.insert({corner.camera, corner.image}).second) continue;
-    if (corner.studentised < of_the_worst * worst) break;
+    if (corner.studentised < std::max(beyond_doubt, of_the_worst * worst)) break;
     int gone = 1;
     for (const GrossCorner& one : result.rejected)
       gone += one.camera == corner.camera && one.image == corner.image ? 1 : 0;

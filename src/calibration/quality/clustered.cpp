@@ -137,23 +137,36 @@ constexpr double gross = 6;
 /// Fewer residuals than this beyond the unknowns do not say what the noise is.
 constexpr int fewest_redundant = 100;
 
+/// The median of the sizes over that of a Rayleigh distribution: the noise of u and of v that most of these corners show.
+double noiseOf(std::vector<double> sizes) {
+  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle / std::sqrt(2 * std::log(2.0));
+}
+
+/// Corners that are gross beside those of all images and beside those of their own: in a blurred or slanted one all are worse.
 void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& result) {
+  constexpr std::size_t fewest_of_image = 12;  // corners that say what its noise is
   const auto& tests = scores.cornerTests();
   std::vector<double> sizes;
   for (const auto& test : tests) sizes.push_back(test.weighted);
-  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double noise =
-      *middle / std::sqrt(2 * std::log(2.0));  // of u and of v, from the median of a Rayleigh distribution
-  if (result.redundancy < fewest_redundant || !(noise > 0)) return;
-  auto test = tests.begin();
+  const double noise_of_all = noiseOf(sizes);
+  if (result.redundancy < fewest_redundant || !(noise_of_all > 0)) return;
+  std::size_t first = 0;
   for (const ImageResult& image : result.images) {
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {
       const View* const view = data.cameras[c].find(image.image);
       if (!view) continue;
-      for (const Corner& corner : view->corners) {
-        const auto [without, weighted] = *test++;
+      const std::size_t count = view->corners.size();
+      double noise = noise_of_all;
+      if (count >= fewest_of_image) {
+        const auto begin = sizes.begin() + std::ptrdiff_t(first);
+        noise = std::max(noise, noiseOf({begin, begin + std::ptrdiff_t(count)}));
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto [without, weighted] = tests[first + i];
         if (!(weighted > gross * noise)) continue;
+        const Corner& corner = view->corners[i];
         const CameraResult& camera = result.cameras[c];
         const double error =
             (camera.project(camera.left2camera * (image.left2world.inverse() * corner.world)) - corner.pixel)
@@ -161,6 +174,7 @@ void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& 
         result.gross.push_back({c, image.image, corner.number, corner.line, error, without, weighted / noise,
                                 data.cameras[c].place(*view, corner)});
       }
+      first += count;
     }
   }
   std::stable_sort(result.gross.begin(), result.gross.end(),
