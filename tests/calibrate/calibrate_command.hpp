@@ -22,8 +22,8 @@ inline CommandResult runCalibrate(const std::vector<std::string>& options) {
   return slom::testing::runCommand(words);
 }
 
-inline const std::string corner_header = "image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n";
-inline const std::string imu_header = "image,ax_m_s2,ay_m_s2,az_m_s2,valid\n";
+const std::string corner_header = "image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n";
+const std::string imu_header = "image,ax_m_s2,ay_m_s2,az_m_s2,valid\n";
 
 inline std::string cornerFile(const CameraData& camera) {
   std::string text = corner_header;

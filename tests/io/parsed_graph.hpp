@@ -18,7 +18,7 @@ PoseGraph<Pose> parsed(const std::string& content) {
 }
 
 /// Information matrices that are the identity, row by row.
-inline const std::string unit3 = " 1 0 0 1 0 1\n";
-inline const std::string unit6 = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+const std::string unit3 = " 1 0 0 1 0 1\n";
+const std::string unit6 = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
 
 }  // namespace slom::io::testing
