@@ -11,8 +11,8 @@ namespace slom::calibration {
 /// The data without Result::rejected.
 Dataset withoutRejected(const Dataset& data, const Result& result);
 
-/// Corners of Result::gross to do without: the worst one of a view where it is at least half as far off as the worst of all, unless the view, in `data`, then
-/// lacks more than a tenth of its corners.
+/// Corners of Result::gross to do without: the worst one of a view where it is more than 10 standard deviations off, and at least half as far as the worst
+/// of all, unless the view, in `data`, then lacks more than a tenth of its corners.
 std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result);
 
 }  // namespace slom::calibration
