@@ -58,7 +58,7 @@ Variant linearized(std::string name, double tolerance, Fill fill) {
     NullSink sink;
 
     void linearize(JacobianSink& into) {
-      withThreads(1, [&] { linearizer.linearize(problem, into); });
+      withThreads(1, [&] { linearizer.linearize(problem, problem.activeSet(), into); });
     }
   };
   const auto state = std::make_shared<State>();

@@ -26,6 +26,7 @@
 
 #include "base/index.hpp"
 #include "solve/dense/big_array.hpp"
+#include "solve/dense/child_rows.hpp"
 #include "solve/symbolic/supernodes.hpp"
 
 namespace slom {
@@ -115,6 +116,7 @@ class IncrementalCholesky {
     std::size_t start = 0;    // of A in numbers_, and after it g
     double squared_norm = 0;  // of A
     int front = -1;           // the front in which it is assembled: that of its first eliminated block
+    std::vector<std::pair<int, int>> places;  // of its blocks there: first row, dof
 
     std::size_t entries() const { return at(rows) * at(columns); }
   };
@@ -132,6 +134,7 @@ class IncrementalCholesky {
     int parent = -1;
     std::vector<int> children;  // sorted by the order of their first pivots
     std::vector<int> elements;  // ascending
+    dense::ChildRows in_parent;
     dense::BigArray D, B, U;
     std::vector<double> inverse, y, below, diagonal_below;
     std::vector<char> undetermined;  // of the pivots; empty: none
@@ -155,8 +158,7 @@ class IncrementalCholesky {
   int newFront();
   void attach(int child, int parent);
   void place(const Front& front);
-  void forgetPlaces(const Front& front);
-  void addByPlace(const std::vector<int>& blocks, const double* from, std::vector<double>& to) const;
+  static void addRows(const Front& child, const std::vector<double>& from, std::vector<double>& to);
   void forgetUndetermined(int block);
   double* rowOf(Front& front, int row, bool to_panel) const;
   double* entry(Front& front, int row, int column) const;
@@ -169,7 +171,7 @@ class IncrementalCholesky {
   void goDown(int f, double threshold, bool everywhere);
   /// Additions and multiplications of passing one vector through a front.
   static double substitutionFlops(double p, double u) { return p * (p + 2 * u); }
-  Eigen::MatrixXd inverseOfRows(const Front& child, const Eigen::MatrixXd& Z) const;
+  static Eigen::MatrixXd inverseOfRows(const Front& child, const Eigen::MatrixXd& Z);
   static bool mayStay(Front& front, const Eigen::MatrixXd& rows, double most_change);
   void invertFront(Front& front, const Eigen::MatrixXd& rows);
   std::vector<int> pathFrom(int block) const;

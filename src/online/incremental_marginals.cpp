@@ -46,9 +46,7 @@ void IncrementalCholesky::updateInverse(double most_change) {
   for (const int f : roots_) visit(f, MatrixXd());
   for (std::size_t i = 0; i < inverted.size(); ++i) {
     const Front& front = fronts_[at(inverted[i])];
-    place(front);
     for (const int c : front.children) visit(c, inverseOfRows(fronts_[at(c)], front.inverse_part->Z));
-    forgetPlaces(front);
   }
   for (auto f = inverted.rbegin(); f != inverted.rend(); ++f) {
     Inverse& inverse = *fronts_[at(*f)].inverse_part;
@@ -62,13 +60,11 @@ void IncrementalCholesky::updateInverse(double most_change) {
   }
 }
 
-/// The part of Z, of its parent, that belongs to the rows of a front. The parent's blocks are placed.
-MatrixXd IncrementalCholesky::inverseOfRows(const Front& child, const MatrixXd& Z) const {
-  std::vector<int> places;
-  for (const int b : child.rows) {
-    for (int i = 0; i < dof(b); ++i) places.push_back(local_[at(b)] + i);
-  }
-  return Z(places, places);
+/// The part of Z, of its parent, that belongs to the rows of a front.
+MatrixXd IncrementalCholesky::inverseOfRows(const Front& child, const MatrixXd& Z) {
+  std::vector<int> rows;
+  for (const int column : child.in_parent.columns) rows.push_back(column / dense::kStripe);
+  return Z(rows, rows);
 }
 
 /// Whether what is known of the front and its subtree is near enough.

@@ -50,28 +50,11 @@ void IncrementalCholesky::recompute() {
   refactor();
 }
 
-/// Says where each block of the front begins in it.
-void IncrementalCholesky::place(const Front& front) {
-  int offset = 0;
-  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
-    for (const int b : *blocks) {
-      local_[at(b)] = offset;
-      offset += blocks_[at(b)].dof;
-    }
-  }
-}
-
-void IncrementalCholesky::forgetPlaces(const Front& front) {
-  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
-    for (const int b : *blocks) local_[at(b)] = -1;
-  }
-}
-
-/// Adds entries of blocks, one after the other, where these are placed.
-void IncrementalCholesky::addByPlace(const std::vector<int>& blocks, const double* from,
-                                     std::vector<double>& to) const {
-  for (const int b : blocks) {
-    for (int i = 0; i < dof(b); ++i) to[at(local_[at(b)] + i)] += *from++;
+/// Adds a number for each row of a child where that lies in its parent.
+void IncrementalCholesky::addRows(const Front& child, const std::vector<double>& from,
+                                  std::vector<double>& to) {
+  for (const dense::Run& piece : child.in_parent.pieces) {
+    for (int i = 0; i < piece.length; ++i) to[at(piece.target + i)] += from[at(piece.row + i)];
   }
 }
 
@@ -101,11 +84,9 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
     const Element& element = elements_[at(e)];
     const int rows = element.rows;
     const double* A_k = A(e).data();
-    for (const int k : element.blocks) {
-      const int dof_k = dof(k), at_k = local_[at(k)];
+    for (const auto& [at_k, dof_k] : element.places) {
       const double* A_l = A(e).data();
-      for (const int l : element.blocks) {
-        const int dof_l = dof(l), at_l = local_[at(l)];
+      for (const auto& [at_l, dof_l] : element.places) {
         const double* const first = A_l;
         A_l += static_cast<std::ptrdiff_t>(rows) * dof_l;
         if (at_l > at_k || (at_l < front.p) != to_panel) continue;
@@ -126,54 +107,20 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
   }
 }
 
-/// Adds the update matrices of the children, block by block: in the order of the front's rows, which may not be that of the child's.
+/// Adds the update matrices of the children to the columns of the pivots, or to the others.
 void IncrementalCholesky::addChildren(Front& front, bool to_panel) {
-  struct Part {
-    int to, from, dof;
-  };
-  std::vector<Part> parts;
+  const auto& kernel = dense::kernels();
   for (const int c : front.children) {
-    Front& child = fronts_[at(c)];
-    parts.clear();
-    int from = 0;
-    for (const int b : child.rows) {
-      parts.push_back({local_[at(b)], from, dof(b)});
-      from += dof(b);
-    }
-    std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.to < b.to; });
-    const double* const U = child.U.data();
-    const auto rowOfU = [&](int i) { return U + dense::updateOffset(i / kStripe) + i % kStripe; };
-    for (std::size_t a = 0; a < parts.size(); ++a) {
-      const Part& row = parts[a];
-      // Rows that lie side by side, here and there.
-      for (int i = 0, count = 0; i < row.dof; i += count) {
-        const int to_row = row.to + i < front.p ? row.to + i : row.to + i - front.p;
-        count = std::min({row.dof - i, kStripe - (row.from + i) % kStripe, kStripe - to_row % kStripe});
-        double* const to = rowOf(front, row.to + i, to_panel);
-        const double* const own = rowOfU(row.from + i);
-        for (std::size_t b = 0; b <= a; ++b) {
-          const Part& column = parts[b];
-          if ((column.to < front.p) != to_panel) continue;
-          double* const into = to + static_cast<std::ptrdiff_t>(kStripe) * column.to;
-          if (a == b) {
-            const double* const u = own + static_cast<std::ptrdiff_t>(kStripe) * column.from;
-            for (int k = 0; k < count; ++k) {
-              for (int j = 0; j <= i + k; ++j) into[kStripe * j + k] += u[kStripe * j + k];
-            }
-          } else if (column.from < row.from) {
-            const double* const u = own + static_cast<std::ptrdiff_t>(kStripe) * column.from;
-            for (int j = 0; j < column.dof; ++j) {
-              for (int k = 0; k < count; ++k) into[kStripe * j + k] += u[kStripe * j + k];
-            }
-          } else {
-            for (int j = 0; j < column.dof; ++j) {
-              const double* const u =
-                  rowOfU(column.from + j) + static_cast<std::ptrdiff_t>(kStripe) * (row.from + i);
-              for (int k = 0; k < count; ++k) into[kStripe * j + k] += u[kStripe * k];
-            }
-          }
-        }
-      }
+    const Front& child = fronts_[at(c)];
+    const dense::ShuffledChild update = child.in_parent.child(child.U.data());
+    if (child.in_parent.is_sorted && to_panel) {
+      kernel.addToPanel(update, front.D.data(), front.B.data(), front.p);
+    } else if (child.in_parent.is_sorted) {
+      kernel.addToUpdate(update, front.U.data(), front.p);
+    } else if (to_panel) {
+      kernel.addShuffledToPanel(update, front.D.data(), front.B.data(), front.p);
+    } else {
+      kernel.addShuffledToUpdate(update, front.U.data(), front.p);
     }
   }
 }
@@ -194,22 +141,18 @@ void IncrementalCholesky::assemblePanel(Front& front) {
 void IncrementalCholesky::factorizeFront(int f) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
-  place(front);
   // The diagonal of H: of elements here and below.
   std::vector<double> diagonal(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
     const double* a = A(e).data();
-    for (const int b : element.blocks) {
-      for (int i = 0; i < dof(b); ++i) {
-        for (int r = 0; r < element.rows; ++r, ++a) diagonal[at(local_[at(b)] + i)] += *a * *a;
+    for (const auto& [place, dof] : element.places) {
+      for (int i = place; i < place + dof; ++i) {
+        for (int r = 0; r < element.rows; ++r, ++a) diagonal[at(i)] += *a * *a;
       }
     }
   }
-  for (const int c : front.children) {
-    const Front& child = fronts_[at(c)];
-    addByPlace(child.rows, child.diagonal_below.data(), diagonal);
-  }
+  for (const int c : front.children) addRows(fronts_[at(c)], fronts_[at(c)].diagonal_below, diagonal);
   if (!front.undetermined.empty())
     std::for_each(front.pivots.begin(), front.pivots.end(), [&](int b) { forgetUndetermined(b); });
   front.undetermined.clear();
@@ -237,7 +180,6 @@ void IncrementalCholesky::factorizeFront(int f) {
   front.factorization = ++factorizations_;
   ++work_.fronts_factorized;
   work_.flops += frontFlops(front.p, front.u);
-  forgetPlaces(front);
 }
 
 /// Nothing determines the pivot: it stays where it is.
@@ -258,16 +200,18 @@ void IncrementalCholesky::hold(Front& front, int pivot) {
 void IncrementalCholesky::solveFront(int f) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
-  place(front);
   std::vector<double> g(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
-    addByPlace(element.blocks, gradient(e).data(), g);
+    const double* from = gradient(e).data();
+    for (const auto& [place, dof] : element.places) {
+      for (int i = place; i < place + dof; ++i) g[at(i)] += *from++;
+    }
   }
   front.promise_below = 0;
   for (const int c : front.children) {
     const Front& child = fronts_[at(c)];
-    addByPlace(child.rows, child.below.data(), g);
+    addRows(child, child.below, g);
     front.promise_below += child.own_promise + child.promise_below;
   }
   front.y.assign(at(paddedToStripes(front.p)), 0.0);
@@ -285,7 +229,6 @@ void IncrementalCholesky::solveFront(int f) {
   front.has_solution = front.has_news = true;
   ++work_.fronts_solved;
   work_.flops += substitutionFlops(front.p, front.u);
-  forgetPlaces(front);
 }
 
 double IncrementalCholesky::promise() const {

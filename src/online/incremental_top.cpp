@@ -174,6 +174,31 @@ std::vector<int> IncrementalCholesky::makeLooseFronts(const Fronts& shapes) {
   return index;
 }
 
+/// Says where the elements and the children of a front belong in it.
+void IncrementalCholesky::place(const Front& front) {
+  int row = 0;
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) {
+      local_[at(b)] = row;
+      row += dof(b);
+    }
+  }
+  for (const int e : front.elements) {
+    Element& element = elements_[at(e)];
+    element.places.clear();
+    for (const int b : element.blocks) element.places.emplace_back(local_[at(b)], dof(b));
+  }
+  for (const int c : front.children) {
+    Front& child = fronts_[at(c)];
+    child.in_parent.clear();
+    for (const int b : child.rows) child.in_parent.add(local_[at(b)], dof(b), front.p);
+    child.in_parent.finish(front.p);
+  }
+  for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
+    for (const int b : *blocks) local_[at(b)] = -1;
+  }
+}
+
 /// Orders the blocks of dissolved fronts, makes fronts of them, and gives these the loose subtrees and elements.
 void IncrementalCholesky::rebuildTop() {
   std::erase_if(loose_blocks_, [&](int b) { return blocks_[at(b)].dof == 0; });
@@ -197,6 +222,7 @@ void IncrementalCholesky::rebuildTop() {
     element.front = blocks_[at(firstOf(element.blocks))].front;
     fronts_[at(element.front)].elements.push_back(e);
   }
+  for (const int f : index) place(fronts_[at(f)]);
   work_.blocks_ordered += graph.size();
   loose_blocks_.clear();
   loose_elements_.clear();

@@ -1,11 +1,15 @@
 // The dense kernels of every instruction set that this processor has, against Eigen; AVX-512 to the bits of AVX2.
 #include "../../src/solve/dense/kernels.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <random>
 #include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+
+#include "../../src/solve/dense/child_rows.hpp"
 
 namespace slom::dense {
 
@@ -107,6 +111,79 @@ TEST(Kernels, FactoriseFrontsAsEigenDoes) {
       expectAlike(panels, "panel");
       expectAlike(updates, "update");
     }
+  }
+}
+
+std::size_t updateAt(int i, int j) {
+  return updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe);
+}
+
+/// Adds a child's update, whose rows lie in the front in this order, and compares entry by entry.
+void expectAdded(int p, int u, const std::vector<int>& targets, const std::vector<int>& blocks) {
+  Random random;
+  const int n = static_cast<int>(targets.size());
+  ChildRows rows;
+  for (int row = 0, k = 0; row < n; row += blocks[static_cast<std::size_t>(k++)])
+    rows.add(targets[static_cast<std::size_t>(row)], blocks[static_cast<std::size_t>(k)], p);
+  rows.finish(p);
+  ASSERT_EQ(rows.rows(), n);
+  EXPECT_EQ(rows.is_sorted, std::is_sorted(targets.begin(), targets.end()));
+  Numbers update(updateSize(n)), D(panelSize(p, p)), B(panelSize(u, p)), U(updateSize(u));
+  for (Numbers* numbers : {&update, &D, &B, &U})
+    std::generate(numbers->begin(), numbers->end(), std::ref(random));
+  const auto entry = [&](Numbers& d, Numbers& b, Numbers& up, int i, int j) -> double& {
+    return i < p ? d[panelAt(p, i, j)] : j < p ? b[panelAt(p, i - p, j)] : up[updateAt(i - p, j - p)];
+  };
+  Numbers expected_D = D, expected_B = B, expected_U = U;
+  for (int a = 0; a < n; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      const auto [j, i] =
+          std::minmax(targets[static_cast<std::size_t>(a)], targets[static_cast<std::size_t>(b)]);
+      entry(expected_D, expected_B, expected_U, i, j) += update[updateAt(a, b)];
+    }
+  }
+  for (const Kernels* kernels : available()) {
+    for (const bool as_sorted : {false, true}) {
+      if (as_sorted && !rows.is_sorted) continue;
+      const ShuffledChild child = rows.child(update.data());
+      Numbers d = D, b = B, up = U;
+      (as_sorted ? kernels->addToPanel(child, d.data(), b.data(), p)
+                 : kernels->addShuffledToPanel(child, d.data(), b.data(), p));
+      EXPECT_EQ(up, U);
+      EXPECT_EQ(d, expected_D) << kernels->name << " p=" << p << " u=" << u << " rows=" << n;
+      EXPECT_EQ(b, expected_B) << kernels->name << " p=" << p << " u=" << u << " rows=" << n;
+      d = D, b = B;
+      (as_sorted ? kernels->addToUpdate(child, up.data(), p)
+                 : kernels->addShuffledToUpdate(child, up.data(), p));
+      EXPECT_EQ(d, D);
+      EXPECT_EQ(b, B);
+      EXPECT_EQ(up, expected_U) << kernels->name << " p=" << p << " u=" << u << " rows=" << n;
+    }
+  }
+}
+
+TEST(Kernels, AddUpdatesOfChildrenInAnyOrderOfTheirRows) {
+  std::mt19937 engine(1);
+  const auto draw = [&](int least, int most) {
+    return std::uniform_int_distribution<int>(least, most)(engine);
+  };
+  for (int round = 0; round < 300; ++round) {
+    // Blocks of the front, of which the child has some, in their order or in any.
+    std::vector<std::pair<int, int>> front_blocks;  // first row, rows
+    int p = 0, rows = 0;
+    for (int k = draw(1, 12); k > 0; --k) {
+      front_blocks.emplace_back(rows, round % 3 == 0 ? 6 : draw(1, 9));
+      rows += front_blocks.back().second;
+      if (p == 0 || draw(0, 2) == 0) p = rows;
+    }
+    if (round % 2 == 0) std::shuffle(front_blocks.begin(), front_blocks.end(), engine);
+    std::vector<int> targets, blocks;
+    for (const auto& [first, count] : front_blocks) {
+      if (draw(0, 3) == 0) continue;
+      blocks.push_back(count);
+      for (int i = 0; i < count; ++i) targets.push_back(first + i);
+    }
+    expectAdded(p, rows - p, targets, blocks);
   }
 }
 

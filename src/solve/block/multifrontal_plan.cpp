@@ -5,6 +5,7 @@
 #include "base/index.hpp"
 #include "base/threads.hpp"
 #include "multifrontal.hpp"
+#include "solve/dense/child_rows.hpp"
 
 namespace slom {
 
@@ -108,6 +109,7 @@ void MultifrontalCholesky::relate() {
   relative_.clear();
   std::vector<int> local(fronts_.order.size(),
                          0);  // first row of each position in the current front
+  dense::ChildRows rows;
   const auto dof = [&](int position) {
     return fronts_.offset[at(position) + 1] - fronts_.offset[at(position)];
   };
@@ -127,21 +129,12 @@ void MultifrontalCholesky::relate() {
       Layout& layout = layout_[at(children_[at(c)])];
       layout.relative = relative_.size();
       layout.first_run = static_cast<int>(runs_.size());
-      for (int r = child.first_row; r < child.last_row; ++r) {
-        for (int i = 0; i < dof(fronts_.row[at(r)]); ++i) {
-          const int row = static_cast<int>(relative_.size() - layout.relative);
-          const int target = local[at(fronts_.row[at(r)])] + i;
-          const int in_stripe = target < front.p ? target % kStripe : (target - front.p) % kStripe;
-          const bool goes_on = row % kStripe != 0 && in_stripe != 0 && target != front.p &&
-                               runs_.back().target + runs_.back().length == target;
-          if (goes_on) {
-            ++runs_.back().length;
-          } else {
-            runs_.push_back({row, 1, target});
-          }
-          relative_.push_back(kStripe * target);
-        }
-      }
+      rows.clear();
+      for (int r = child.first_row; r < child.last_row; ++r)
+        rows.add(local[at(fronts_.row[at(r)])], dof(fronts_.row[at(r)]), front.p);
+      rows.finish(front.p);
+      runs_.insert(runs_.end(), rows.runs.begin(), rows.runs.end());
+      relative_.insert(relative_.end(), rows.columns.begin(), rows.columns.end());
       layout.last_run = static_cast<int>(runs_.size());
     }
   }

@@ -231,5 +231,72 @@ void addToUpdate(const Child& child, double* U, int p) {
   }
 }
 
+/// to[kStripe i + j] += from[kStripe j + i] for i < rows, j < columns
+void addTransposed(const double* from, double* to, int rows, int columns) {
+  int i = 0;
+  for (; i + kLanes <= rows; i += kLanes) {
+    int j = 0;
+    for (; j + kLanes <= columns; j += kLanes) {
+      const double* const source = from + kStripe * j + i;
+      double* const target = to + kStripe * i + j;
+      const Vector a = load(source), b = load(source + kStripe), c = load(source + 2 * kStripe), d = load(source + 3 * kStripe);
+      const Vector ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), ba = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+      const Vector cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), dc = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      store(target, load(target) + __builtin_shufflevector(ab, cd, 0, 1, 4, 5));
+      store(target + kStripe, load(target + kStripe) + __builtin_shufflevector(ba, dc, 0, 1, 4, 5));
+      store(target + 2 * kStripe, load(target + 2 * kStripe) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7));
+      store(target + 3 * kStripe, load(target + 3 * kStripe) + __builtin_shufflevector(ba, dc, 2, 3, 6, 7));
+    }
+    for (; j < columns; ++j) {
+      for (int k = i; k < i + kLanes; ++k) to[kStripe * k + j] += from[kStripe * j + k];
+    }
+  }
+  for (; i < rows; ++i) {
+    for (int j = 0; j < columns; ++j) to[kStripe * i + j] += from[kStripe * j + i];
+  }
+}
+
+/// What a child adds to the columns of the pivots or to the others; `rowAt` says where a row of these begins, its entries kStripe apart.
+template <class RowAt>
+SLOM_INLINE inline void addShuffled(const ShuffledChild& child, int p, bool to_panel, const RowAt& rowAt) {
+  const auto isHere = [&](int column) { return (column < p) == to_panel; };
+  for (const Run* run = child.runs; run < child.runs + child.run_count; ++run) {
+    const double* const from = child.update + updateOffset(run->row / kStripe) + run->row % kStripe;
+    const Run* piece = child.pieces;
+    for (; piece < child.pieces + child.piece_count && piece->row < run->row; ++piece) {
+      const int last = smaller(piece->row + piece->length, run->row);
+      if (piece->target < run->target) {
+        if (isHere(piece->target))
+          kAddColumns.of[run->length - 1](from, rowAt(run->target), child.column, piece->row, last);
+        continue;
+      }
+      if (!isHere(run->target)) continue;
+      // Above the diagonal of the parent: the rows of the run are columns there.
+      for (int j = piece->row, count = 0; j < last; j += count) {
+        const int target = piece->target + j - piece->row;
+        count = smaller(kStripe - (target < p ? target : target - p) % kStripe, last - j);
+        addTransposed(from + kStripe * j, rowAt(target) + kStripe * run->target, run->length, count);
+      }
+    }
+    if (isHere(run->target)) addTriangle(child, *run, from, rowAt(run->target));
+  }
+}
+
+void addShuffledToPanel(const ShuffledChild& child, double* D, double* B, int p) {
+  addShuffled(child, p, true, [&](int row) {
+    const auto in = [&](double* panel, int i) {
+      return panel + (static_cast<std::ptrdiff_t>(kStripe) * p * (i / kStripe) + i % kStripe);
+    };
+    return row < p ? in(D, row) : in(B, row - p);
+  });
+}
+
+void addShuffledToUpdate(const ShuffledChild& child, double* U, int p) {
+  addShuffled(child, p, false, [&](int row) {
+    const int i = row - p;
+    return U + (static_cast<std::ptrdiff_t>(updateOffset(i / kStripe)) + i % kStripe - static_cast<std::ptrdiff_t>(kStripe) * p);
+  });
+}
+
 }  // namespace
 }  // namespace slom::dense

@@ -43,13 +43,19 @@ struct Run {
   int target;  ///< first row in the parent's front
 };
 
-/// The update of a front's child, and where it belongs.
+/// The update of a front's child, and where it belongs: its rows in the order of the parent's.
 struct Child {
   const Run* runs;
   int run_count;
   const int* column;  ///< kStripe times the parent's row of each of its rows
   int u;
   const double* update;
+};
+
+/// One whose rows may be in any order.
+struct ShuffledChild : Child {
+  const Run* pieces;  ///< as runs, of any length within the pivots or the rows below
+  int piece_count;
 };
 
 /// A measurement with the residual r and the Jacobians A and B, and what it adds to: blocks of J^T J and parts of J^T r.
@@ -80,6 +86,8 @@ struct Kernels {
   void (*addToPanel)(const Child& child, double* D, double* B, int p);
   /// Adds the other columns to the front's own update.
   void (*addToUpdate)(const Child& child, double* U, int p);
+  void (*addShuffledToPanel)(const ShuffledChild& child, double* D, double* B, int p);
+  void (*addShuffledToUpdate)(const ShuffledChild& child, double* U, int p);
   /// x := D^-1 x
   void (*forwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// y := -B x; y has full stripes

@@ -15,7 +15,7 @@ namespace slom::dense {
 namespace {
 
 constexpr Kernels makeKernels(const char* name) {
-  return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &forwardPivots,
+  return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &addShuffledToPanel, &addShuffledToUpdate, &forwardPivots,
           &forwardRows, &backwardRows, &backwardPivots, &addProduct, &addPairs, &solveRight, &subtractOuters,
           &subtractProduct, &subtractTransposedProduct, &eliminate, &forwardColumn, &backwardColumn};
 }
