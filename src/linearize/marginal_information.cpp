@@ -228,7 +228,7 @@ std::vector<MeasurementIndex> measurementsOf(const Problem& problem, const std::
   std::vector<MeasurementIndex> result;
   for (const int v : variables) {
     problem.forEachUse(
-        v, [&](const MeasurementPool& pool, int i) { result.emplace_back(problem.indexOfPool(pool), i); });
+        v, [&](const MeasurementPool& pool, int i) { result.emplace_back(pool.index(), i); });
   }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());

@@ -90,7 +90,7 @@ class Update {
     if (change.kind != Kind::constraint) variables_.push_back(variable);
     if (change.kind == Kind::variable_fixed || change.kind == Kind::variable_freed) {
       problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
-        touched_[at(problem_.indexOfPool(pool))].push_back(i);
+        touched_[at(pool.index())].push_back(i);
       });
     }
   }

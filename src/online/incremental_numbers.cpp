@@ -21,6 +21,29 @@ constexpr double kLeastOnlinePivot = 1e-13;
 constexpr double kMostGrowth = 2;
 constexpr double kLittleWork = 1e5;
 
+/// to[kStripe j] += a^T b_j for columns b_j, one after the other, with Rows numbers; 0: as many as `rows` says
+template <int Rows>
+void addProducts(int rows, const double* a, const double* b, int columns, double* to) {
+  const int n = Rows > 0 ? Rows : rows;
+  for (int j = 0; j < columns; ++j, b += n) {
+    double sum = 0;
+    for (int r = 0; r < n; ++r) sum += a[r] * b[r];
+    to[kStripe * j] += sum;
+  }
+}
+void addProducts(int rows, const double* a, const double* b, int columns, double* to) {
+  switch (rows) {
+    case 2:
+      return addProducts<2>(rows, a, b, columns, to);
+    case 3:
+      return addProducts<3>(rows, a, b, columns, to);
+    case 6:
+      return addProducts<6>(rows, a, b, columns, to);
+    default:
+      return addProducts<0>(rows, a, b, columns, to);
+  }
+}
+
 }  // namespace
 
 void IncrementalCholesky::refactor() {
@@ -83,9 +106,10 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
     const int rows = element.rows;
-    const double* A_k = A(e).data();
+    const double* const A_e = A(e).data();
+    const double* A_k = A_e;
     for (const auto& [at_k, dof_k] : element.places) {
-      const double* A_l = A(e).data();
+      const double* A_l = A_e;
       for (const auto& [at_l, dof_l] : element.places) {
         const double* const first = A_l;
         A_l += static_cast<std::ptrdiff_t>(rows) * dof_l;
@@ -93,13 +117,7 @@ void IncrementalCholesky::addElements(Front& front, bool to_panel) {
         for (int i = 0; i < dof_k; ++i) {
           double* const to = rowOf(front, at_k + i, to_panel) + static_cast<std::ptrdiff_t>(kStripe) * at_l;
           const double* const a = A_k + static_cast<std::ptrdiff_t>(rows) * i;
-          const int columns = at_l == at_k ? i + 1 : dof_l;
-          for (int j = 0; j < columns; ++j) {
-            const double* const b = first + static_cast<std::ptrdiff_t>(rows) * j;
-            double sum = 0;
-            for (int r = 0; r < rows; ++r) sum += a[r] * b[r];
-            to[kStripe * j] += sum;
-          }
+          addProducts(rows, a, first, at_l == at_k ? i + 1 : dof_l, to);
         }
       }
       A_k += static_cast<std::ptrdiff_t>(rows) * dof_k;

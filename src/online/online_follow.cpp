@@ -113,16 +113,15 @@ void OnlineFit::followMoves() {
 
 std::vector<OnlineFit::Place> OnlineFit::usesOf(int variable) const {
   std::vector<Place> places;
-  problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
-    places.emplace_back(problem_.indexOfPool(pool), i);
-  });
+  problem_.forEachUse(variable,
+                      [&](const MeasurementPool& pool, int i) { places.emplace_back(pool.index(), i); });
   return places;
 }
 
 /// Adds the variable's measurements to touched_, each once since visit_ changed.
 void OnlineFit::touchUsesOf(int variable) {
   problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
-    const Place place(problem_.indexOfPool(pool), i);
+    const Place place(pool.index(), i);
     if (std::exchange(recordOf(place).visited, visit_) != visit_) touched_.push_back(place);
   });
 }

@@ -48,7 +48,7 @@ void Problem::dropFirstEstimates(const RuntimeMeasurement& measurement, const in
       const RuntimeMeasurement* const other = pool.runtimeMeasurement(i);
       if (other == nullptr || other == &measurement) return;
       const void* const point = firstEstimateOf(*other, pool.variables(i), variable);
-      const std::pair place(indexOfPool(pool), pool.serial(i));
+      const std::pair place(pool.index(), pool.serial(i));
       if (point == nullptr || (next != nullptr && !(place < earliest))) return;
       next = point;
       earliest = place;

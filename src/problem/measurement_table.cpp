@@ -23,7 +23,8 @@ MeasurementPool* Problem::addPool(const MeasurementType& type, std::string_view 
       first != nullptr ? first->name() : nameForPool(label.empty() ? type.name() : own_label);
   pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, type, table_, active_)));
   pools_.back()->setFirstEstimates(first_estimates_);
-  pools_.back()->joinGroup(first != nullptr ? first->group() : group_count_++, first);
+  pools_.back()->joinGroup(static_cast<int>(pools_.size()) - 1,
+                           first != nullptr ? first->group() : group_count_++, first);
   return pools_.back().get();
 }
 
@@ -33,12 +34,6 @@ void Problem::removeLastPool() {
                    [&](const auto& pool) { return pool->group() == pools_.back()->group(); }))
     --group_count_;
   pools_.pop_back();
-}
-
-int Problem::indexOfPool(const MeasurementPool& pool) const {
-  const auto found =
-      std::find_if(pools_.begin(), pools_.end(), [&](const auto& own) { return own.get() == &pool; });
-  return static_cast<int>(found - pools_.begin());
 }
 
 std::vector<const MeasurementPool*> Problem::findPools(std::type_index type) const {
@@ -77,7 +72,7 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   }();
   for (const int variable : variables) ++table_[at(variable)].uses;
   ++measurement_count_;
-  changes_.add({Change::Kind::measurement_inserted, pool->size() - 1, indexOfPool(*pool)}, size());
+  changes_.add({Change::Kind::measurement_inserted, pool->size() - 1, pool->index()}, size());
   noteUse(pool, ref, variables.data(), type.arity);
   return {pool, ref};
 }
@@ -143,7 +138,7 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   pool.remove(i);
   if (uses_) ++uses_->removed;
   --measurement_count_;
-  changes_.add({Change::Kind::measurement_removed, i, indexOfPool(pool)}, size());
+  changes_.add({Change::Kind::measurement_removed, i, pool.index()}, size());
 }
 
 void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,

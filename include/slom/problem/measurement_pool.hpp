@@ -79,6 +79,8 @@ class MeasurementPool {
   /// Number of the pool's group. A table has a row for each group; pools of one run-time kind and one label, which differ in arity
   /// alone, are one group with one name.
   int group() const { return group_; }
+  /// Its place among the problem's pools.
+  int index() const { return index_; }
   /// `Gravity #12`: the name and the running number of insertion into this group, from 1.
   std::string measurementName(int i) const;
   /// The name that the measurement inserted next will have.
@@ -150,8 +152,9 @@ class MeasurementPool {
   void remove(int i);
   /// The first estimates of the variables; without them there are none.
   void setFirstEstimates(const FirstEstimates& first_estimates) { first_estimates_ = &first_estimates; }
-  /// Makes this pool, which is empty, one of the group with this number: its first one, or another when `first` is not null.
-  void joinGroup(int group, MeasurementPool* first) {
+  /// Puts this pool, which is empty, at this place among the problem's and into the group with this number: its first one, or another when `first` is not null.
+  void joinGroup(int index, int group, MeasurementPool* first) {
+    index_ = index;
     group_ = group;
     inserted_ = first != nullptr ? first->inserted_ : &own_inserted_;
   }
@@ -223,7 +226,7 @@ class MeasurementPool {
   std::vector<int> index_of_slot_;         // -1: free
   std::vector<std::uint32_t> generation_;  // generation of each slot
   std::vector<std::uint32_t> free_slots_;
-  int group_ = 0;
+  int index_ = 0, group_ = 0;
   long own_inserted_ = 0;
   long* inserted_ = &own_inserted_;  // into the group: that of its first pool, which lives as long
   int removed_since_compaction_ = 0;

@@ -134,8 +134,6 @@ class Problem {
     return findPools(typeid(M));
   }
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
-  /// Its place among pools().
-  int indexOfPool(const MeasurementPool& pool) const;
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
   /// Number of groups of pools; see MeasurementPool::group.
