@@ -14,7 +14,8 @@ namespace {
 std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options) {
   const std::string left = "a further step promises a decrease of the RSS by " + number(summary.promise, 3);
   if (summary.converged) {
-    return left + ", within the tolerance" +
+    const bool is_rounding = summary.promise > options.tolerance * summary.rss;
+    return left + (is_rounding ? ", within rounding errors" : ", within the tolerance") +
            (summary.waiting > 0 ? "; " + counted(summary.waiting, "refused measurement") +
                                       (summary.waiting > 1 ? " wait" : " waits") + " for a trial"
                                 : "");
@@ -36,7 +37,10 @@ std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary) {
      << number(summary.rss, 6) << ", " << counted(summary.steps, "step") << ", "
      << counted(summary.variables_moved, "move") << ", "
      << counted(summary.measurements_linearized, "linearisation") << ", "
-     << counted(summary.fronts_factorized, "front") << (summary.reordered ? ", ordered anew" : "") << "\n";
+     << counted(summary.fronts_factorized, "front") << (summary.reordered ? ", ordered anew" : "");
+  if (summary.used_optimize)
+    os << "; " << counted(summary.optimize_iterations, "iteration") << " of optimize()";
+  os << "\n";
   if (summary.reconsidered > 0 || summary.waiting > 0) {
     os << counted(summary.reconsidered, "refused measurement") << " tried, " << summary.accepted
        << " accepted, " << summary.waiting << " waiting\n";
@@ -63,7 +67,7 @@ void Estimator::writeUpdatedCovariance(int variable_a, int variable_b, double* b
   for (int i = 0; i < entries; ++i) block[i] *= factor;
 }
 
-Marginals Estimator::updatedMarginals(double tolerance) const {
+Marginals Estimator::updatedMarginals(double tolerance) {
   if (!(tolerance >= 0 && tolerance < 1)) {
     throw Error("slom.bad-option",
                 "the tolerance of marginals is " + number(tolerance, 6) +
@@ -126,8 +130,12 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
     summary.converged = fit.converged;
     summary.rss = fit.final_rss;
     summary.promise = std::numeric_limits<double>::quiet_NaN();
-    if (!has_bounds) static_cast<void>(state.online->run(options, summary));
+    summary.optimize_iterations = fit.iterations;
     summary.message = "optimize() took over: " + fit.message;
+    if (has_bounds) return summary;
+    // What it has left, by the factor that later calls go on from.
+    if (state.online->run(options, summary) && summary.converged != fit.converged)
+      summary.message += "; " + messageOf(summary, options);
     return summary;
   });
 }

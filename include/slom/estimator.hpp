@@ -293,12 +293,14 @@ class Estimator {
   double optimizeStep();
   /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
   /// exception: look at `converged`, `stop_reason` and `message`. Where the fit has not converged the values are the best that it has
-  /// seen; after `rank_deficient` they are those at which an unknown has no influence.
+  /// seen; after `rank_deficient` they are those at which an unknown has no influence. Throws [slom.not-finite] or [slom.measurement-threw] where a
+  /// measurement has a residual but no finite derivative, at the values that it was given or a step has led to, which stay.
   Summary optimize(const Options& options = {});
   /// For problems that grow while they are fitted: brings the values to the optimum after insertions, removals and other changes, in
   /// time in proportion to what these change. The optimum is that of optimize(), as long as the values do not lie in the valley of another
   /// one. May be mixed with optimizeStep() and optimize(). Throws [slom.bad-option], and [slom.not-finite] or [slom.measurement-threw] for
-  /// measurements without a residual at the values that they are inserted with.
+  /// measurements without a residual or a finite derivative at the values that they are inserted with, and without a derivative at those that a
+  /// step has led to.
   UpdateSummary update(const UpdateOptions& options = {});
 
   /// Takes over `algorithm`: `est.changeAlgorithm(new SLOM::LevenbergMarquardt())`.
@@ -429,8 +431,9 @@ class Estimator {
   /// The same between updates, from the factor of update(), like updatedCovariance(). What has certainly changed by no more than the share
   /// `tolerance` of itself since the last call is not computed again: each covariance C is returned with an error between
   /// -tolerance C and tolerance C, in the order of positive semidefinite matrices, so that no standard deviation is off by more than about
-  /// tolerance / 2 of it. 0: each is computed that has changed. Throws [slom.not-updated] and [slom.rank-deficient].
-  Marginals updatedMarginals(double tolerance = 1e-3) const;
+  /// tolerance / 2 of it. 0: each is computed that has changed. Throws [slom.not-updated] and [slom.rank-deficient]. Not const: it keeps parts of
+  /// the inverse for the next call.
+  Marginals updatedMarginals(double tolerance = 1e-3);
   /// f(values of the variables) and its covariance to first order. f gets a const T& for each and returns a number, an
   /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
   template <class F, class... T>

@@ -162,11 +162,14 @@ class IncrementalCholesky {
   void forgetUndetermined(int block);
   double* rowOf(Front& front, int row, bool to_panel) const;
   double* entry(Front& front, int row, int column) const;
-  void assemblePanel(Front& front);
+  void assemblePanel(Front& front, const std::vector<double>& corrections);
   void addElements(Front& front, bool to_panel);
   void addChildren(Front& front, bool to_panel);
   void factorizeFront(int f);
   void solveFront(int f);
+  double correctionOf(Front& front, int pivot, double computed, double diagonal);
+  double squaredLengthAlong(Front& front, int pivot);
+  double squaredLengthOf(const Element& element, const std::vector<double>& x) const;
   void hold(Front& front, int pivot);
   void goDown(int f, double threshold, bool everywhere);
   /// Additions and multiplications of passing one vector through a front.

@@ -15,8 +15,8 @@ namespace {
 using dense::kStripe;
 using dense::paddedToStripes;
 
-/// A pivot below this share of the diagonal entry of H is rounding error.
-constexpr double kLeastOnlinePivot = 1e-13;
+/// A pivot below this share of the diagonal entry of H may be rounding error, as that of thousands of others adds up in it.
+constexpr double kDoubtfulPivot = 1e-10;
 /// All blocks are reordered when the work per block has grown by this factor since the last ordering.
 constexpr double kMostGrowth = 2;
 constexpr double kLittleWork = 1e5;
@@ -81,10 +81,6 @@ void IncrementalCholesky::addRows(const Front& child, const std::vector<double>&
   }
 }
 
-void IncrementalCholesky::forgetUndetermined(int block) {
-  undetermined_.erase(undetermined_.lower_bound({block, 0}), undetermined_.lower_bound({block + 1, 0}));
-}
-
 /// Where a row of the lower triangle begins, in the columns of the pivots or in the others: its entries are kStripe apart.
 double* IncrementalCholesky::rowOf(Front& front, int row, bool to_panel) const {
   const auto inPanel = [&](double* panel, int i) {
@@ -143,11 +139,12 @@ void IncrementalCholesky::addChildren(Front& front, bool to_panel) {
   }
 }
 
-void IncrementalCholesky::assemblePanel(Front& front) {
+void IncrementalCholesky::assemblePanel(Front& front, const std::vector<double>& corrections) {
   std::fill_n(front.D.data(), dense::panelSize(front.p, front.p), 0.0);
   std::fill_n(front.B.data(), dense::panelSize(front.u, front.p), 0.0);
   addElements(front, true);
   addChildren(front, true);
+  for (int i = 0; i < front.p; ++i) *entry(front, i, i) += corrections[at(i)];
   for (int i = 0; i < static_cast<int>(front.undetermined.size()); ++i) {
     if (front.undetermined[at(i)] == 0) continue;
     for (int j = 0; j <= i; ++j) *entry(front, i, j) = 0;
@@ -176,14 +173,15 @@ void IncrementalCholesky::factorizeFront(int f) {
   front.undetermined.clear();
   std::vector<double> least(at(front.p));
   for (int i = 0; i < front.p; ++i)
-    least[at(i)] = std::max(kLeastOnlinePivot * diagonal[at(i)], std::numeric_limits<double>::min());
+    least[at(i)] = std::max(kDoubtfulPivot * diagonal[at(i)], std::numeric_limits<double>::min());
   front.inverse.resize(at(paddedToStripes(front.p)));
+  std::vector<double> corrections(at(front.p), 0.0);
   for (;;) {
-    assemblePanel(front);
+    assemblePanel(front, corrections);
     double pivot = 0;
     const int done = kernel.factorize(front.D.data(), front.p, least.data(), front.inverse.data(), &pivot);
     if (done == front.p) break;
-    hold(front, done);
+    corrections[at(done)] = correctionOf(front, done, pivot, diagonal[at(done)]);
     least[at(done)] = 0;
   }
   const int stripes = dense::stripesOf(front.u);
@@ -198,20 +196,6 @@ void IncrementalCholesky::factorizeFront(int f) {
   front.factorization = ++factorizations_;
   ++work_.fronts_factorized;
   work_.flops += frontFlops(front.p, front.u);
-}
-
-/// Nothing determines the pivot: it stays where it is.
-void IncrementalCholesky::hold(Front& front, int pivot) {
-  front.undetermined.resize(at(front.p), 0);
-  front.undetermined[at(pivot)] = 1;
-  int offset = 0;
-  for (const int b : front.pivots) {
-    if (pivot < offset + dof(b)) {
-      undetermined_.emplace(b, pivot - offset);
-      return;
-    }
-    offset += dof(b);
-  }
 }
 
 /// y := L^-1 g of the pivots; what they take from the rows goes to the parent.

@@ -135,6 +135,7 @@ TEST(GraphOnline, EndsInTime) {
   const Json json = Json::parse(result.output);
   EXPECT_EQ(json["online"]["updates"], 0);
   EXPECT_TRUE(json["online"]["largest_gap"].is_null());
+  EXPECT_TRUE(json["online"]["batch_rss"].is_null());
 }
 
 TEST(GraphOnline, RefusesOtherWords) {

@@ -1,7 +1,10 @@
 // Covariances between updates: those of the batch fit, and refused where there are none.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -84,6 +87,53 @@ TEST(OnlineFit, HasTheMarginalsOfALinearProblemWithinTheTolerance) {
   const double with_tolerance = largestErrorOfMarginals(0.1);
   EXPECT_LT(with_tolerance, 1);
   EXPECT_GT(with_tolerance, 0.01);  // something was left as it was
+}
+
+/// Levelling lines whose heights no measurement connects with the ground, or one that is 1 / `least` as exact as the best.
+Estimator freeNet(int seed, int points, double least, std::vector<VarID<double>>& heights,
+                  const std::function<void(Estimator&)>& after_each) {
+  std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const auto difference = [](const auto& a, const auto& b) { return a - b; };
+  Estimator est;
+  const VarID<double> ground = est.insertRV(0.0, false, "ground");
+  heights = {est.insertRV(5.0, "h0")};
+  if (least > 0) est.insertMeasurement(difference, ground, heights[0], StandardDeviation(1e-3 / least));
+  for (int i = 1; i < points; ++i) {
+    heights.push_back(est.insertRV(5.0, "h" + std::to_string(i)));
+    for (int k = 0; k < 1 + i % 3; ++k) {
+      const int from = k == 0 ? i - 1 : static_cast<int>(uniform(0, i));
+      est.insertMeasurement(difference, heights[static_cast<std::size_t>(from)], heights.back(),
+                            StandardDeviation(1e-3 * std::pow(10, uniform(0, 2))));
+    }
+    after_each(est);
+  }
+  return est;
+}
+
+TEST(OnlineFit, NamesWhatIsFreeHoweverRoundingErrorsFall) {
+  std::vector<VarID<double>> heights;
+  for (int seed = 0; seed < 40; ++seed) {
+    freeNet(seed, 60, 0, heights, [&](Estimator& est) {
+      ASSERT_EQ(est.update().undetermined.size(), 1u) << seed << " " << heights.size();
+    });
+  }
+}
+
+TEST(OnlineFit, KnowsWhatOnlyAWeakMeasurementDetermines) {
+  std::vector<VarID<double>> heights;
+  for (int seed = 0; seed < 10; ++seed) {
+    for (const double least : {1e-3, 1e-4, 1e-5, 1e-6}) {
+      Estimator est = freeNet(seed, 60, least, heights, [&](Estimator& e) {
+        ASSERT_EQ(e.update().undetermined, std::vector<std::string>()) << seed << " " << heights.size();
+      });
+      const double exact = 1e-3 / least;  // next to which the lines are exact
+      EXPECT_NEAR(est.updatedMarginals().standardDeviation(heights.back())[0], exact, 1e-2 * exact) << least;
+      EXPECT_NEAR(std::sqrt(est.updatedCovariance(heights[30])(0, 0)), exact, 1e-2 * exact) << least;
+    }
+  }
 }
 
 TEST(OnlineFit, RefusesMarginalsThatItDoesNotHave) {

@@ -84,7 +84,7 @@ Film fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& consol
                         console);
     report.summary = fit.optimize(optionsOf(settings, console));
     if (!fit.isComplete()) FitLimits::sayIn(report.summary);
-    fit.run().finish(report.summary.final_rss);
+    fit.run().finish(report.summary);
     console.print(onlineText(fit.run()));
     report.online = std::make_shared<nlohmann::ordered_json>(onlineJson(fit.run()));
     film = {std::move(fit.run().frames), fit.order()};

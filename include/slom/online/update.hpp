@@ -47,6 +47,7 @@ struct UpdateSummary {
   bool is_put_off = false;
   /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
   bool used_optimize = false;
+  int optimize_iterations = 0;  ///< of optimize(), where it took over; the other counts are without these
   /// It would have taken over, but there is a budget: call it when there is time.
   bool needs_optimize = false;
   /// Names of components that no measurement determines, given those of other variables; they keep their values until one does.

@@ -56,9 +56,9 @@ Online parseOnline(const std::string& text) {
       fmt::format("--online={}: give --online, or --online=check, which compares with the batch fit", text));
 }
 
-void OnlineRun::finish(double batch) {
-  batch_rss = batch;
-  if (!updates.empty()) updates.back().gap = gapOf(final_rss, batch);
+void OnlineRun::finish(const Summary& batch) {
+  batch_rss = batch.converged ? batch.final_rss : not_compared;
+  if (!updates.empty()) updates.back().gap = gapOf(final_rss, batch_rss);
 }
 
 double OnlineRun::largestGap() const {
@@ -108,7 +108,8 @@ OnlineFit<Pose>::OnlineFit(const PoseGraph<Pose>& graph, const GraphModel& model
                            bool with_frames, const Console& console)
     : feed_(std::make_unique<Feed>(est_, graph, model)) {
   console.print(progressHeader());
-  const std::size_t all = graph.poses.size(), per_line = std::max<std::size_t>(1, all / progress_lines);
+  run_.poses = graph.poses.size();
+  const std::size_t all = run_.poses, per_line = std::max<std::size_t>(1, all / progress_lines);
   const std::size_t per_frame = updatesPerFrame(all);
   for (std::size_t k = 1; k <= all && FitLimits::reasonToEnd().empty(); ++k) {
     Update update = feed_->add(feed_->order[k - 1]);

@@ -37,10 +37,11 @@ struct OnlineRun {
   std::vector<Update> updates;
   std::vector<Sketch::Frame> frames;  ///< the map over time, after some of the updates
   double final_rss = 0;               ///< after the last update
-  double batch_rss = 0;               ///< RSS of the batch fit from there
+  double batch_rss = 0;               ///< RSS of the batch fit from there; NaN: it did not come to its end
+  std::size_t poses = 0;              ///< of the graph, fed or not
 
   /// Compares the last update with the batch fit.
-  void finish(double batch);
+  void finish(const Summary& batch);
   /// NaN where no update was compared: where all RSS were rounding errors.
   double largestGap() const;
 };

@@ -69,7 +69,11 @@ std::string onlineText(const OnlineRun& run) {
                   1000 * times.quantile(0.99), 1000 * worst->seconds, worst->pose);
   const auto compared = std::count_if(run.updates.begin(), run.updates.end(),
                                       [](const Update& update) { return !std::isnan(update.gap); });
-  text += fmt::format("  RSS {:.8g}, of the batch fit {:.8g}", run.final_rss, run.batch_rss);
+  if (run.updates.size() < run.poses)
+    text += fmt::format("  ended after {} of {} poses\n", run.updates.size(), run.poses);
+  text += fmt::format("  RSS {:.8g}, ", run.final_rss);
+  text += std::isnan(run.batch_rss) ? "not compared: the batch fit did not converge"
+                                    : fmt::format("of the batch fit {:.8g}", run.batch_rss);
   if (compared > 0) {
     text += fmt::format("; largest gap RSS / batch RSS - 1: {:.1e}, {} compared", run.largestGap(),
                         plural(std::size_t(compared), "update"));
@@ -87,7 +91,7 @@ Json onlineJson(const OnlineRun& run) {
             {"worst", times.quantile(1)}}},
           {"largest_gap", numberOrNull(run.largestGap())},
           {"final_rss", run.final_rss},
-          {"batch_rss", run.batch_rss},
+          {"batch_rss", numberOrNull(run.batch_rss)},
           {"trace", traceJson(run)}};
 }
 

@@ -1,0 +1,92 @@
+/// What nothing determines: pivots that are rounding error.
+#include <algorithm>
+#include <utility>
+
+#include "online/incremental_cholesky.hpp"
+
+namespace slom {
+
+namespace {
+
+/// An unknown of which the others leave less than this share of its column of A^T A stays where it is.
+constexpr double kLeastOnlinePivot = 1e-13;
+
+}  // namespace
+
+void IncrementalCholesky::forgetUndetermined(int block) {
+  undetermined_.erase(undetermined_.lower_bound({block, 0}), undetermined_.lower_bound({block + 1, 0}));
+}
+
+/// What is to be added to the diagonal for a doubtful pivot to be right. Where nothing determines the pivot, it is held.
+///
+/// In exact arithmetic the pivot of unknown k is |A w|^2 with w_k = 1, w = 0 after it and what is before it as A w is least. The difference that
+/// factorisation takes has the rounding errors of all terms w_i^2 H_ii; |A w|^2 has next to none.
+double IncrementalCholesky::correctionOf(Front& front, int pivot, double computed, double diagonal) {
+  const double exact = squaredLengthAlong(front, pivot);
+  if (exact > kLeastOnlinePivot * diagonal) return exact - computed;
+  hold(front, pivot);
+  return 0;
+}
+
+/// |A w|^2 of a pivot of the front, which is factorised up to that pivot.
+double IncrementalCholesky::squaredLengthAlong(Front& front, int pivot) {
+  const auto& kernel = dense::kernels();
+  std::vector<double> w(at(front.p + front.u), 0.0);
+  w[at(pivot)] = 1;
+  for (int i = pivot - 1; i >= 0; --i) {
+    for (int k = i + 1; k <= pivot; ++k) w[at(i)] -= *entry(front, k, i) * w[at(k)];
+    w[at(i)] /= *entry(front, i, i);
+  }
+  double sum = 0;
+  std::vector<std::pair<const Front*, std::vector<double>>> to_visit;
+  to_visit.emplace_back(&front, std::move(w));
+  while (!to_visit.empty()) {
+    const auto [own, x] = std::move(to_visit.back());
+    to_visit.pop_back();
+    for (const int e : own->elements) sum += squaredLengthOf(elements_[at(e)], x);
+    for (const int c : own->children) {
+      const Front& child = fronts_[at(c)];
+      rows_.assign(at(dense::paddedToStripes(child.u)), 0.0);
+      for (int i = 0; i < child.u; ++i) rows_[at(i)] = x[at(child.in_parent.columns[at(i)] / dense::kStripe)];
+      if (std::all_of(rows_.begin(), rows_.end(), [](double r) { return r == 0; })) continue;
+      std::vector<double> d(at(dense::paddedToStripes(child.p)), 0.0);
+      kernel.backwardRows(child.B.data(), child.p, child.u, rows_.data(), d.data());
+      kernel.backwardPivots(child.D.data(), child.inverse.data(), child.p, d.data());
+      work_.flops += substitutionFlops(child.p, child.u);
+      d.resize(at(child.p));
+      d.insert(d.end(), rows_.begin(), rows_.begin() + child.u);
+      to_visit.emplace_back(&child, std::move(d));
+    }
+  }
+  return sum;
+}
+
+/// |A_e x|^2 for x of the element's front.
+double IncrementalCholesky::squaredLengthOf(const Element& element, const std::vector<double>& x) const {
+  double sum = 0;
+  for (int r = 0; r < element.rows; ++r) {
+    const double* a = numbers_.data() + element.start + r;
+    double row = 0;
+    for (const auto& [place, dof] : element.places) {
+      for (int i = place; i < place + dof; ++i, a += element.rows) row += *a * x[at(i)];
+    }
+    sum += row * row;
+  }
+  return sum;
+}
+
+/// Nothing determines the pivot: it stays where it is.
+void IncrementalCholesky::hold(Front& front, int pivot) {
+  front.undetermined.resize(at(front.p), 0);
+  front.undetermined[at(pivot)] = 1;
+  int offset = 0;
+  for (const int b : front.pivots) {
+    if (pivot < offset + dof(b)) {
+      undetermined_.emplace(b, pivot - offset);
+      return;
+    }
+    offset += dof(b);
+  }
+}
+
+}  // namespace slom
