@@ -5,6 +5,7 @@
 ///   calibrate.hpp   the fit: calibrate(data, settings)
 ///   result.hpp      what it found, with standard deviations
 ///   assess.hpp      how far it can be trusted, assess(data, settings, result), in figures (quality.hpp) and in a sentence
+///   patterns.hpp    what residuals have in common, and why
 ///   pixel_uncertainty.hpp  how sure it is where a point is projected to, asked pixel by pixel
 ///   comparison.hpp  which camera model the data carry
 ///   error.hpp       what is thrown for data and settings that make no sense
@@ -19,6 +20,7 @@
 #include "slom/calibration/models.hpp"
 #include "slom/calibration/number_text.hpp"
 #include "slom/calibration/options.hpp"
+#include "slom/calibration/patterns.hpp"
 #include "slom/calibration/pixel_uncertainty.hpp"
 #include "slom/calibration/quality.hpp"
 #include "slom/calibration/result.hpp"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slom/calibration/patterns.hpp"
 #include "slom/calibration/types.hpp"
 
 namespace slom::calibration {
@@ -114,6 +115,8 @@ struct Quality {
   bool is_clustered = false;
   std::vector<WorstResidual> worst;  ///< the worst first
   double board_distance_m = 0;  ///< median distance of the boards' centres from the cameras that saw them
+  /// What residuals have in common; of cameras with at least nine images, found or not.
+  std::vector<ResidualPattern> patterns;
   SplitHalf split_half;
   Correlations correlations;
   std::vector<FurtherView> further_views;  ///< one after the other: each with those before it added

@@ -15,6 +15,7 @@
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/correlations.hpp"
 #include "calibration/quality/next_best_view.hpp"
+#include "calibration/quality/patterns.hpp"
 #include "calibration/quality/projection.hpp"
 #include "calibration/quality/residuals.hpp"
 #include "calibration/quality/split_half.hpp"
@@ -104,6 +105,8 @@ void addExpectations(const Dataset& data, const Settings& settings, const Result
   quality.board_distance_m = boardDistance(observations, rig);
   quality.correlations = correlationsOf(rig.columns, stated.covarianceOfShared());
   clock.record("covariance");
+  quality.patterns = residualPatterns(data, rig, stated.covarianceOfShared(), grids, settings.limits);
+  clock.record("patterns");
   addProjection(rig, posterior, stated, quality.board_distance_m, settings, quality.cameras);
   clock.record("projection");
   quality.split_half = splitHalf(data, settings, result, grids);

@@ -1,6 +1,7 @@
 #include "calibrate/output/notes.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -252,6 +253,17 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
+/// Why errors are not independent, as far as residuals show it.
+void notePatterns(const Result& result, std::vector<std::string>& notes) {
+  if (!result.quality) return;
+  for (const ResidualPattern& pattern : result.quality->patterns) {
+    if (!pattern.isFound()) continue;
+    std::string sentence = sentenceOf(pattern, result);
+    sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+    notes.push_back(sentence + ".");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> notes(const Result& result) {
@@ -267,6 +279,7 @@ std::vector<std::string> notes(const Result& result) {
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteClustered(result, notes);
+  if (result.success() && result.strays.empty()) notePatterns(result, notes);
   noteGravity(result, notes);
   return notes;
 }

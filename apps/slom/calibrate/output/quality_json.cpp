@@ -91,6 +91,34 @@ Json furtherViewsJson(const Result& result) {
   return list;
 }
 
+std::vector<double> numbersOf(const vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json patternsJson(const Result& result) {
+  Json list = Json::array();
+  for (const ResidualPattern& pattern : result.quality->patterns) {
+    Json json = {{"kind", toString(pattern.kind)},
+                 {"camera", result.cameras[pattern.camera].name},
+                 {"is_found", pattern.isFound()},
+                 {"value", pattern.value},
+                 {"share", pattern.share},  // null: it compares sizes of residuals
+                 {"probability", pattern.probability},
+                 {"blocks", pattern.blocks},
+                 {"sentence", sentenceOf(pattern, result)}};
+    if (pattern.kind == ResidualPattern::Kind::board_shape) {
+      json["within_plane"] = pattern.second;
+      json["corners"] = Json::array();
+      for (const MovedCorner& corner : pattern.corners) {
+        json["corners"].push_back({{"corner", corner.number},
+                                   {"world_m", numbersOf(corner.world)},
+                                   {"displacement_m", numbersOf(corner.displacement)}});
+      }
+    }
+    if (pattern.kind == ResidualPattern::Kind::drift) json["parameter"] = pattern.parameter;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
 }  // namespace
 
 Json qualityJson(const Result& result) {
@@ -110,6 +138,7 @@ Json qualityJson(const Result& result) {
   if (!result.success() || !quality.hasProjection()) return json;
   json["is_clustered"] = quality.is_clustered;
   json["board_distance_m"] = quality.board_distance_m;
+  json["patterns"] = patternsJson(result);
   json["split_half"] = splitHalfJson(result);
   json["correlations"] = qualityCorrelationsJson(quality.correlations);
   json["further_views"] = furtherViewsJson(result);

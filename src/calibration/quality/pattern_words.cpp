@@ -1,0 +1,119 @@
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "slom/calibration/error.hpp"
+#include "slom/calibration/number_text.hpp"
+#include "slom/calibration/patterns.hpp"
+#include "slom/calibration/result.hpp"
+
+namespace slom::calibration {
+namespace {
+
+using Kind = ResidualPattern::Kind;
+
+constexpr double by_chance = 0.005;  // probability
+// What matters less is found in many images, too.
+constexpr double correlated = 0.1;
+constexpr double part_of_squares = 0.01;       // of places and points, of which there are many
+constexpr double part_of_one_unknown = 0.001;  // moves a calibration by many of its standard deviations
+constexpr double much_larger = 1.25;
+
+std::string percent(double share) { return twoDigits(100 * share) + " %"; }
+
+}  // namespace
+
+bool ResidualPattern::isFound() const {
+  if (!(probability <= by_chance)) return false;
+  switch (kind) {
+    case Kind::neighbours:
+      return value >= correlated;
+    case Kind::board_shape:
+    case Kind::image_place:
+      return share >= part_of_squares;
+    case Kind::drift:
+    case Kind::row_readout:
+    case Kind::time_offset:
+      return share >= part_of_one_unknown;
+    case Kind::motion_blur:
+    case Kind::speed:
+    case Kind::slant:
+    case Kind::distance:
+      return value >= much_larger;
+  }
+  return false;
+}
+
+const char* toString(Kind kind) {
+  constexpr std::array names{"neighbours",  "board_shape", "image_place", "drift", "row_readout",
+                             "time_offset", "motion_blur", "speed",       "slant", "distance"};
+  return names[std::size_t(kind)];
+}
+
+std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
+  if (pattern.camera >= result.cameras.size()) {
+    throw DataError("slom.calibration.bad-question",
+                    fmt::format("there is no camera {}; pass one of the patterns of this result's quality",
+                                pattern.camera),
+                    "pattern");
+  }
+  const std::string& camera = result.cameras[pattern.camera].name;
+  const double value = pattern.value;
+  switch (pattern.kind) {
+    case Kind::neighbours:
+      return fmt::format(
+          "residuals of neighbouring corners in images of {} have a correlation of {}: their errors are shared, as by blur, lighting or a lens "
+          "model that is too simple, so that many corners of an image say as much as a few independent ones",
+          camera, fixedDecimals(value, 2));
+    case Kind::board_shape:
+      return fmt::format(
+          "in the images of {}, corners of the board are elsewhere than stated, the same in all images: {} mm off its plane and {} mm within it "
+          "(RMS), {} of the squared residuals; lay the board on something flat, and measure what was printed; the JSON lists where the corners seem to be",
+          camera, twoDigits(1e3 * value), twoDigits(1e3 * pattern.second), percent(pattern.share));
+    case Kind::image_place:
+      return fmt::format(
+          "residuals of {} depend on the place in the image, by {} px (RMS), {} of the squared residuals: the lens model is too "
+          "simple; try one with more parameters (--intrinsics, --compare)",
+          camera, twoDigits(value), percent(pattern.share));
+    case Kind::drift:
+      return fmt::format(
+          "the lens of {} changes over the images: {} by {} from the first to the last, {} of the squared residuals; was the focus moved, did the camera warm "
+          "up, or is the lens model too simple for images that change, too?",
+          camera, pattern.parameter, twoDigits(value), percent(pattern.share));
+    case Kind::row_readout:
+      return fmt::format(
+          "residuals of {} follow the motion by row, as if the last row were read out {} of the interval between image numbers after the first, {} of the squared "
+          "residuals: a rolling shutter; hold the camera still while it takes images",
+          camera, twoDigits(value), percent(pattern.share));
+    case Kind::time_offset:
+      return fmt::format(
+          "residuals of {} follow the motion, as if it were {} of the interval between image numbers {} than {}, {} of the squared residuals: check the "
+          "time stamps, or hold the cameras still while they take images",
+          camera, twoDigits(std::abs(value)), value > 0 ? "later" : "earlier", result.cameras.front().name,
+          percent(pattern.share));
+    case Kind::motion_blur:
+      return fmt::format(
+          "in images of {} that move, residuals are {} times as large along the motion as across it: blur, or time stamps; use a shorter exposure, or hold the "
+          "camera still",
+          camera, fixedDecimals(value, 1));
+    case Kind::speed:
+      return fmt::format(
+          "residuals of {} are {} times as large in the quarter of its images with the fastest motion as in the slowest quarter: leave fast ones out, or move "
+          "less",
+          camera, fixedDecimals(value, 1));
+    case Kind::slant:
+      return fmt::format(
+          "residuals of {} are {} times as large in the most slanted quarter of its images as in the most frontal one: corners are found less well "
+          "there than the stated sigma says",
+          camera, fixedDecimals(value, 1));
+    case Kind::distance:
+      return fmt::format(
+          "residuals of {} are {} times as large in the farthest quarter of its boards as in the nearest one: corners are found less well there "
+          "than the stated sigma says",
+          camera, fixedDecimals(value, 1));
+  }
+  return "";
+}
+
+}  // namespace slom::calibration
