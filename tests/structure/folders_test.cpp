@@ -19,6 +19,7 @@ const std::map<std::string, std::string> others{
     {"command", "the files beside the subcommands, apps/slom/*.cpp"},
     {"compile_fail", "sources that must not compile"},
     {"detect", "a folder of apps/slom/calibrate"},
+    {"docs", "the pages, the site that is made of them, and the comments of the public headers"},
     {"examples", "examples/ and the code in pages"},
     {"fuzz", "readers and fits, on any bytes"},
     {"install", "projects of users"},
