@@ -14,10 +14,11 @@ project = "SLoM"
 author = "the authors of SLoM"
 release = version = ".".join(numbers)
 sys.path.insert(0, os.fspath(pathlib.Path(__file__).parent))
-extensions = ["myst_parser", "theme"]
+extensions = ["myst_parser", "theme", "code_links"]
 root_doc = "index"
 language = "en"
 nitpicky = True
+nitpick_ignore_regex = [("cpp:identifier", ".*")]  # types in declarations: those of Eigen and of C++ have no page here
 highlight_language = "text"
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]

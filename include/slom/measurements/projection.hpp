@@ -23,6 +23,7 @@
 
 namespace slom {
 
+/// The pixel of a point in the camera's frame.
 struct Projection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& intrinsics, const auto& in_camera) const {
@@ -30,6 +31,7 @@ struct Projection {
   }
 };
 
+/// The pixel of a point of the world, in a camera whose pose is cam_T_world.
 struct Reprojection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& pose, const auto& intrinsics, const auto& point) const {

@@ -9,8 +9,10 @@
 
 namespace slom {
 
+/// The set.
 class IndexSet {
  public:
+  /// Visits the numbers in ascending order.
   class Iterator {
    public:
     Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) {

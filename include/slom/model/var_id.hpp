@@ -104,6 +104,7 @@ class VarArg : public VariableArgument {
  public:
   using Value = T;
 
+  /// From the handle, implicitly. Throws [slom.stale-handle].
   VarArg(const VarID<T>& id)  // NOLINT(google-explicit-constructor): measurements are built from VarIDs
       : VariableArgument(id, &*id) {}
 

@@ -19,6 +19,7 @@ namespace slom {
 
 class Evaluator {
  public:
+  /// Of a problem, which must outlive it.
   Evaluator(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
   ~Evaluator();
 
