@@ -30,6 +30,7 @@ html_css_files = ["site.css"]
 html_js_files = ["keyboard.js"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_last_updated_fmt = None
 html_use_index = True
 html_show_search_summary = False  # a page in a file may not read another one

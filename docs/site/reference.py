@@ -50,9 +50,11 @@ class Comment:
 
     def __init__(self, names):
         self.names = names
+        self.to_root = ""  # way from the page at work to the root of the site
+        self.errors = set(re.findall(r"^### (\S+)$", (headers.ROOT / "docs/errors.md").read_text(encoding="utf-8"), re.MULTILINE))
 
     def prose(self, words):
-        """Names of classes and functions become links, what stands in backticks code."""
+        """Names of classes and functions become links, and so do ids of errors in brackets; what stands in backticks is code."""
         parts = re.split(r"`([^`]+)`", words)
         return "".join(self.code(part) if i % 2 else self.linked(part) for i, part in enumerate(parts))
 
@@ -60,6 +62,14 @@ class Comment:
         return f"\\ ``{words.strip()}``\\ "
 
     def linked(self, words):
+        pieces = re.split(r"\[((?:slom|mtk)\.[a-z0-9.-]+)\]", words)
+        return "".join(self.error(piece) if i % 2 else self.linked_names(piece) for i, piece in enumerate(pieces))
+
+    def error(self, name):
+        anchor = name.replace(".", "-")
+        return f"[\\ `{name} <{self.to_root}errors.html#{anchor}>`__\\ ]" if name in self.errors else f"[{name}]"
+
+    def linked_names(self, words):
         result = []
         for part in re.split(r"([A-Za-z_][\w]*(?:::[A-Za-z_]\w*)*(?:\(\))?)", words):
             name = part.removesuffix("()")
@@ -176,6 +186,7 @@ class Reference:
         return True
 
     def page(self, header):
+        self.comment.to_root = "../" * (header.name.count("/") + 1)
         text = heading(header.name, "=") + f".. code-block:: cpp\n\n   #include <{header.name}>\n\n"
         text += self.comment.rst(header.comment) + "\n\n"
         for entity in header.entities:
@@ -198,6 +209,7 @@ class Reference:
             sys.exit(f"docs: docs/site/reference.py does not know the folders {sorted(missing)} of include/; add them to FOLDERS")
         for name, words in FOLDERS.items():
             firsts = [(header, re.split(r"(?<=[.:]) ", self.headers[f"{header}.hpp"].comment.replace("\n", " "))[0]) for header in sorted(pages[name])]
+            self.comment.to_root = "../"
             text = heading(f"{name}: {words}", "=")
             text += "".join(f"* :doc:`/reference/{header}`: {self.comment.prose(first)}\n" for header, first in firsts)
             text += "\n.. toctree::\n   :hidden:\n\n" + "".join(f"   {header.rpartition('/')[2]}.hpp </reference/{header}>\n" for header, _ in firsts)

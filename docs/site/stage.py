@@ -11,6 +11,7 @@ import pathlib
 import re
 import shutil
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^ {0,3}(```+|~~~+)")
@@ -61,6 +62,19 @@ def replaced_links(text, replacement):
             return match.group(0) if new is None else new
         return show(LINK.sub(one, INLINE_CODE.sub(hide, line)))
     return "\n".join(in_line(line) if outside else line for line, outside in lines_outside_code(text))
+
+
+def with_code_at_the_margin(text):
+    """The text with the indentation removed that all lines of a fenced block have, as of code from the middle of a function."""
+    result, block = [], []
+    for line, outside in lines_outside_code(text):
+        if not outside and not FENCE.match(line):
+            block.append(line)
+            continue
+        result += textwrap.dedent("\n".join(block)).split("\n") if block and result and FENCE.match(result[-1]) else block
+        block = []
+        result.append(line)
+    return "\n".join(result + block)
 
 
 def links(text):
@@ -139,7 +153,7 @@ class Site:
         text = (ROOT / page).read_text(encoding="utf-8")
         if os.path.basename(name) == "index.md":
             text += self.contents(page, name, text)
-        return replaced_links(text, link)
+        return replaced_links(with_code_at_the_margin(text), link)
 
     def contents(self, page, name, text):
         """The navigation below an index: one list for each of its sections, of the pages in its folder and below that it links to, or,

@@ -11,6 +11,9 @@ document.addEventListener("DOMContentLoaded", () => {
       label.click();
     });
   }
+  for (const code of document.querySelectorAll("pre")) {
+    if (code.scrollWidth > code.clientWidth) code.tabIndex = 0;  // so that arrow keys scroll it
+  }
   document.addEventListener("keydown", (event) => {
     if (event.key === "Escape") for (const box of document.querySelectorAll("#__navigation, #__toc")) box.checked = false;
     const typing = /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || event.target.isContentEditable;
