@@ -123,7 +123,7 @@ def run_doxygen(folder):
 def read(folder):
     """{name of the header: Header} of all public headers."""
     run_doxygen(folder)
-    headers, classes, loose = {}, {}, []
+    headers, classes, loose, private = {}, {}, [], []
     for path in sorted(pathlib.Path(folder, "xml").glob("*.xml")):
         for element in xml.parse(path).getroot().findall("compounddef"):
             kind, name = element.get("kind"), text(element.find("compoundname"))
@@ -137,9 +137,13 @@ def read(folder):
                 entity, is_public = compound(element)
                 if is_public:
                     classes[name] = entity
+                else:
+                    private.append(f"{name}::")
             elif kind == "namespace" and not is_hidden(name):
                 loose += [member(each, name, "namespace") for each in element.iter("memberdef")]
     for name, entity in classes.items():
+        if name.startswith(tuple(private)):
+            continue
         (classes[entity.scope].members if entity.scope in classes else loose).append(entity)
     for entity in loose:
         if entity.header in headers and not is_hidden(re.sub(r"operator\W+$", "operator", entity.qualified)):

@@ -19,6 +19,7 @@ FOLDERS = {  # in the order of the library's rooms, with the words of docs/archi
     "slom/optimize": "algorithms, options, summaries", "slom/analyze": "uncertainty and diagnostics",
     "slom/initialize": "start values of maps", "slom/io": "files", "slom/calibration": "calibration of cameras and an IMU",
 }
+MANY_FUNCTIONS = 8
 DIRECTIVES = {"class": "class", "struct": "struct", "union": "union", "concept": "concept", "function": "function", "friend": "function",
               "variable": "member", "typedef": "type", "enum": "enum", "enumvalue": "enumerator"}
 
@@ -172,7 +173,15 @@ class Reference:
         if not is_understood:
             code = textwrap.indent(declaration, "   ")
             return f".. code-block:: cpp\n\n{code}\n\n{body}\n\n{inner}"
+        body = f"{body}\n\n{self.list_of_members(entity, shown)}"
         return f".. cpp:{directive}:: {declaration}\n\n{textwrap.indent(body, '   ')}\n\n{textwrap.indent(inner, '   ')}\n"
+
+    def list_of_members(self, entity, shown):
+        """A line of links to the functions of a class that has many of them."""
+        names = dict.fromkeys(each.name for each in shown if each.kind == "function" and re.fullmatch(r"(?!explicit)[a-z]\w*", each.name))
+        if len(names) < MANY_FUNCTIONS:
+            return ""
+        return ", ".join(f":cpp:any:`{name} <{entity.qualified}::{name}>`" for name in names) + "\n\n"
 
     def is_shown(self, entity):
         if entity.kind == "define" or re.match(r"^[A-Z0-9_]{4,}$", entity.name) and entity.kind == "function":
@@ -189,7 +198,13 @@ class Reference:
         self.comment.to_root = "../" * (header.name.count("/") + 1)
         text = heading(header.name, "=") + f".. code-block:: cpp\n\n   #include <{header.name}>\n\n"
         text += self.comment.rst(header.comment) + "\n\n"
+        headed = set()
         for entity in header.entities:
+            is_macro = entity.kind == "define" and entity.comment
+            if entity.name not in headed and (is_macro or entity.kind != "define" and self.is_shown(entity)):
+                headed.add(entity.name)
+                if len(header.entities) > 1:
+                    text += heading(re.sub(r"([\\*`|_<>])", r"\\\1", entity.name), "-")
             if entity.kind == "define" and entity.comment:
                 text += f".. c:macro:: {entity.name}{entity.arguments}\n\n" + textwrap.indent(self.comment.rst(entity.comment), "   ") + "\n\n"
             elif self.is_shown(entity):

@@ -11,8 +11,8 @@ document.addEventListener("DOMContentLoaded", () => {
       label.click();
     });
   }
-  for (const code of document.querySelectorAll("pre")) {
-    if (code.scrollWidth > code.clientWidth) code.tabIndex = 0;  // so that arrow keys scroll it
+  for (const wide of document.querySelectorAll("pre, table.docutils")) {
+    if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;  // so that arrow keys scroll it
   }
   document.addEventListener("keydown", (event) => {
     if (event.key === "Escape") for (const box of document.querySelectorAll("#__navigation, #__toc")) box.checked = false;
