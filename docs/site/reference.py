@@ -55,7 +55,7 @@ class Comment:
         self.errors = set(re.findall(r"^### (\S+)$", (headers.ROOT / "docs/errors.md").read_text(encoding="utf-8"), re.MULTILINE))
 
     def prose(self, words):
-        """Names of classes and functions become links, and so do ids of errors in brackets; what stands in backticks is code."""
+        """Names of classes and functions, ids of errors in brackets and pages become links; what stands in backticks is code."""
         parts = re.split(r"`([^`]+)`", words)
         return "".join(self.code(part) if i % 2 else self.linked(part) for i, part in enumerate(parts))
 
@@ -63,8 +63,15 @@ class Comment:
         return f"\\ ``{words.strip()}``\\ "
 
     def linked(self, words):
-        pieces = re.split(r"\[((?:slom|mtk)\.[a-z0-9.-]+)\]", words)
-        return "".join(self.error(piece) if i % 2 else self.linked_names(piece) for i, piece in enumerate(pieces))
+        pieces = re.split(r"(\[(?:slom|mtk)\.[a-z0-9.-]+\]|docs/[\w/]+\.md)", words)
+        return "".join(self.special(piece) if i % 2 else self.linked_names(piece) for i, piece in enumerate(pieces))
+
+    def special(self, piece):
+        """A link to an error or to a page."""
+        if piece.startswith("["):
+            return self.error(piece[1:-1])
+        page = piece.removeprefix("docs/").removesuffix(".md")
+        return f"\\ :doc:`/{page}`\\ " if (headers.ROOT / piece).exists() else piece
 
     def error(self, name):
         anchor = name.replace(".", "-")
