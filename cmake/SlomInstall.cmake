@@ -32,7 +32,14 @@ install(FILES "${PROJECT_BINARY_DIR}/slom-config.cmake" "${PROJECT_BINARY_DIR}/s
 # Pages, as their links expect them beside the readme; what the command brings of others says so beside its own licence.
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
         DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" PATTERN "docs/site" EXCLUDE)
+# The site that scripts/docs makes of them, where it was built.
+set(slom_site "${PROJECT_SOURCE_DIR}/build/docs/html")
+install(DIRECTORY "${slom_site}" DESTINATION "${CMAKE_INSTALL_DOCDIR}" OPTIONAL)
+if(PROJECT_IS_TOP_LEVEL)
+  add_custom_target(docs COMMAND "${PROJECT_SOURCE_DIR}/scripts/docs" "${slom_site}" USES_TERMINAL VERBATIM
+                    COMMENT "Building the documentation as a site")
+endif()
 
 # For builds that know pkg-config instead of CMake: mtk.pc and slom.pc. A static library names what it stands on itself.
 set(slom_pc_libraries "")

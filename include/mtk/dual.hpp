@@ -131,7 +131,9 @@ class SparseDual {
     return *this;
   }
 
+  /// The number itself, without its derivatives.
   const S& value() const { return v_; }
+  /// The derivatives by the columns of the mask C, in ascending order; the others are 0.
   const Partials& partials() const { return d_; }
   S& value() { return v_; }
   Partials& partials() { return d_; }

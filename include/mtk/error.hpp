@@ -18,6 +18,7 @@ class Error : public std::runtime_error {
   Error(std::string id, const std::string& sentence, std::string subject = {})
       : std::runtime_error("[" + id + "] " + sentence), id_(std::move(id)), subject_(std::move(subject)) {}
 
+  /// `slom.bad-option`: stable between versions.
   const std::string& id() const noexcept { return id_; }
   /// The name of what the sentence is about: of a variable or of one of its components, of a measurement, an option, an argument, a
   /// file or its line, the type of a handle. `pose[3].pos.x`; empty where nothing has a name.

@@ -105,6 +105,7 @@ class Pack {
   explicit Pack(const Numbers& x) : lanes(x) {}
 
   double operator[](int lane) const { return lanes.get(lane); }
+  /// Replaces the number in one lane.
   void set(int lane, double x) { lanes.set(lane, x); }
 
   Pack& operator+=(const Pack& b) { return *this = *this + b; }

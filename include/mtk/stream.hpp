@@ -210,6 +210,7 @@ struct Streamed {
     return read(is, s.value);
   }
 };
+/// Makes any manifold value writable and readable by the operators of streams: `os << mtk::streamed(x)`.
 template <class M>
 Streamed<M> streamed(M& x) {
   return {x};

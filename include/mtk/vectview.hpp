@@ -46,6 +46,7 @@ class vectview : public Eigen::Map<detail::MappedVector<S, N>> {
  public:
   using Base = Eigen::Map<detail::MappedVector<S, N>>;
 
+  /// A view of N numbers, N fixed; the owner keeps them alive.
   explicit vectview(S* data)
     requires(N != Dynamic)
       : Base(data) {}

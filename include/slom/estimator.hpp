@@ -79,6 +79,7 @@ struct MarginalizeOptions {
   bool first_estimates = false;
 };
 
+/// Variables, measurements and the fit of the former to the latter. Movable, not copyable.
 class Estimator {
  public:
   Estimator();
@@ -265,6 +266,7 @@ class Estimator {
   void setGroup(const MeasID<M>& id, const Group& group) {
     inGroups(id, &group, 1);
   }
+  /// Removes a measurement. Throws [slom.stale-handle].
   template <class M>
   void removeMeasurement(const MeasID<M>& id) {
     const auto [pool, i] = problem().locate(id);
@@ -459,9 +461,11 @@ class Estimator {
   /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
   /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.
   void setSigma(Sigma sigma);
+  /// What setSigma has set.
   Sigma sigma() const;
   /// What covariances are when a rigid motion or a scale of everything is free.
   void setFreeGauge(FreeGauge gauge);
+  /// What setFreeGauge has set.
   FreeGauge freeGauge() const;
 
   /// The variable and measurement table: what there is, in which revision, and what has changed or moved since another one.

@@ -24,6 +24,7 @@
 
 namespace slom {
 
+/// How much stays in the window: a variable leaves when either limit is exceeded.
 struct FixedLagOptions {
   int variables = std::numeric_limits<int>::max();  ///< the most that stay
   double duration = std::numeric_limits<
@@ -32,6 +33,7 @@ struct FixedLagOptions {
   bool first_estimates = false;
 };
 
+/// The variables in a window, by their times.
 class FixedLag {
  public:
   /// Throws [slom.bad-option].

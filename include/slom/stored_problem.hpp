@@ -95,8 +95,11 @@ inline constexpr bool begins_with_list<std::vector<AnyVarID>, Data...> = true;
 /// How GaussianPriors are written and read.
 class StoredPrior {
  public:
+  /// The name of the kind in archives.
   static std::string name() { return "GaussianPrior"; }
+  /// Writes prior i of the pool.
   static void write(std::ostream&, const detail::StoredArguments&, const MeasurementPool&, int i);
+  /// Whether the stream has a prior, which is inserted unless there is no problem.
   static bool read(std::istream&, Problem*, const detail::StoredArguments&, const detail::StoredOptions&);
 };
 

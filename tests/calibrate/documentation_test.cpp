@@ -15,6 +15,20 @@ using slom::testing::sourcePath;
 using slom::testing::withoutIterations;
 using slom::testing::words;
 
+TEST(CalibrateDocumentation, ShowsARealFirstCalibration) {
+  const std::string page = slom::testing::readFile(sourcePath("docs/start/first_calibration.md"));
+  const auto runs = blocks(page, "console");
+  ASSERT_EQ(runs.size(), 1u);
+  ASSERT_TRUE(runs[0].starts_with("$ slom ")) << runs[0];
+  std::vector<std::string> command = words(runs[0].substr(2, runs[0].find('\n') - 2));
+  command[0] = slom::testing::commandPath().string();
+  const std::string root = sourcePath(".").string();
+  command.insert(command.begin(), {"/usr/bin/env", "-C", root});
+  const auto result = slom::testing::runCommand(command);
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(withoutIterations(result.output), withoutIterations(runs[0].substr(runs[0].find('\n') + 1)));
+}
+
 TEST(CalibrateDocumentation, ShowsRealRuns) {
   const slom::testing::TemporaryFolder
       folder;  // the commands write here, and find data/ as in the source tree

@@ -59,6 +59,19 @@ TEST(Documentation, ShowsWhatTheFirstProgramPrints) {
   EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
 }
 
+TEST(Documentation, ShowsWhatTheProgramOfTheInstallationPrints) {
+  const auto printed = blocks(readFile(slom::testing::sourcePath("docs/start/install.md")), "text");
+  ASSERT_EQ(printed.size(), 1u);
+  EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/circle_fit/expected.txt")));
+}
+
+TEST(Documentation, ShowsWhatTheFirstFitPrints) {
+  const auto printed = blocks(readFile(slom::testing::sourcePath("docs/start/first_fit.md")), "text");
+  ASSERT_EQ(printed.size(), 3u);
+  EXPECT_EQ(printed[0] + "\n" + printed[1] + "\n" + printed[2],
+            readFile(slom::testing::sourcePath("examples/first_fit/expected.txt")));
+}
+
 TEST(Documentation, ShowsWhatTheCalibrationPrints) {
   const auto printed = blocks(readFile(slom::testing::sourcePath("docs/calibration_library.md")), "text");
   ASSERT_EQ(printed.size(), 1u);

@@ -10,4 +10,7 @@ foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom share/b
     message(FATAL_ERROR "not installed: ${file}")
   endif()
 endforeach()
+if(EXISTS "${CMAKE_CURRENT_LIST_DIR}/../../build/docs/html/index.html" AND NOT EXISTS "${PREFIX}/share/doc/slom/html/index.html")
+  message(FATAL_ERROR "not installed: the site that scripts/docs has built")
+endif()
 step("run the installed command" "${PREFIX}/bin/slom" --help)

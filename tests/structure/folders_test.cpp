@@ -16,9 +16,11 @@ namespace fs = std::filesystem;
 /// All others, and what they are about.
 const std::map<std::string, std::string> others{
     {"calibrate_reference", "OpenCV's calibration of the same images, for tests/calibrate to compare with"},
+    {"coming_from", "the problems of docs/coming_from by other libraries"},
     {"command", "the files beside the subcommands, apps/slom/*.cpp"},
     {"compile_fail", "sources that must not compile"},
     {"detect", "a folder of apps/slom/calibrate"},
+    {"docs", "the pages, the site that is made of them, and the comments of the public headers"},
     {"examples", "examples/ and the code in pages"},
     {"fuzz", "readers and fits, on any bytes"},
     {"install", "projects of users"},

@@ -25,6 +25,7 @@
 
 namespace mtk::testing {
 
+/// Where and how strictly checkAxioms looks.
 struct AxiomOptions {
   unsigned seed = 1;
   int points = 40;  ///< random points x
@@ -36,9 +37,12 @@ struct AxiomOptions {
   double tolerance = 64;
 };
 
+/// How many checks were made, and which failed.
 class AxiomReport {
  public:
+  /// Whether no check failed.
   bool ok() const { return failures_.empty(); }
+  /// The number of checks, failed ones included.
   int checks() const { return checks_; }
   /// The first failures in words, empty when there are none.
   std::string text() const {

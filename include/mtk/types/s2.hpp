@@ -50,10 +50,14 @@ class S2 {
   }
   S2(const S& x, const S& y, const S& z) : S2(Vector(x, y, z)) {}
 
+  /// The unit vector.
   const Vector& vector() const { return v_; }
   operator const Vector&() const { return v_; }  // NOLINT(google-explicit-constructor): it is a unit vector
+  /// Its coordinate x; y() and z() likewise.
   const S& x() const { return v_[0]; }
+  /// Its coordinate y.
   const S& y() const { return v_[1]; }
+  /// Its coordinate z.
   const S& z() const { return v_[2]; }
 
   void boxplus(vectview<const S, 2> d, S scale = S(1)) {

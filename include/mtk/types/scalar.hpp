@@ -15,8 +15,10 @@ class Scalar {
   static constexpr std::array<std::string_view, 1> component_names{""};
 
   Scalar() = default;
+  /// From its number, implicitly.
   Scalar(const S& value) : value_(value) {}     // NOLINT(google-explicit-constructor): it is that number
   operator const S&() const { return value_; }  // NOLINT(google-explicit-constructor)
+  /// The number.
   const S& value() const { return value_; }
 
   Scalar& operator+=(const S& d) { return value_ += d, *this; }
@@ -26,6 +28,7 @@ class Scalar {
 
   void boxplus(vectview<const S, 1> d, S scale = S(1)) { value_ += scale * d[0]; }
   void boxminus(vectview<S, 1> out, const Scalar& y) const { out[0] = value_ - y.value_; }
+  /// Writes |value|, to which step tolerances are relative.
   void typicalSizes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
 
   struct MtkState {
@@ -45,7 +48,9 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   static constexpr int DOF = 1;
 
   Scalar() = default;
+  /// From the dual number that it is.
   Scalar(const scalar& x) : scalar(x) {}  // NOLINT(google-explicit-constructor): it is that number
+  /// The dual number.
   const scalar& value() const { return *this; }
 
   struct MtkState {

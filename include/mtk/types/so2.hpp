@@ -88,10 +88,14 @@ class SO2 {
     angle_ = detail::wrapAngle(S(atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))));
   }
 
+  /// Rotation by the angle scale * d [rad], counterclockwise.
   static SO2 exp(vectview<const S, 1> d, S scale = S(1)) { return SO2(scale * d[0]); }
+  /// The angle in [-pi, pi) [rad], whose exponential is R.
   static vect<1, S> log(const SO2& R) { return vect<1, S>(R.angle_); }
 
+  /// The angle in [-pi, pi) [rad].
   const S& angle() const { return angle_; }
+  /// 2 x 2: cos, -sin; sin, cos.
   Matrix toRotationMatrix() const {
     using std::cos;
     using std::sin;
@@ -100,6 +104,7 @@ class SO2 {
     R << c, -s, s, c;
     return R;
   }
+  /// The rotation by the opposite angle.
   SO2 inverse() const { return SO2(-angle_); }
   SO2 operator*(const SO2& other) const { return SO2(angle_ + other.angle_); }
   /// Rotates a point or a direction.

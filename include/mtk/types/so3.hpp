@@ -116,15 +116,20 @@ class SO3 {
         });
   }
 
+  /// The real part of the unit quaternion: cosine of half the angle, up to the sign of the quaternion.
   const S& w() const { return q_[3]; }
+  /// Imaginary part of the unit quaternion along x.
   const S& x() const { return q_[0]; }
+  /// Imaginary part of the unit quaternion along y.
   const S& y() const { return q_[1]; }
+  /// Imaginary part of the unit quaternion along z.
   const S& z() const { return q_[2]; }
   /// (x, y, z, w)
   const Coefficients& coeffs() const { return q_; }
   /// Include Eigen/Geometry before it is used.
   Eigen::Quaternion<S> quaternion() const { return Eigen::Quaternion<S>(w(), x(), y(), z()); }
 
+  /// 3 x 3; its columns are the images of the axes.
   Matrix toRotationMatrix() const {
     const S x2 = x() + x(), y2 = y() + y(), z2 = z() + z();
     const S xx = x() * x2, xy = x() * y2, xz = x() * z2, yy = y() * y2, yz = y() * z2, zz = z() * z2;
@@ -135,6 +140,7 @@ class SO3 {
         xz - wy, yz + wx, S(1) - (xx + yy);
     return R;
   }
+  /// The opposite rotation, R^T.
   SO3 inverse() const {
     SO3 result;
     result.q_ << -x(), -y(), -z(), w();

@@ -37,6 +37,7 @@ class trafo {
     requires(!std::is_same_v<Q, R> && std::is_convertible_v<Q, R>)
   trafo(const trafo<Q>& T) : pos(T.pos), orient(T.orient) {}  // NOLINT(google-explicit-constructor)
 
+  /// b_T_a for a_T_b: (R^T, -R^T t).
   trafo inverse() const {
     const R back = orient.inverse();
     return trafo(back, -(back * pos));

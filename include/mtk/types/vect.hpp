@@ -122,6 +122,7 @@ class vect : public PlainVector<S, N> {
     return sqrt(squaredNorm());
   }
 
+  /// Degrees of freedom: the number of entries.
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
     detail::requireSameSize(*this, d, "x [+] d");
@@ -131,6 +132,7 @@ class vect : public PlainVector<S, N> {
     detail::requireSameSize(*this, y, "x [-] y");
     out = *this - y;
   }
+  /// Writes the magnitude of each entry, to which step tolerances are relative.
   void typicalSizes(vectview<S, N> out) const { out = this->cwiseAbs(); }
 };
 

@@ -41,6 +41,7 @@ enum class ClusterCorrection : std::uint8_t {
 /// A measurement, as functions that form groups see it.
 class ClusterItem {
  public:
+  /// Measurement i of a pool. Made by the library.
   ClusterItem(const Problem& problem, const MeasurementPool& pool, int i)
       : problem_(problem), pool_(pool), i_(i) {}
 
@@ -50,6 +51,7 @@ class ClusterItem {
   const std::string& label() const { return pool_.label(); }
   /// Its key in a dimension, where that is a number.
   std::optional<std::int64_t> key(std::string_view dimension = {}) const;
+  /// Whether the variable is one of the measurement's.
   bool dependsOn(const VariableHandle& id) const;
 
  private:
@@ -88,6 +90,7 @@ class ClusterBy {
   /// `length` keys of a dimension with numbers together, from multiples of it on: with keys that are times, windows of time.
   static ClusterBy blocks(std::string dimension, std::int64_t length);
 
+  /// What the way of grouping is called in reports: that of the dimension, of the type, or as given.
   const std::string& name() const { return name_; }
 
  private:
@@ -100,6 +103,7 @@ class ClusterBy {
   std::function<std::optional<std::int64_t>(const ClusterItem&)> function_;
 };
 
+/// Which measurements share errors, and how their residuals are corrected.
 struct ClusterOptions {
   /// The ways of grouping. Errors may be dependent between measurements that are in one group by any of them: images, and corners of the
   /// board. Variances are at least those of each way alone. Empty: the groups made by slom::group without a name or, where there are none, those of its only name.
@@ -214,6 +218,7 @@ class Clustered {
   }
 
   struct State;
+  /// Made by Estimator::clustered.
   explicit Clustered(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
  private:

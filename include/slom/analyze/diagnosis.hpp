@@ -7,6 +7,7 @@
 
 namespace slom {
 
+/// Something that the measurements do not determine, or hardly, in a sentence.
 struct Finding {
   enum class Kind {
     gauge,                  ///< a rigid motion or a scale of everything changes no residual
@@ -27,12 +28,14 @@ struct Finding {
   int dimension = 0;               ///< number of directions; 0 for the other kinds
 };
 
+/// What the measurements determine: the rank of J and what lacks for it.
 struct Diagnosis {
   int residuals = 0;
   int unknowns = 0;
   int rank = 0;  ///< rank of J: unknowns less the directions that change no residual
   std::vector<Finding> findings;
 
+  /// Whether the measurements determine all unknowns.
   bool isDetermined() const { return rank == unknowns; }
   /// A line on the rank and one for each finding.
   std::string text() const;

@@ -16,6 +16,7 @@
 
 namespace slom {
 
+/// How many false alarms are accepted, and how much is listed.
 struct OutlierOptions {
   /// The probability that a problem in which all measurements are good has a suspect. Shared out among all measurements, so
   /// that many of them do not make for many false alarms.
@@ -24,6 +25,7 @@ struct OutlierOptions {
   int worst = 10;
 };
 
+/// The test of one measurement; lengths in standard deviations.
 struct MeasurementCheck {
   std::string measurement;
   double residual = 0;     ///< |w|, in standard deviations
@@ -39,6 +41,7 @@ struct MeasurementCheck {
   bool is_suspect = false;
 };
 
+/// The test of all measurements with one label or of one type.
 struct GroupCheck {
   std::string name;
   int measurements = 0;
@@ -50,11 +53,13 @@ struct GroupCheck {
   std::vector<MeasurementCheck> worst;  ///< sorted by probability, the least probable first
 };
 
+/// The tests of all measurements, by group.
 struct OutlierReport {
   double significance = 0;     ///< significance level of each single test
   double variance_factor = 1;  ///< divisor of chi2 and T: 1 for Sigma::known
   std::vector<GroupCheck> groups;
 
+  /// The number of measurements whose test fails, in all groups.
   int suspects() const;
   /// A table, with a line for each suspect.
   std::string text() const;

@@ -9,6 +9,7 @@
 
 namespace slom {
 
+/// What the start values make of the measurements with one label or of one type.
 struct PreflightGroup {
   std::string name;
   int measurements = 0;
@@ -18,6 +19,7 @@ struct PreflightGroup {
   double worst_residual = 0;
 };
 
+/// What is wrong with a problem at its start values, and what each group of measurements contributes.
 struct Preflight {
   std::vector<std::string>
       faults;  ///< the fit will fail or its result be wrong: a sentence each, with a remedy
@@ -25,7 +27,9 @@ struct Preflight {
   std::vector<PreflightGroup> groups;
   DerivativeCheck derivatives;  ///< for some measurements of each group
 
+  /// Whether there are no faults; warnings do not count.
   bool ok() const { return faults.empty(); }
+  /// Faults, warnings and a table of the groups.
   std::string text() const;
 };
 

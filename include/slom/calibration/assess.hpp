@@ -22,6 +22,7 @@ struct Verdict {
   std::string sentence;
   std::vector<std::string> doubts;  ///< a clause each, the gravest first
 };
+/// `trustworthy`, `doubtful` or `failed`.
 const char* toString(Verdict::Level level);
 
 /// The verdict on a result. If the calibration succeeded, `result.quality` must be present: DataError [slom.calibration.no-quality] if it

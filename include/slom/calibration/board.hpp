@@ -13,6 +13,7 @@ struct BoardPlane {
   double size = 0;       ///< root mean square distance of the corners from their centre [m]
   double thickness = 0;  ///< root mean square distance of the corners from the plane [m]
 
+  /// A point of the world, projected along the normal into the plane [m].
   vec2 coordinates(const vec3& world) const { return (plane2world.inverse() * world).head<2>(); }
 };
 
@@ -28,6 +29,7 @@ struct BoardOutline {
   SE3 board2world;               ///< origin at the centre, x along the longer side, z along the normal
   double width = 0, height = 0;  ///< [m]
 };
+/// The outline of the corners that a view has.
 BoardOutline outlineOf(const View& view);
 
 /// The view with the most corners: what is known of the board.

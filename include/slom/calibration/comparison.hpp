@@ -27,9 +27,11 @@ struct ModelTrial {
   double rms_px = 0;                       ///< over the corners of all cameras
   std::vector<double> held_out_squares{};  ///< by image: mean squared distance of predicted corners [px^2]
 
+  /// Root mean square distance of the predicted corners, over all images [px].
   double heldOutRms() const;
 };
 
+/// What comes out of a comparison of models.
 struct Comparison {
   std::vector<ModelTrial> trials;   ///< as they were asked for
   std::optional<std::size_t> best;  ///< predicts best

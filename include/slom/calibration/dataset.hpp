@@ -72,6 +72,7 @@ inline constexpr int most_side_px = 100'000;  ///< width or height of an image [
 /// Both sides from 1 to most_side_px.
 bool isPlausible(const ImageSize& size);
 
+/// The views of one camera, and what is known of it.
 struct CameraData {
   std::string name;
   std::string file{};       ///< what messages call the source of the corners; it is never opened
@@ -82,6 +83,7 @@ struct CameraData {
   std::vector<Exclusion> excluded{};      ///< what exclude() has taken out
   int board_symmetry = 1;                 ///< in how many ways the board looks the same (Board::symmetry)
 
+  /// The number of corners in all views.
   std::size_t cornerCount() const;
   /// The view of an image, or nullptr. Quickest where the views are sorted by image number.
   const View* find(int image) const;
@@ -92,12 +94,14 @@ struct CameraData {
 /// As messages begin: what CameraData::file says, or else `camera left`.
 std::string nameOf(const CameraData& camera);
 
+/// What the accelerometer read while an image was taken, the rig at rest.
 struct ImuReading {
   int image = 0;
   vec3 acc;      ///< [m/s^2], in the axes of the IMU
   int line = 0;  ///< line in ImuData::file, for messages; 0: it has none
 };
 
+/// The readings of the accelerometer, at most one for each image.
 struct ImuData {
   std::string file{};  ///< what messages call it
   std::vector<ImuReading> readings;

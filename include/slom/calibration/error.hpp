@@ -31,6 +31,7 @@ namespace slom::calibration {
 ///   copies         two cameras with the same views, or a camera with one view and copies of it
 class DataError : public mtk::Error {
  public:
+  /// The sentence of the error in parts, for programs that show them separately.
   struct Parts {
     std::string place;   ///< file, or file and line: `imu.csv:2`
     std::string fault;   ///< `there are no corners of image 7 in any camera`

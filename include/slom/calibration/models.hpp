@@ -25,6 +25,7 @@ class Model {
   /// A member of the list.
   explicit Model(const ModelDefinition& definition) : definition_(&definition) {}
 
+  /// `opencv5`
   const std::string& name() const;
   /// Names of the parameters, in the model's order.
   const std::vector<std::string>& parameters() const;
@@ -33,10 +34,13 @@ class Model {
   std::vector<std::string> heldNearZero() const;
   /// The description of a lens with these parameters, in the model's order; nothing where the program has no such model.
   std::optional<ForeignLens> forOpencv(const std::vector<double>& parameters) const;
+  /// The same for ROS' camera_info.
   std::optional<ForeignLens> forRos(const std::vector<double>& parameters) const;
+  /// The same for Kalibr's camchain.
   std::optional<ForeignLens> forKalibr(const std::vector<double>& parameters) const;
 
   bool operator==(const Model&) const = default;
+  /// Used by the library: formulas, limits and names of the model.
   const ModelDefinition& definition() const { return *definition_; }
 
  private:

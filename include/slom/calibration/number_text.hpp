@@ -15,6 +15,7 @@ std::string fixedDecimals(double number, int count);
 struct ValueText {
   std::string value, std;
 };
+/// The texts of a value and its standard deviation, in the same unit.
 ValueText withStd(double value, double std);
 
 /// Two significant digits, a dash where it is not finite; never in scientific notation unless tiny: "0.21",

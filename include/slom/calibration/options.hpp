@@ -18,7 +18,9 @@ struct LensConstraint {
   std::string parameter;  ///< its name in the model: "k3"
   double lower = 0, upper = 0;
 
+  /// Whether it fixes the parameter instead of bounding it.
   bool isFixed() const { return lower == upper; }
+  /// Whether it is about the camera of this name.
   bool concerns(const std::string& name) const { return camera.empty() || camera == name; }
 };
 

@@ -17,6 +17,7 @@ namespace slom::calibration {
 struct PixelCovariance {
   double uu = 0, uv = 0, vv = 0;
 
+  /// 2 x 2 [px^2].
   Eigen::Matrix2d matrix() const { return Eigen::Matrix2d{{uu, uv}, {uv, vv}}; }
   /// The standard deviation in the direction in which it is largest [px].
   double largestStd() const;

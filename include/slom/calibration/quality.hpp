@@ -23,14 +23,18 @@ struct ImageGrid {
   int columns = 0, rows = 0;
   ImageBox box;
 
+  /// The number of nodes.
   int size() const { return columns * rows; }
+  /// Where node i is [px].
   vec2 node(int i) const {
     return vec2((box.width - 1.0) * (i % columns) / (columns - 1),
                 (box.height - 1.0) * (i / columns) / (rows - 1));
   }
+  /// The node at the centre of the image.
   int middle() const { return rows / 2 * columns + columns / 2; }
 };
 
+/// The residual of one corner.
 struct CornerResidual {
   int image = 0, corner = 0, line = 0;
   vec2 pixel;     ///< where it was found
@@ -55,11 +59,13 @@ struct SplitHalfCamera {
   double probability = 1;  ///< that noise alone gives such a chi2 or a larger one
 };
 
+/// The calibration from every second image against that from the others.
 struct SplitHalf {
   std::string why_not;  ///< empty, or why there is none
   std::vector<SplitHalfCamera> cameras;
 };
 
+/// Residuals and projection uncertainty of one camera.
 struct CameraQuality {
   ImageGrid grid;
   std::vector<CornerResidual> residuals;          ///< by image, then as in the file
@@ -71,6 +77,7 @@ struct CameraQuality {
 
 /// Between the parameters that all images share.
 struct Correlations {
+  /// Two parameters and their correlation, from -1 to 1.
   struct Pair {
     std::string a, b;
     double coefficient = 0;
@@ -79,7 +86,9 @@ struct Correlations {
   std::vector<double> matrix;  ///< symmetric, 1 on the diagonal, row by row; estimated parameters alone
   std::vector<Pair> strong;    ///< the largest by magnitude, from 0.9 on
 
+  /// The number of parameters.
   std::size_t size() const { return names.size(); }
+  /// The correlation of parameters i and j.
   double coefficient(std::size_t i, std::size_t j) const { return matrix[i * size() + j]; }
 };
 
@@ -96,12 +105,14 @@ struct FurtherView {
   SE3 left2world;
 };
 
+/// One of the corners with the largest residuals.
 struct WorstResidual {
   std::size_t camera = 0;
   CornerResidual corner;
   double error_px = 0;
 };
 
+/// How long a part of the assessment took.
 struct PhaseTime {
   std::string phase;
   double seconds = 0;

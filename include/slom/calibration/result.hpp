@@ -18,6 +18,7 @@ namespace slom::calibration {
 
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+/// A parameter of a lens: value and standard deviation in its own unit, px for focal lengths and centre.
 struct Parameter {
   std::string name;
   double value = 0, std = unknown;
@@ -52,12 +53,14 @@ struct ClusteredUncertainty {
 
   /// With fewer images, projection uncertainty, halves and verdict stay with the stated standard deviations.
   static constexpr int fewest_images = 10;
+  /// Whether there are enough images for the clustered standard deviations to replace the stated ones.
   bool isReliable() const { return images >= fewest_images; }
 };
 
 /// What limits these numbers, a sentence each: few images, errors that are shared for longer than can be seen, ...
 std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered);
 
+/// One camera: lens, pose in the rig, data used and left out.
 struct CameraResult {
   std::string name, file, model;  ///< file: CameraData::file; model: Model::name
   std::vector<Parameter> parameters;
@@ -91,6 +94,7 @@ struct ImuPrecision {
   double gravity = unknown;   ///< [m/s^2]
 };
 
+/// The accelerometer: rotation to the reference camera, bias, gravity.
 struct ImuResult {
   std::string file;
   std::size_t readings = 0;
@@ -111,6 +115,7 @@ struct ImuResult {
   double sign_evidence = 0;  ///< ImuStart::sign_evidence
 };
 
+/// The corner of an image with the largest residual.
 struct WorstCorner {
   std::size_t camera = 0;  ///< index into Result::cameras
   int number = 0, line = 0;
@@ -118,6 +123,7 @@ struct WorstCorner {
   std::string place{};  ///< CameraData::place
 };
 
+/// One image: pose of the reference camera, and how well it fits.
 struct ImageResult {
   int image = 0;
   SE3 left2world;
@@ -127,6 +133,7 @@ struct ImageResult {
   int measurements = 0;                       ///< scalar residuals
   WorstCorner worst_corner;
 
+  /// chi2 per scalar residual: near 1 where the stated sigmas are right.
   double chi2PerMeasurement() const { return chi2 / measurements; }
 };
 
@@ -150,6 +157,7 @@ struct Stray {
   std::string photo{};  ///< where it is known
 };
 
+/// A calibration: what was found, how the fit ended, and which data it did without.
 struct Result {
   bool converged = false;
   std::string stop_reason;  ///< as slom::toString says it
@@ -172,7 +180,9 @@ struct Result {
   std::optional<Comparison> comparison;  ///< where it was asked for
   std::optional<Quality> quality;        ///< where it was asked for
 
+  /// RSS / redundancy: near 1 where the stated sigmas are right. NaN without redundancy.
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
+  /// Whether the fit has converged and the data determine everything.
   bool success() const { return converged && undetermined.empty(); }
   /// Takes back all standard deviations; why: for `undetermined`.
   void declareUndetermined(std::string why);

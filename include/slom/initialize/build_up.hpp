@@ -12,6 +12,7 @@
 
 namespace slom::initialize {
 
+/// How often the growing map is fitted, and how long.
 struct BuildUpOptions {
   double growth = 0.1;    ///< a fit follows when the map has grown by this part since the last one
   int least_growth = 10;  ///< poses

@@ -24,9 +24,13 @@ struct PoseParts {
   using Matrix = Eigen::Matrix<double, dim, dim, Eigen::DontAlign>;
   using Vector = Eigen::Matrix<double, dim, 1, Eigen::DontAlign>;
 
+  /// The rotation matrix, dim x dim.
   static Matrix rotation(const Pose& pose) { return pose.orient.toRotationMatrix(); }
+  /// The position in the world.
   static Vector position(const Pose& pose) { return pose.pos; }
+  /// Replaces the rotation, by an orthonormal matrix.
   static void setRotation(Pose& pose, const Matrix& R) { pose.orient = typename Pose::Rotation(R); }
+  /// Replaces the position.
   static void setPosition(Pose& pose, const Vector& t) { pose.pos = t; }
 };
 

@@ -98,6 +98,7 @@ class GrowingMap {
 
   /// Not valid before it was added; a landmark, before it was seen.
   const VarID<Pose>& pose(int p) const { return poses_[index(p)]; }
+  /// The variable of landmark l of the graph, as pose() does of poses.
   const VarID<Point>& landmark(int l) const { return landmarks_[index(l)]; }
   /// The same map in another estimator, at the present values: the batch fit of what is there.
   GrowingMap copyTo(Estimator& est) const {

@@ -10,6 +10,7 @@ namespace slom::initialize {
 /// are column-major.
 class LinearRelaxation {
  public:
+  /// No blocks yet; each will be rows x columns.
   LinearRelaxation(int rows, int columns) : rows_(rows), columns_(columns) {}
 
   /// Blocks are numbered from 0 on. One with a `value` keeps it.
@@ -18,6 +19,7 @@ class LinearRelaxation {
   void add(double w, int i, int j, const double* M, const double* C);
   /// False, with the blocks unchanged, where they are not determined.
   bool solve();
+  /// The block's entries, column-major.
   const double* value(int block) const;
 
  private:

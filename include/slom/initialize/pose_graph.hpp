@@ -23,12 +23,14 @@
 
 namespace slom::initialize {
 
+/// A pose or a landmark.
 template <class Value>
 struct Node {
   Value value = Value();
   bool fixed = false;  ///< it is fixed at its value, so that the map cannot float
 };
 
+/// A measurement between two nodes, with its information matrix.
 template <class Datum>
 struct Edge {
   using Information = Eigen::Matrix<double, mtk::DOF_v<Datum>, mtk::DOF_v<Datum>, Eigen::DontAlign>;
@@ -40,6 +42,7 @@ struct Edge {
       Information::Identity();  ///< inverse of the datum's covariance, in the order of its tangent space
 };
 
+/// A pose graph in memory, for maps that do not come from files.
 template <class PoseType, class LandmarkType = mtk::vect<2>>
 struct PoseGraph {
   using Pose = PoseType;
@@ -55,14 +58,17 @@ struct PoseGraph {
     poses.push_back({value, fixed});
     return static_cast<int>(poses.size()) - 1;
   }
+  /// Returns its index among the landmarks.
   int addLandmark(const Landmark& value = Landmark(), bool fixed = false) {
     landmarks.push_back({value, fixed});
     return static_cast<int>(landmarks.size()) - 1;
   }
+  /// A relative pose from^-1 to, as measured.
   void addEdge(int from, int to, const Pose& measured,
                const typename Edge<Pose>::Information& information = Edge<Pose>::Information::Identity()) {
     edges.push_back({from, to, measured, information});
   }
+  /// A landmark in the frame of a pose, as measured.
   void addSighting(
       int from, int to, const Landmark& measured,
       const typename Edge<Landmark>::Information& information = Edge<Landmark>::Information::Identity()) {

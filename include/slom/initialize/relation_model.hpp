@@ -13,7 +13,9 @@ namespace slom::initialize {
 struct RelationModel {
   Loss loss;
 
+  /// Called once before the first insertion: for variables that the model's measurements share.
   void prepare(Estimator&) const {}
+  /// Inserts the measurement of an edge between two poses.
   template <class Pose>
   void insertEdge(Estimator& est, const VarID<Pose>& a, const VarID<Pose>& b, const auto& edge) const {
     if constexpr (requires { edge.measured.orient, edge.measured.pos; }) {
@@ -24,6 +26,7 @@ struct RelationModel {
                             InvCovariance(edge.information), loss, named("edge"));
     }
   }
+  /// Inserts the measurement of a landmark from a pose.
   template <class Pose, class Point>
   void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point>& l,
                       const auto& sighting) const {

@@ -11,7 +11,9 @@ namespace slom::initialize {
 /// No edge leads to a pose.
 class Unreached : public mtk::Error {
  public:
+  /// [slom.unreached-pose], naming the pose.
   explicit Unreached(int pose);
+  /// Index of the pose.
   int pose() const { return pose_; }
 
  private:

@@ -11,6 +11,7 @@ namespace slom::io {
 /// Throws [slom.io.cannot-read], for a file that cannot be opened or read; errno says why.
 [[noreturn]] void cannotRead(const std::string& file);
 
+/// Closes a stream of C when its owner goes.
 struct CloseFile {
   void operator()(std::FILE* stream) const { std::fclose(stream); }
 };

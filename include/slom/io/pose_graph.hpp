@@ -61,9 +61,11 @@ struct UnknownTags {
   std::map<std::string, int> lines;  ///< the number of lines that begin with each of the first ones
   int others = 0;                    ///< lines that begin with further ones
 
+  /// Counts a line that begins with this word.
   void add(std::string_view tag);
 };
 
+/// A file of a pose graph, in the plane (Pose2) or in space (Pose3).
 template <class PoseType>
 struct PoseGraph {
   using Pose = PoseType;

@@ -70,7 +70,9 @@ struct PoseGraphModel {
   Loss loss = {};  ///< loss of all measurements
   RotationError rotation_error = RotationError::vector;
 
+  /// Nothing to prepare: its measurements share no variables.
   void prepare(Estimator&) const {}
+  /// Inserts the measurement of an edge between two poses.
   template <class Pose>
   void insertEdge(Estimator& est, const VarID<Pose>& a, const VarID<Pose>& b, const Edge<Pose>& edge) const {
     detail::withInformation(detail::informationFromA(edge), [&](const auto& noise) {
@@ -84,6 +86,7 @@ struct PoseGraphModel {
                             named("edge"));
     });
   }
+  /// Inserts the measurement of a landmark from a pose.
   template <class Pose>
   void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point<Pose>>& p,
                       const Edge<Point<Pose>>& sighting) const {

@@ -27,7 +27,9 @@ struct MeasurementPlace {
 class JacobianSink {
  public:
   virtual ~JacobianSink() = default;
+  /// Called before the first batch of a linearisation: what was added before counts no longer.
   virtual void beginLinearization() = 0;
+  /// Takes one batch, whose arrays are valid during the call alone.
   virtual void add(const JacobianBatch& batch) = 0;
   /// Whether it wants `addUnweighted` too.
   virtual bool wantsUnweighted() const { return false; }
@@ -37,6 +39,7 @@ class JacobianSink {
   /// same time; within one, batches arrive in order. The partitions must not depend on the number of threads: they fix the order of
   /// every sum. Empty: one partition, all is added in order.
   virtual std::span<const MeasurementPlace> partitions() const { return {}; }
+  /// Called after the last batch.
   virtual void endLinearization() = 0;
 };
 

@@ -19,6 +19,7 @@ class Linearizer {
  public:
   /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the losses as given.
   void setLossGraduation(double mu) { graduation_ = mu; }
+  /// The graduation parameter mu of the losses; 1: the losses as given.
   double lossGraduation() const { return graduation_; }
 
   /// Beyond it products of what is linearised may overflow.

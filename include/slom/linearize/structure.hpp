@@ -18,16 +18,21 @@ struct MeasurementGroup {
   bool operator==(const MeasurementGroup&) const = default;
 };
 
+/// Blocks of unknowns and the groups of measurements that touch them: all that a solver knows of a problem.
 struct BlockStructure {
   /// Block b holds the unknowns offset[b] .. offset[b + 1] - 1. A block without unknowns is empty: no measurement touches it.
   std::vector<int> offset;
   std::vector<MeasurementGroup> groups;
 
+  /// The number of blocks, empty ones included.
   int blockCount() const { return static_cast<int>(offset.size()) - 1; }
+  /// The number of unknowns: columns of J.
   int unknowns() const { return offset.back(); }
+  /// The number of unknowns of a block.
   int dof(int block) const {
     return offset[static_cast<std::size_t>(block) + 1] - offset[static_cast<std::size_t>(block)];
   }
+  /// Whether the block has no unknowns.
   bool isEmpty(int block) const { return dof(block) == 0; }
   /// Number of blocks that are not empty.
   int filledCount() const {
@@ -45,12 +50,15 @@ struct StructureChanges {
   bool meetings = false;      ///< other blocks may meet in measurements
   bool measurements = false;  ///< there may be other measurements, or empty blocks
 
+  /// Whether anything differs.
   bool any() const { return blocks || meetings || measurements; }
+  /// Takes further changes in.
   void add(const StructureChanges& more) {
     blocks = blocks || more.blocks;
     meetings = meetings || more.meetings;
     measurements = measurements || more.measurements;
   }
+  /// As of a problem of which nothing is known.
   static StructureChanges all() { return {true, true, true}; }
 };
 
@@ -62,10 +70,12 @@ struct ProblemStructure {
   int pools = 0;      ///< number of groups that are pools
   int residuals = 0;  ///< sum of the lengths of all residuals
 
+  /// The first unknown of a variable.
   int offsetOf(int variable) const { return system.offset[static_cast<std::size_t>(variable)]; }
   bool operator==(const ProblemStructure&) const = default;
 };
 
+/// The structure of a problem, from scratch.
 ProblemStructure makeStructure(const Problem& problem);
 
 /// Brings the structure that the problem had before some changes up to date; says what has changed of it. Takes time in proportion to the

@@ -23,6 +23,7 @@ namespace slom {
 
 class StoredPrior;
 
+/// The measurement; see above for its residual.
 class GaussianPrior final : public RuntimeMeasurement {
  public:
   /// Throws [slom.no-variables], [slom.stale-handle], [slom.prior-size] or [slom.prior-not-finite].
@@ -48,12 +49,15 @@ class GaussianPrior final : public RuntimeMeasurement {
   /// Whether the linearisation points are first estimates of the variables: while the prior is inserted, the Jacobians of all measurements
   /// of these variables are taken there, and residuals at the current values (docs/online.md, windows).
   GaussianPrior& withFirstEstimates(bool with = true);
+  /// What withFirstEstimates has set.
   bool hasFirstEstimates() const;
   /// The same prior, linearised at the same points, over other variables of the same types, as of another estimator. Throws
   /// [slom.prior-size] or [slom.wrong-type].
   GaussianPrior over(std::vector<AnyVarID> variables) const;
 
+  /// The square root of the information: rows x (sum of the degrees of freedom).
   Eigen::Map<const Eigen::MatrixXd> R() const;
+  /// The offset: an entry for each row of R.
   Eigen::Map<const Eigen::VectorXd> b() const;
 
   const RuntimeKind& kind() const override;

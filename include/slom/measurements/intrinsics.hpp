@@ -58,6 +58,7 @@ struct PinholeIntrinsics : detail::CentredLens<4, S> {
   static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
   using detail::CentredLens<4, S>::CentredLens;
 
+  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
@@ -75,12 +76,13 @@ struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
                                                                    "k2", "p1", "p2", "k3"};
   using detail::CentredLens<9, S>::CentredLens;
 
-  decltype(auto) k1() const { return this->template get<4>(); }
-  decltype(auto) k2() const { return this->template get<5>(); }
-  decltype(auto) p1() const { return this->template get<6>(); }
-  decltype(auto) p2() const { return this->template get<7>(); }
-  decltype(auto) k3() const { return this->template get<8>(); }
+  decltype(auto) k1() const { return this->template get<4>(); }  ///< radial distortion, coefficient 1
+  decltype(auto) k2() const { return this->template get<5>(); }  ///< radial distortion, coefficient 2
+  decltype(auto) p1() const { return this->template get<6>(); }  ///< tangential distortion, coefficient 1
+  decltype(auto) p2() const { return this->template get<7>(); }  ///< tangential distortion, coefficient 2
+  decltype(auto) k3() const { return this->template get<8>(); }  ///< radial distortion, coefficient 3
 
+  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
@@ -110,11 +112,12 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
                                                                    "k1", "k2", "k3", "k4"};
   using detail::CentredLens<8, S>::CentredLens;
 
-  decltype(auto) k1() const { return this->template get<4>(); }
-  decltype(auto) k2() const { return this->template get<5>(); }
-  decltype(auto) k3() const { return this->template get<6>(); }
-  decltype(auto) k4() const { return this->template get<7>(); }
+  decltype(auto) k1() const { return this->template get<4>(); }  ///< radial distortion, coefficient 1
+  decltype(auto) k2() const { return this->template get<5>(); }  ///< radial distortion, coefficient 2
+  decltype(auto) k3() const { return this->template get<6>(); }  ///< radial distortion, coefficient 3
+  decltype(auto) k4() const { return this->template get<7>(); }  ///< radial distortion, coefficient 4
 
+  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto r2 = q[0] * q[0] + q[1] * q[1];
@@ -152,10 +155,11 @@ struct SnavelyIntrinsics : mtk::vect<3, S> {
   static constexpr std::array<std::string_view, 3> component_names{"f", "k1", "k2"};
   using mtk::vect<3, S>::vect;
 
-  decltype(auto) f() const { return this->template get<0>(); }
-  decltype(auto) k1() const { return this->template get<1>(); }
-  decltype(auto) k2() const { return this->template get<2>(); }
+  decltype(auto) f() const { return this->template get<0>(); }   ///< focal length [px]
+  decltype(auto) k1() const { return this->template get<1>(); }  ///< radial distortion, coefficient 1
+  decltype(auto) k2() const { return this->template get<2>(); }  ///< radial distortion, coefficient 2
 
+  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto x = -detail::coordinate<0>(q) / detail::coordinate<2>(q);

@@ -23,6 +23,7 @@
 
 namespace slom {
 
+/// The pixel of a point in the camera's frame.
 struct Projection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& intrinsics, const auto& in_camera) const {
@@ -30,6 +31,7 @@ struct Projection {
   }
 };
 
+/// The pixel of a point of the world, in a camera whose pose is cam_T_world.
 struct Reprojection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& pose, const auto& intrinsics, const auto& point) const {
@@ -46,9 +48,13 @@ using CameraPose = mtk::trafo<mtk::SO3<>>;
 
 // Cameras that have their own lens: pose (world to camera), then intrinsics.
 // clang-format off
+/// A camera that is a variable as a whole, with a pinhole lens: pose cam_T_world, then intrinsics.
 MTK_BUILD_MANIFOLD(PinholeCamera, ((detail::CameraPose, pose)) ((PinholeIntrinsics<>, intrinsics)))
+/// The same with OpenCV's five coefficients of distortion.
 MTK_BUILD_MANIFOLD(OpenCv5Camera, ((detail::CameraPose, pose)) ((OpenCv5Intrinsics<>, intrinsics)))
+/// The same with a fisheye lens.
 MTK_BUILD_MANIFOLD(FisheyeCamera, ((detail::CameraPose, pose)) ((FisheyeIntrinsics<>, intrinsics)))
+/// The same with the lens of "Bundle adjustment in the large", which looks along -z.
 MTK_BUILD_MANIFOLD(SnavelyCamera, ((detail::CameraPose, pose)) ((SnavelyIntrinsics<>, intrinsics)))
 // clang-format on
 

@@ -24,6 +24,7 @@ void requireType(const VariableStoreBase& store) {
 /// Made of any VarID; a cheap value type like it.
 class AnyVarID : public VariableHandle {
  public:
+  /// From the handle to a variable of any type, implicitly.
   template <class T>
   AnyVarID(const VarID<T>& id)  // NOLINT(google-explicit-constructor): a VarID is one of any type
       : VariableHandle(id) {}
@@ -53,6 +54,7 @@ class AnyVarID : public VariableHandle {
 
   /// Used by the library. The current value; throws [slom.stale-handle].
   const void* current() const;
+  /// Used by the library: where its value lies.
   const VariableStoreBase* store() const { return store_.get(); }
 
   friend bool operator==(const AnyVarID& a, const AnyVarID& b) { return a.equals(b); }
@@ -61,8 +63,10 @@ class AnyVarID : public VariableHandle {
 /// A variable of any type as a measurement function sees it: `x[0].as<Pose>().pos`.
 class VariableView : public VariableArgument {
  public:
+  /// Of the variable's current value; made by the library.
   explicit VariableView(const AnyVarID& id) : VariableArgument(id, id.current()) {}
 
+  /// Whether the variable is a T.
   template <class T>
   bool is() const {
     return detail::holdsType<T>(store());
@@ -73,6 +77,7 @@ class VariableView : public VariableArgument {
     detail::requireType<T>(*store());
     return *static_cast<const T*>(value_);
   }
+  /// Degrees of freedom of the value.
   int dof() const { return store()->dofOf(value_); }
 };
 

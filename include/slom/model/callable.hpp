@@ -116,8 +116,10 @@ class CallableMeasurement {
     }
   }
 
+  /// Of a function and its arguments as passed: VarID<T> for variables, Measured<Z>, data.
   explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_{{Stored<Args>(args)}...} {}
 
+  /// The variables, as measurements declared by macro list theirs.
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return detail::listVariables(detail::valueAt<I>(args_)...);
@@ -125,6 +127,7 @@ class CallableMeasurement {
   }
   /// As stored: VarArg<T> for variables, Measured<Z>, data.
   const auto& arguments() const { return args_; }
+  /// The residual, in the measurement's units. Sizes `ret` where its length is Dynamic.
   void evaluate(Residual<residual_dim>& ret) const {
     evaluateTo([&](int size) {
       if constexpr (residual_dim == mtk::Dynamic) ret.resize(size);

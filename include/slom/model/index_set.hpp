@@ -9,10 +9,13 @@
 
 namespace slom {
 
+/// The set.
 class IndexSet {
  public:
+  /// Visits the numbers in ascending order.
   class Iterator {
    public:
+    /// At the first number from 64 word on, or at the end.
     Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) {
       skipEmptyWords();
     }

@@ -71,12 +71,15 @@ const LossKind* lossNamed(std::string_view stored_name);
 /// A loss with its parameters. `Loss()` is none: rho(s) = s.
 class Loss {
  public:
+  /// No loss: least squares.
   constexpr Loss() = default;
+  /// A kind with its scale c, in standard deviations of the whitened residual. Checked at insertion.
   constexpr Loss(const LossKind& kind, double scale, double shape = 0)
       : kind_(&kind), scale_(scale), shape_(shape) {}
 
   /// The kind; null for no loss.
   const LossKind* kind() const { return kind_; }
+  /// c, in standard deviations of the whitened residual.
   double scale() const { return scale_; }
   /// Barron's alpha; 0 for the others.
   double shape() const { return shape_; }
@@ -128,6 +131,7 @@ Loss ownLoss(const char* name, double scale, F) {
   return Loss(detail::ownKind(name, [](double t, double) { return F()(t); }), scale);
 }
 
+/// What insertMeasurement takes for a loss.
 template <class T>
 concept IsLoss = std::is_base_of_v<Loss, T>;
 

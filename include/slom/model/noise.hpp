@@ -49,32 +49,40 @@ template <class T>
 using PlainNoise = decltype(plainNoise(std::declval<const T&>()));
 }  // namespace detail
 
+/// Sigma: a number (times the identity), a vector (the diagonal), or a symmetric matrix.
 template <class T = double>
 struct Covariance : Noise<NoiseForm::covariance, T> {
+  /// x in squared units of the residual.
   template <class X>
   explicit Covariance(const X& x) : Noise<NoiseForm::covariance, T>{detail::plainNoise(x)} {}
 };
 template <class X>
 Covariance(const X&) -> Covariance<detail::PlainNoise<X>>;
 
+/// L with Sigma = L L^T: a number (times the identity), a vector (the diagonal), or a lower triangular matrix.
 template <class T = double>
 struct StandardDeviation : Noise<NoiseForm::standard_deviation, T> {
+  /// x in units of the residual.
   template <class X>
   explicit StandardDeviation(const X& x) : Noise<NoiseForm::standard_deviation, T>{detail::plainNoise(x)} {}
 };
 template <class X>
 StandardDeviation(const X&) -> StandardDeviation<detail::PlainNoise<X>>;
 
+/// Sigma^-1, the information: a number (times the identity), a vector (the diagonal), or a symmetric matrix.
 template <class T = double>
 struct InvCovariance : Noise<NoiseForm::inv_covariance, T> {
+  /// x in inverse squared units of the residual.
   template <class X>
   explicit InvCovariance(const X& x) : Noise<NoiseForm::inv_covariance, T>{detail::plainNoise(x)} {}
 };
 template <class X>
 InvCovariance(const X&) -> InvCovariance<detail::PlainNoise<X>>;
 
+/// L^-1: a number (times the identity), a vector (the diagonal), or a lower triangular matrix.
 template <class T = double>
 struct InvStandardDeviation : Noise<NoiseForm::inv_standard_deviation, T> {
+  /// x in inverse units of the residual.
   template <class X>
   explicit InvStandardDeviation(const X& x)
       : Noise<NoiseForm::inv_standard_deviation, T>{detail::plainNoise(x)} {}
@@ -85,6 +93,7 @@ InvStandardDeviation(const X&) -> InvStandardDeviation<detail::PlainNoise<X>>;
 /// No statement about the noise: unit covariance.
 struct UnitCovariance {};
 
+/// What insertMeasurement takes for a statement about the noise.
 template <class T>
 concept IsNoise = std::is_same_v<T, UnitCovariance> ||
                   requires(const T& n) { []<NoiseForm F, class V>(const Noise<F, V>&) {}(n); };
@@ -99,6 +108,7 @@ struct NoiseView {
   int cols = 0;
 };
 
+/// The numbers of a statement about the noise, which must outlive the view.
 inline NoiseView viewNoise(const UnitCovariance&) { return {}; }
 
 template <NoiseForm F, class T>

@@ -26,6 +26,7 @@ class RuntimeMeasurement {
  public:
   virtual ~RuntimeMeasurement();
 
+  /// What all measurements of this class have in common; which is the same object for each of them.
   virtual const RuntimeKind& kind() const = 0;
   /// The residual. Writes `rows` entries to r, or nothing when r is null or the length is another one. Returns the length.
   virtual int evaluate(int rows, double* r) const = 0;
@@ -36,7 +37,9 @@ class RuntimeMeasurement {
   /// value stays where it is while this measurement lives.
   virtual const void* firstEstimate(int k) const;
 
+  /// The variables, in the order of the columns of the Jacobian.
   const std::vector<AnyVarID>& variables() const { return ids_; }
+  /// The number of variables.
   int arity() const { return static_cast<int>(ids_.size()); }
   /// The variables at which it is evaluated, which differences redirect.
   std::vector<VariableView>& views() { return views_; }
@@ -71,6 +74,7 @@ class ListMeasurement final : public RuntimeMeasurement {
   using Returned = detail::Returned<Result>;
 
  public:
+  /// Of f(variables, data...). Throws [slom.no-variables] or [slom.stale-handle].
   ListMeasurement(std::vector<AnyVarID> variables, F f, const Data&... data)
       : RuntimeMeasurement("the measurement over a list", std::move(variables)),
         f_(std::move(f)),
@@ -88,6 +92,7 @@ class ListMeasurement final : public RuntimeMeasurement {
     if (r != nullptr && size == rows) Returned::write(value, r);
     return size;
   }
+  /// The data, which are stored by value.
   const detail::Values<Data...>& data() const { return data_; }
 
  private:

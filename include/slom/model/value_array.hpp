@@ -9,6 +9,7 @@ namespace slom {
 /// Memory alone: the owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.
 class ValueArray {
  public:
+  /// Of values of this size and alignment [bytes].
   ValueArray(std::size_t value_size, std::size_t alignment)
       : value_size_(value_size), alignment_(alignment) {}
   ValueArray(const ValueArray&) = delete;
@@ -24,6 +25,7 @@ class ValueArray {
   }
   /// Where the next value belongs.
   void* place();
+  /// Counts the value that was constructed in place().
   void grow() { ++size_; }
 
  private:

@@ -16,7 +16,9 @@ class StoredProblem;
 /// The part of a VarID that does not depend on the type.
 class VariableHandle {
  public:
+  /// Refers to nothing.
   VariableHandle();
+  /// Of a variable; made by the library.
   VariableHandle(std::shared_ptr<VariableStoreBase> store, SlotRef ref);
   VariableHandle(const VariableHandle&);
   VariableHandle(VariableHandle&&) noexcept;
@@ -75,12 +77,15 @@ class VariableArgument {
  public:
   /// Used by the library: where the value comes from, and what the measurement is evaluated at.
   const VariableStoreBase* store() const { return store_; }
+  /// The place of the variable in its store.
   SlotRef slotRef() const { return ref_; }
+  /// The value that the measurement is evaluated at, of the variable's type.
   const void* pointer() const { return value_; }
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdangling-pointer"  // numeric derivatives put the old pointer back
 #endif
+  /// Has the measurement evaluated at another value, which must outlive the evaluation.
   void setPointer(const void* value) { value_ = value; }
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
 #pragma GCC diagnostic pop
@@ -104,6 +109,7 @@ class VarArg : public VariableArgument {
  public:
   using Value = T;
 
+  /// From the handle, implicitly. Throws [slom.stale-handle].
   VarArg(const VarID<T>& id)  // NOLINT(google-explicit-constructor): measurements are built from VarIDs
       : VariableArgument(id, &*id) {}
 

@@ -43,16 +43,22 @@ class VariableStoreBase {
   VariableStoreBase(const VariableStoreBase&) = delete;
   VariableStoreBase& operator=(const VariableStoreBase&) = delete;
 
+  /// The name of T, as messages print it.
   virtual std::string typeName() const = 0;
+  /// A name for each degree of freedom, with `path` in front: `pose.pos.x`.
   virtual std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const = 0;
   /// The value as text, for messages.
   virtual std::string valueText(std::uint32_t slot) const = 0;
 
   // One value. Pointers are to the type of this store.
 
+  /// Copies `value` into memory that holds none yet.
   virtual void construct(void* place, const void* value) const = 0;
+  /// Calls the destructor.
   virtual void destroy(void* value) const noexcept = 0;
+  /// to := from
   virtual void assign(void* to, const void* from) const = 0;
+  /// Degrees of freedom of this value.
   virtual int dofOf(const void* value) const = 0;
   /// value := value [+] d, d of dofOf(value) entries.
   virtual void boxplus(void* value, const double* d) const = 0;
@@ -68,29 +74,36 @@ class VariableStoreBase {
   virtual void coordinates(const void* value, double* out) const = 0;
   /// Writes how the value moves with the world (dof x kGaugeGenerators, column-major).
   virtual void gaugeGenerators(const void* value, WorldRole role, double* out) const = 0;
+  /// Of T [bytes].
   std::size_t valueSize() const { return value_size_; }
+  /// Of T [bytes].
   std::size_t alignment() const { return alignment_; }
 
   // All values.
 
   /// Stores `value` as the variable with index `variable`.
   SlotRef insert(const void* value, int variable);
+  /// The value in a slot, which stays where it is while the store lives.
   void* valueAt(std::uint32_t slot) { return values_[slot]; }
   /// T is the type of this store.
   template <class T>
   const T& value(std::uint32_t slot) const {
     return values_.as<T>(slot);
   }
+  /// Degrees of freedom of the value in a slot.
   int dof(std::uint32_t slot) { return dofOf(values_[slot]); }
+  /// The same as typicalSizesOf for the value in a slot.
   void typicalSizes(std::uint32_t slot, double* out) { typicalSizesOf(values_[slot], out); }
   /// Remembers all values; `restore` brings them back.
   void save();
+  /// Brings back the values that `save` has remembered.
   void restore();
   /// x := x [+] step[offset[v] ...] for each variable v of this store with offset[v] < offset[v + 1].
   void applyStep(const std::vector<int>& offset, const double* step);
 
   /// Index of the slot's variable in the problem, -1 when the slot is free.
   int variable(std::uint32_t slot) const { return variable_[slot]; }
+  /// Whether the slot still holds the variable that the handle was made for.
   bool isCurrent(SlotRef ref) const {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
            variable_[ref.slot] >= 0;

@@ -8,6 +8,7 @@
 
 namespace slom {
 
+/// When Estimator::update ends, and whether refused measurements are tried again.
 struct UpdateOptions {
   /// Steps are taken until the predicted decrease of the RSS for another one is at most this share of it, or at most the rounding
   /// errors of the residuals. Between 0 and 1.
@@ -26,6 +27,7 @@ struct UpdateOptions {
   bool reconsider = false;
 };
 
+/// How a call of Estimator::update went.
 struct UpdateSummary {
   bool converged = false;  ///< `promise` is within the tolerance
   std::string message;     ///< why it ended, in a sentence

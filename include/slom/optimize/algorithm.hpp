@@ -15,6 +15,7 @@ namespace slom {
 
 class Evaluator;
 
+/// What became of one step of an algorithm.
 struct StepOutcome {
   enum class Kind {
     taken,       ///< the values have moved
@@ -40,7 +41,9 @@ struct StepOutcome {
 class Algorithm {
  public:
   virtual ~Algorithm() = default;
+  /// `Gauss-Newton`
   virtual std::string name() const = 0;
+  /// A copy, with what earlier steps taught.
   virtual std::unique_ptr<Algorithm> clone() const = 0;
   /// Forgets what earlier steps taught (damping, radius).
   virtual void reset() {}
@@ -71,6 +74,7 @@ class ColumnScaling {
  public:
   /// Takes the linearisation of `system` into account. Valid until the next call.
   Eigen::Map<const Eigen::VectorXd> update(Evaluator& evaluator, double memory = 1);
+  /// Forgets all linearisations.
   void reset() { largest_.clear(); }
 
  private:

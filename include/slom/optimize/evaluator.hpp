@@ -19,12 +19,14 @@ namespace slom {
 
 class Evaluator {
  public:
+  /// Of a problem, which must outlive it.
   Evaluator(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
   ~Evaluator();
 
   /// Uses this solver from now on. Not owned.
   void setSolver(LinearSolver& solver);
 
+  /// The structure of the problem as it is now.
   const ProblemStructure& structure();
   /// The solver, analysed for the structure, for others to fill: its content is lost.
   LinearSolver& lendSolver();
@@ -57,6 +59,7 @@ class Evaluator {
 
   /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the losses as given.
   void setLossGraduation(double mu);
+  /// The graduation parameter mu of the losses; 1: the losses as given.
   double lossGraduation() const { return linearizer_.lossGraduation(); }
   /// max |W r|^2 / c^2 over the measurements with a loss of scale c at the current values; -1 when there are none.
   double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
@@ -127,6 +130,7 @@ class Evaluator {
   /// Where time went since construction.
   PhaseSeconds seconds() const;
 
+  /// The problem that is evaluated.
   Problem& problem() { return problem_; }
 
  private:

@@ -12,6 +12,7 @@
 
 namespace slom {
 
+/// An algorithm that users of a program choose by its name.
 struct NamedAlgorithm {
   const char* name;                      ///< `lm`
   const char* description;               ///< what it is, in a few words

@@ -11,6 +11,7 @@
 
 namespace slom {
 
+/// Why a fit ended.
 enum class StopReason {
   gradient,        ///< converged: the residual is orthogonal to all columns of J
   decrease,        ///< converged: neither the model nor the last step promises a smaller RSS
@@ -26,6 +27,7 @@ enum class StopReason {
 
 /// A few words: "relative decrease below tolerance".
 const char* toString(StopReason reason);
+/// Whether the fit has converged with this reason.
 bool isConverged(StopReason reason);
 
 /// One line of progress.
@@ -50,7 +52,9 @@ enum class FitControl { go_on, stop };
 class Observer {
  public:
   Observer() = default;
+  /// None.
   Observer(std::nullptr_t) {}  // NOLINT(google-explicit-constructor): none
+  /// From a function of a const IterationRecord& that returns nothing or a FitControl, implicitly.
   template <class F>
     requires(!std::is_same_v<F, Observer> && requires(F& f, const IterationRecord& record) { f(record); })
   Observer(F f) {  // NOLINT(google-explicit-constructor): options.observer = [](const auto& record) { ... };
@@ -127,6 +131,7 @@ struct LossSummary {
   int weightless = 0;     ///< those with weight 0
 };
 
+/// The measurements with one label or of one type: their number, and their part of the RSS.
 struct GroupSummary {
   std::string name;  ///< the label, or the measurement type
   int measurements = 0;
@@ -155,11 +160,13 @@ struct ParameterSummary {
   double standard_deviation = 0;  ///< in the tangent space
 };
 
+/// Two components whose errors are strongly correlated.
 struct CorrelationSummary {
   std::string a, b;  ///< names of components
   double correlation = 0;
 };
 
+/// How a fit ended, and what came out of it.
 struct Summary {
   bool converged = false;
   StopReason stop_reason = StopReason::nothing_to_do;
@@ -200,6 +207,7 @@ struct Summary {
   /// final_rss / redundancy: near 1 when the stated uncertainties are right. NaN without redundancy. With losses it is
   /// smaller, as they make final_rss smaller than the sum of squares.
   double chi2PerDof() const;
+  /// Whether any measurement has a robust loss.
   bool hasLosses() const;
   /// What was fitted and how well, to be read at a glance.
   std::string report() const;

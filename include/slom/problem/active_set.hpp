@@ -21,11 +21,14 @@ class ActiveSet {
   /// A new variable, perhaps in the place of a removed one, without fixed components and bounds. Cannot fail after
   /// `reserve`.
   void insert(int variable, bool is_optimized);
+  /// Forgets all about a variable that is removed.
   void remove(int variable);
+  /// So that inserting cannot fail below this number of variables.
   void reserve(std::size_t variables);
 
   /// Whether the variable is not fixed as a whole.
   bool isOptimized(int variable) const { return is_optimized_[at(variable)] != 0; }
+  /// Fixes a variable as a whole, or releases it.
   void setOptimized(int variable, bool is_optimized) { is_optimized_[at(variable)] = is_optimized ? 1 : 0; }
 
   /// Whether it has fixed components or bounds.
@@ -41,6 +44,7 @@ class ActiveSet {
   /// Makes the rows of components of a, and the columns of those of b, that are fixed or at an active bound 0 in a block of dof_a x
   /// dof_b, column-major.
   void clear(int a, int dof_a, int b, int dof_b, double* block) const;
+  /// Whether it has components that are fixed by themselves.
   bool hasFixed(int variable) const { return isConstrained(variable) && !of(variable).fixed.empty(); }
   /// The bounds of a variable, at most one for each component, sorted by component.
   const std::vector<ComponentBound>& bounds(int variable) const;
@@ -51,13 +55,16 @@ class ActiveSet {
 
   /// fixed: an entry for each component, not 0 where it is fixed; empty: none is.
   void setFixed(int variable, std::vector<char> fixed);
+  /// As setFixed takes it.
   const std::vector<char>& fixed(int variable) const;
+  /// Replaces the bounds of a variable, sorted by component; empty: none.
   void setBounds(int variable, std::vector<ComponentBound> bounds);
   /// Says whether bound i of the variable is active.
   void activate(int variable, std::size_t i, bool is_active);
 
   /// Variables with fixed components or bounds, ascending.
   const IndexSet& constrained() const { return constrained_; }
+  /// Whether any variable has bounds.
   bool hasBounds() const { return !bounded_.empty(); }
   /// Number of components of optimised variables that are fixed or at a bound.
   int fixedOrActiveCount() const;

@@ -34,6 +34,7 @@ struct Change {
 template <class Event>
 class ChangeLog {
  public:
+  /// Grows by one with each event.
   std::uint64_t revision() const { return first_ + events_.size(); }
 
   /// The events after a revision, in order; none when they are forgotten: then anything may have changed. Valid until the next event.

@@ -11,8 +11,10 @@
 
 namespace slom {
 
+/// The points, by variable.
 class FirstEstimates {
  public:
+  /// Whether no variable has one.
   bool isEmpty() const { return count_ == 0; }
   /// Where the Jacobians of the variable's measurements are taken, of its type; null: at its current value.
   const void* of(int variable) const {

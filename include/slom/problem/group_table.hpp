@@ -25,13 +25,16 @@ struct GroupKey {
 /// Dimensions and keys are numbered from 0 in the order in which they come first. Numbers stay when measurements go.
 class GroupTable {
  public:
+  /// The number of dimensions.
   int dimensionCount() const { return static_cast<int>(dimensions_.size()); }
+  /// The name of dimension d.
   const std::string& dimension(int d) const { return dimensions_[static_cast<std::size_t>(d)].name; }
   /// Its number; -1: there is none of this name.
   int find(std::string_view dimension) const;
   /// Its number; the dimension is new where there was none.
   int findOrAdd(std::string_view dimension);
 
+  /// The keys of dimension d, by number.
   const std::vector<GroupKey>& keys(int d) const { return dimensions_[static_cast<std::size_t>(d)].keys; }
   /// The number of the group's key in dimension d; new where it was not there.
   int findOrAddKey(int d, const Group& group);

@@ -66,15 +66,18 @@ struct MeasurementType {
 
 class MeasurementPool {
  public:
+  /// Empty, for measurements of variables in `table`.
   MeasurementPool(const std::string& name, const std::string& label, const MeasurementType& type,
                   const std::vector<VariableRecord>& table, const ActiveSet& active);
   virtual ~MeasurementPool();
   MeasurementPool(const MeasurementPool&) = delete;
   MeasurementPool& operator=(const MeasurementPool&) = delete;
 
+  /// The name of the group, for messages: the label, or that of the type.
   const std::string& name() const { return name_; }
   /// The user's label of the measurements; empty: none, `name` is made of their type's.
   const std::string& label() const { return label_; }
+  /// What all measurements of the pool have in common.
   const MeasurementType& type() const { return type_; }
   /// Number of the pool's group. A table has a row for each group; pools of one run-time kind and one label, which differ in arity
   /// alone, are one group with one name.
@@ -111,6 +114,7 @@ class MeasurementPool {
 
   /// Number of the key of measurement i in this dimension of Problem::groups(); -1: none.
   int groupKey(int dimension, int i) const;
+  /// Puts measurement i into a group of this dimension, by the number of its key.
   void setGroupKey(int dimension, int i, int key);
 
   /// Where derivatives come from.

@@ -32,6 +32,7 @@ class Problem {
 
   // Variables.
 
+  /// Adds a variable with its start value; `optimize` false fixes it. `name` may be empty.
   template <class T>
   VarID<T> insertVariable(const T& value, bool optimize, std::string_view name) {
     mtk::requireManifold<T>();
@@ -46,15 +47,18 @@ class Problem {
   int indexOf(const VariableHandle& id) const;
   /// The handle of a variable, in the table.
   VariableHandle handleOf(int variable) const;
+  /// Gives a variable another value. Throws [slom.stale-handle], [slom.size-change] or [slom.outside-bound].
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {
     setValue(indexOf(id), &value);
   }
   /// The same without any check.
   void overwrite(int variable, const void* value);
+  /// Fixes a variable at its current value, or releases it.
   void setOptimized(int variable, bool optimize);
   /// The components whose names are `path` or begin with it: `pos.z`, `pos`. Throws [slom.no-component], which lists all names.
   std::vector<int> componentsAt(int variable, const std::string& path) const;
+  /// Fixes components at their current values, or releases them.
   void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
   /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
@@ -67,12 +71,15 @@ class Problem {
   /// Throws [slom.variable-in-use] when measurements depend on it.
   void removeVariable(int variable);
 
+  /// The table of variables; removed ones leave rows that are used again.
   const std::vector<VariableRecord>& variables() const { return table_; }
   /// One for each type of which there are or have been variables.
   std::vector<std::shared_ptr<const VariableStoreBase>> stores() const;
+  /// The number of variables that are there.
   int variableCount() const { return static_cast<int>(table_.size() - free_.size()); }
   /// The user's name, or `SE3 #5`: type and running number of insertion.
   std::string variableName(int variable) const;
+  /// The value as text, for messages.
   std::string variableValue(int variable) const;
   /// Names of the components, the variable's own name in front.
   std::vector<std::string> componentNames(int variable) const;
@@ -95,10 +102,12 @@ class Problem {
     const auto [pool, ref] = insertRuntime(new M(std::move(measurement)), noise, label, loss);
     return MeasID<M>(pool, ref);
   }
+  /// The pool of a measurement and its index there. Throws [slom.stale-handle].
   template <class M>
   std::pair<MeasurementPool*, int> locate(const MeasID<M>& id) const {
     return locate(id.pool_, id.ref_);
   }
+  /// Removes measurement i of the pool; the last one takes its place.
   void removeMeasurement(MeasurementPool& pool, int i);
   /// Puts measurement i into these groups, of different dimensions.
   void assignGroups(MeasurementPool& pool, int i, const Group* groups, int count);
@@ -133,6 +142,7 @@ class Problem {
   std::vector<const MeasurementPool*> poolsOf() const {
     return findPools(typeid(M));
   }
+  /// One for each type and label of measurements, in the order in which they came first.
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
@@ -147,7 +157,9 @@ class Problem {
 
   // Values as a whole.
 
+  /// Remembers all values; `restore` brings them back.
   void save();
+  /// Brings back the values that `save` has remembered.
   void restore();
   /// x := x [+] d of one variable.
   void move(int variable, const double* d);

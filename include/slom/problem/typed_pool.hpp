@@ -54,6 +54,7 @@ class TypedPool final : public MeasurementPool {
   static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
                                         source(),   Of<Args>::name,  &typeName, &make};
 
+  /// Empty, for measurements of variables in `table`.
   TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table,
             const ActiveSet& active)
       : MeasurementPool(name, label, type, table, active) {}

@@ -11,6 +11,7 @@ class BlockQR final : public ForwardingSolver {
  public:
   /// The rank runs out where less than this share is left of the length of a column.
   static constexpr double kPivotTolerance = 1e-12;
+  /// `pivot_tolerance`: share of the length of a column that must be left of it.
   explicit BlockQR(double pivot_tolerance = kPivotTolerance);
 };
 

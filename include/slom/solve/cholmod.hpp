@@ -12,6 +12,7 @@ class Cholmod final : public ForwardingSolver {
  public:
   /// Throws [slom.no-cholmod] in a build without it.
   Cholmod();
+  /// Whether this build has it.
   static bool isAvailable();
 };
 

@@ -6,12 +6,14 @@
 
 namespace slom {
 
+/// The solver.
 class DenseQR final : public ForwardingSolver {
  public:
   DenseQR();
 
   /// The whitened Jacobian (residuals x unknowns) and residual of the last linearisation.
   const Eigen::MatrixXd& jacobian() const;
+  /// Whitened, one entry for each row of the Jacobian.
   const Eigen::VectorXd& residual() const;
 
  private:

@@ -37,6 +37,7 @@ struct SolverCounts {
 class InverseBlocks {
  public:
   virtual ~InverseBlocks() = default;
+  /// Writes the block of H^-1 that belongs to blocks a and b, dof_a x dof_b, column-major.
   virtual void block(int a, int b, double* out) const = 0;
 };
 
@@ -82,7 +83,9 @@ class LinearSolver : public JacobianSink {
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;
+  /// Where its time went.
   virtual const SolverSeconds& seconds() const { return seconds_; }
+  /// How often it analysed and factorised.
   virtual const SolverCounts& counts() const { return counts_; }
 
  protected:

@@ -11,6 +11,7 @@
 
 namespace slom {
 
+/// A linear solver that users of a program choose by its name.
 struct NamedSolver {
   const char* name;                         ///< `qr`
   const char* description;                  ///< what it is, in a few words

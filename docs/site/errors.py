@@ -1,0 +1,107 @@
+"""Writes docs/errors.md: each id of an error with what its messages say, taken from the tests that trigger them.
+
+    errors.py            prints the page
+    errors.py --write    writes it
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/errors.md"
+ID = r"(?:slom|mtk)(?:\.[a-z0-9]+(?:-[a-z0-9]+)*)+"
+MOST_MESSAGES = 4  # of one id
+BY_HAND = {  # whose tests compare the text in parts
+    "slom.calibration.no-pose": ("left.csv: 3 images that camera right shares with camera left give no finite pose between the two",
+                                 "look for corners and world points that are wrong"),
+    "slom.calibration.too-few-data": ("left.csv: the corners give 16 numbers for 21 unknowns of the model opencv5",
+                                      "add images or corners, or choose a model with fewer parameters"),
+    "slom.calibration.unconnected": ("right.csv:2: camera right has no image in common with camera left, nor with one that has",
+                                     "take images of the board with both at the same time, or calibrate them apart"),
+    "slom.calibration.unknown-model": ("fish: the models are pinhole, opencv4, ...", ""),
+    "slom.calibration.nothing-to-exclude": ("exclusion left.17: that camera has no image 17", "the nearest are 15, 16, 18"),
+    "slom.free-gauge": ("there are no covariances as long as the gauge is free. All 5 points can move together without changing any residual",
+                        "fix as many of them as that takes, or add priors"),
+    "slom.undetermined-start": ("the linear systems of chordal relaxation cannot be solved, as the weights of the edges differ too much",
+                                "start along a spanning tree"),
+    "slom.unmeasured-variable": ("no measurement depends on variable lonely, so nothing determines it",
+                                 "add measurements or fix it with optimizeRV(id, false)"),
+}
+LITERAL = r'"(?:[^"\\\n]|\\.)*"'
+LITERALS = re.compile(rf"{LITERAL}(?:\s*{LITERAL}|\s*\+\s*[a-z_]+\s*\+\s*{LITERAL})*")  # with names of variables between them
+HEADINGS = [("mtk.", "Manifolds"), ("slom.calibration.", "Calibration"), ("slom.io.", "Files"), ("slom.", "Estimator")]
+TEXT = """# Errors
+
+What a caller does wrong is an exception, `mtk::Error`, from which `slom::calibration::DataError` and `slom::initialize::Unreached` derive. Its
+text is one sentence: `[id] fault; remedy`. The id is stable between versions, so that a program can branch on `error.id()`;
+`error.subject()` names the variable, measurement, option or file, and `error.remedy()` is what stands after the last semicolon. After an
+exception the estimator is as it was before the call. What goes wrong in a fit for numerical reasons is no exception, but a `stop_reason` and a
+message of the summary.
+
+The messages are those of the tests that trigger them; `docs/site/errors.py --write` writes this page. Names and numbers are examples.
+"""
+
+
+def unescaped(literal):
+    return literal.replace('\\"', '"').replace("\\n", "\n").replace("\\\\", "\\")
+
+
+def messages(source):
+    """(id, sentence) of all messages that stand whole in a source."""
+    for match in LITERALS.finditer(source):
+        joined = re.sub(rf'"\s*\+\s*[a-z_]+\s*\+\s*"', "...", match.group(0))
+        whole = unescaped("".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', joined)))
+        found = re.match(rf"\[({ID})\] (.+)$", whole, re.DOTALL)
+        is_whole = not re.match(r"\s*(\+|<<)", source[match.end():match.end() + 40])
+        if found and is_whole and "\n" not in found.group(2) and not re.search(r"\\|\.\*|\{\}|[ (]$", found.group(2)):
+            yield found.group(1), found.group(2)
+
+
+def all_messages():
+    """{id: its messages, those of the first tests first}"""
+    found = {}
+    for path in sorted((ROOT / "tests").rglob("*.cpp")):
+        for name, sentence in messages(path.read_text(encoding="utf-8")):
+            if sentence not in found.setdefault(name, []) and not name.startswith("slom.example"):
+                found[name].append(sentence)
+    return {name: sentences for name, sentences in found.items() if sentences}
+
+
+def ids_of_sources():
+    """The ids that stand whole in the sources of the libraries and of the command."""
+    found = set()
+    for folder in ("include", "src", "apps"):
+        for path in (ROOT / folder).rglob("*.[ch]pp"):
+            found.update(re.findall(rf'"({ID})"', path.read_text(encoding="utf-8")))
+    return found
+
+
+def escaped(words):
+    return re.sub(r"([\\|*_<>`\[\]])", r"\\\1", words)
+
+
+def parts(sentence):
+    fault, separator, remedy = sentence.rpartition("; ")
+    return (fault, remedy) if separator else (sentence, "")
+
+
+def page():
+    known = {name: [] for name in BY_HAND} | all_messages()
+    text = TEXT
+    listed = set()
+    for prefix, heading in HEADINGS:
+        names = sorted(name for name in known if name.startswith(prefix) and name not in listed)
+        listed.update(names)
+        text += f"\n## {heading}\n"
+        for name in names:
+            text += f"\n### {name}\n\n| fault | remedy |\n| --- | --- |\n"
+            for fault, remedy in [parts(sentence) for sentence in known[name][:MOST_MESSAGES]] or [BY_HAND[name]]:
+                text += f"| {escaped(fault)} | {escaped(remedy)} |\n"
+    return text
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--write"]:
+        PAGE.write_text(page(), encoding="utf-8")
+    else:
+        print(page(), end="")
