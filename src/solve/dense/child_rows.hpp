@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "solve/dense/kernels.hpp"
+#include "kernels.hpp"
 
 namespace slom::dense {
 

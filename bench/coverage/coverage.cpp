@@ -1,0 +1,177 @@
+// How often 95 % intervals hold, stated and clustered, over a thousand simulated calibrations and pose graphs each: prints docs/coverage.md.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <slom/analyze/clustered.hpp>
+#include <slom/analyze/student.hpp>
+#include <slom/measurements.hpp>
+#include <slom/slom.hpp>
+
+#include "calibrate/simulated_rig.hpp"
+
+namespace {
+
+constexpr double kNormal = 1.959964;
+constexpr std::array kGroups{10, 20, 50, 200};
+
+/// What errors are made of, by the group they belong to.
+struct Errors {
+  const char* name;
+  double shared;  // size of what the errors of a group have in common
+  double memory;  // correlation of that between successive groups
+};
+
+/// Coverage of all parameters together, and that of the one where it is lowest.
+struct Coverage {
+  long stated = 0, clustered = 0, all = 0;
+  std::vector<long> by_parameter;  // clustered
+  double ratio = 0;                // of variances, clustered over stated
+  int runs = 0;
+
+  void add(std::size_t parameter, double error, double stated_std, double clustered_std, double dof) {
+    by_parameter.resize(std::max(by_parameter.size(), parameter + 1));
+    stated += std::abs(error) <= kNormal * stated_std;
+    const bool holds = std::abs(error) <= slom::studentCritical(0.05, dof) * clustered_std;
+    clustered += holds;
+    by_parameter[parameter] += holds;
+    ratio += std::pow(clustered_std / stated_std, 2);
+    ++all;
+  }
+  void print(const char* what, int groups) const {
+    long least = runs, most = 0;
+    for (const long count : by_parameter) least = std::min(least, count), most = std::max(most, count);
+    std::printf("| %s | %d | %.1f %% | **%.1f %%** | %.1f to %.1f %% | %.2f |\n", what, groups,
+                100.0 * stated / all, 100.0 * clustered / all, 100.0 * least / runs, 100.0 * most / runs,
+                std::sqrt(ratio / all));
+  }
+};
+
+/// One camera, of which each image is seen a little larger or smaller than the lens says.
+Coverage calibrations(int images, const Errors& errors, int runs) {
+  namespace calib = slom::app::calib;
+  calib::testing::RigOptions options;
+  options.cameras = 1;
+  options.images = images;
+  options.columns = 6;
+  options.rows = 5;
+  options.square_m = 0.07;
+  calib::Settings settings;
+  settings.robust = calib::Robust::none;
+  std::mt19937_64 random(17);
+  std::normal_distribution<> normal;
+  Coverage coverage;
+  for (int run = 0; run < runs; ++run) {
+    const auto truth = calib::testing::simulateTruth(options, random);
+    calib::Dataset data = calib::testing::simulateMeasurements(truth, options, random);
+    data.imu.reset();
+    double error = normal(random);
+    for (calib::View& view : data.cameras[0].views) {
+      for (calib::Corner& corner : view.corners)
+        corner.pixel +=
+            0.012 * errors.shared * error * calib::vec2(corner.pixel.x() - 330, corner.pixel.y() - 245);
+      error = errors.memory * error + std::sqrt(1 - errors.memory * errors.memory) * normal(random);
+    }
+    const calib::Result result = calib::calibrate(data, settings);
+    if (!result.success()) continue;
+    ++coverage.runs;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const calib::Parameter& p = result.cameras[0].parameters[i];
+      coverage.add(i, p.value - truth.cameras[0][int(i)], p.std, p.std_clustered, p.dof);
+    }
+  }
+  return coverage;
+}
+
+/// A round of places that is driven `rounds` times; in each, odometry has a scale of its own and drifts sideways.
+Coverage poseGraphs(int rounds, const Errors& errors, int runs) {
+  using Pose = mtk::trafo<mtk::SO2<>>;
+  constexpr int places = 12;
+  constexpr double length = 1, sigma_length = 0.02, sigma_angle = 0.01;
+  std::mt19937_64 random(5);
+  std::normal_distribution<> normal;
+  std::vector<Pose> truth;
+  for (int k = 0; k < places; ++k) {
+    const double angle = 2 * M_PI * k / places;
+    const double radius = length / (2 * std::sin(M_PI / places));
+    truth.push_back(
+        Pose(mtk::SO2<>(angle), mtk::vect<2>(radius * std::sin(angle), radius * (1 - std::cos(angle)))));
+  }
+  Coverage coverage;
+  for (int run = 0; run < runs; ++run) {
+    slom::Estimator est;
+    est.setThreads(1);
+    std::vector<slom::VarID<Pose>> poses;
+    for (int k = 0; k < places; ++k) poses.push_back(est.insertRV(truth[std::size_t(k)], k > 0));
+    std::array<double, 2> common{normal(random), normal(random)};
+    for (int round = 0; round < rounds; ++round) {
+      for (int k = 0; k + 1 < places; ++k) {
+        const Pose& a = truth[std::size_t(k)];
+        Pose step = a.inverse() * truth[std::size_t(k + 1)];
+        const mtk::vect<3> noise(sigma_length * (normal(random) + errors.shared * common[0]),
+                                 sigma_length * normal(random),
+                                 sigma_angle * (normal(random) + errors.shared * common[1]));
+        step = step * Pose(mtk::SO2<>(noise[2]), mtk::vect<2>(noise[0], noise[1]));
+        const double both = std::sqrt(1 + errors.shared * errors.shared);
+        est.insertMeasurement(
+            slom::RelativePoseInFrameOfA(), poses[std::size_t(k)], poses[std::size_t(k + 1)],
+            slom::measured(step),
+            slom::StandardDeviation(mtk::vect<3>(sigma_length * both, sigma_length, sigma_angle * both)),
+            slom::group(round));
+      }
+      for (double& c : common)
+        c = errors.memory * c + std::sqrt(1 - errors.memory * errors.memory) * normal(random);
+    }
+    if (!est.optimize().converged) continue;
+    const slom::Clustered clustered = est.clustered({.ordered = errors.memory > 0});
+    ++coverage.runs;
+    for (const std::size_t k : {std::size_t(places / 2), std::size_t(places - 1)}) {
+      Eigen::Vector3d error;
+      truth[k].boxminus(mtk::vectview<double, 3>(error.data()), *poses[k]);  // of either sign
+      const Eigen::Vector3d stated = est.standardDeviation(poses[k]),
+                            std = clustered.standardDeviation(poses[k]),
+                            dof = clustered.degreesOfFreedom(poses[k]);
+      for (int i = 0; i < 3; ++i)
+        coverage.add(3 * (k == places - 1) + std::size_t(i), error[i], stated[i], std[i], dof[i]);
+    }
+  }
+  return coverage;
+}
+
+void print(const char* title, const char* groups, Coverage (*simulate)(int, const Errors&, int), int runs) {
+  std::printf(
+      "\n## %s\n\n| errors | %s | stated holds | clustered holds | by parameter | clustered over stated |\n| --- | ---: | ---: | ---: | ---: | ---: |\n",
+      title, groups);
+  for (const Errors& errors : {Errors{"independent", 0, 0}, Errors{"shared within a group", 1, 0},
+                               Errors{"shared, successive groups alike", 1, 0.6}}) {
+    for (const int count : kGroups) {
+      simulate(count, errors, runs).print(errors.name, count);
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 1000;
+  std::printf(
+      "# How often intervals hold\n\n"
+      "Written by `bench_coverage`. Of %d simulations each, the share in which an interval of 95 %% has the true value, by stated and by clustered standard "
+      "deviations; clustered ones with Student's distribution, for their degrees of freedom. With %d simulations a share is known to %.1f %% (one standard deviation).\n"
+      "\"By parameter\": the lowest and the highest of single parameters. \"Clustered over stated\": root mean square of the ratio of standard deviations; 1 where errors are "
+      "independent. \"Successive groups alike\": what one group shares has a correlation of 0.6 with that of the next, so that only about a quarter of the groups are independent.\n",
+      runs, runs, 100 * std::sqrt(0.05 * 0.95 / runs));
+  print("Calibrations", "images", calibrations, runs);
+  std::printf(
+      "\nOne camera and a board of 30 corners; each image is seen by about 1 %% (one standard deviation) larger or smaller than the lens says; fx, fy, cx, cy. Groups are images, and blocks of "
+      "successive ones as the data ask for, from 16 images on.\n");
+  print("Pose graphs", "rounds", poseGraphs, runs);
+  std::printf(
+      "\nA round of 12 places that is driven again and again; in each round odometry has a scale and a sideways drift of its own; x, y and heading of two places. Groups are rounds, "
+      "with `ordered` where successive ones are alike.\n");
+}
