@@ -14,7 +14,7 @@ project = "SLoM"
 author = "the authors of SLoM"
 release = version = ".".join(numbers)
 sys.path.insert(0, os.fspath(pathlib.Path(__file__).parent))
-extensions = ["myst_parser", "theme", "code_links"]
+extensions = ["myst_parser", "theme", "code_links", "cpp_objects"]
 root_doc = "index"
 language = "en"
 nitpicky = True

@@ -72,6 +72,12 @@ TEST(Documentation, ShowsWhatTheFirstFitPrints) {
             readFile(slom::testing::sourcePath("examples/first_fit/expected.txt")));
 }
 
+TEST(Documentation, ShowsWhatTheProgramOfTheTutorialPrints) {
+  const auto printed = blocks(readFile(slom::testing::sourcePath("docs/tutorial.md")), "text");
+  ASSERT_EQ(printed.size(), 1u);
+  EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/landmark_slam_2d/expected.txt")));
+}
+
 TEST(Documentation, ShowsWhatTheCalibrationPrints) {
   const auto printed = blocks(readFile(slom::testing::sourcePath("docs/calibration_library.md")), "text");
   ASSERT_EQ(printed.size(), 1u);
