@@ -32,7 +32,10 @@ TEST(GraphFaults, NoEdges) {
   const std::string sentence =
       "map.g2o: there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3";
   expectRefused(vertices, sentence);
-  expectRefused("image,corner\n1,2\n", sentence);
+  expectRefused(
+      "ODOMETRY 1 0 0\nLANDMARK 3 4\nODOMETRY 1 0 0\n",
+      "map.g2o: there is no edge in it, its lines begin with LANDMARK, ODOMETRY; a pose graph has lines "
+      "EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
 }
 TEST(GraphFaults, WrongNumberOfWords) {
   expectRefused(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0\n",

@@ -139,9 +139,12 @@ class Reader {
   template <class Pose>
   PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
     if (raw.graph.edges.empty() && raw.graph.sightings.empty()) {
+      std::string found;  // names of a file of another kind
+      for (const auto& [tag, lines] : unknown_.lines)
+        found += (found.empty() ? ", its lines begin with " : ", ") + tag;
       fail("no-edges",
-           raw.graph.file +
-               ": there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3",
+           raw.graph.file + ": there is no edge in it" + found +
+               "; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3",
            raw.graph.file);
     }
     raw.fixed = std::move(fixed_);
