@@ -167,6 +167,17 @@ TEST_F(Patterns, ALensThatChangesIsNamed) {
   EXPECT_NEAR(drift.value, 0.008 * fy, 0.002 * fy);
 }
 
+TEST_F(Patterns, APrincipalPointThatPosesFollowHasItsSize) {
+  const Fitted fit = withPlanted(*rig_, [&](std::size_t c, std::size_t i, std::size_t, Corner& corner) {
+    if (c == 0)
+      corner.pixel += vec2(10 * (2.0 * double(i) / double(rig_->data.cameras[0].views.size() - 1) - 1), 0.);
+  });
+  const ResidualPattern& drift = *fit.find(Kind::drift);
+  EXPECT_TRUE(drift.isFound());
+  EXPECT_EQ(drift.parameter, "cx");
+  EXPECT_NEAR(drift.value, 20, 4);
+}
+
 TEST_F(Patterns, RowsThatAreReadOneAfterTheOtherAreTimed) {
   const Fitted fit = withPlanted(*rig_, [&](std::size_t c, std::size_t i, std::size_t, Corner& corner) {
     if (c == 1)
@@ -263,12 +274,12 @@ TEST(Patterns2, HaveSentences) {
   };
   EXPECT_EQ(
       sentence(Kind::board_shape, 0.00083, 0.123, 0.0002),
-      "in the images of right, corners of the board are elsewhere than stated, the same in all images: 0.83 mm off its plane and 0.20 mm within it "
+      "in the images of right, corners of the board are elsewhere than stated, the same in all images: by at least 0.83 mm off its plane and 0.20 mm within it "
       "(RMS), 12 % of the squared residuals; lay the board on something flat, and measure what was printed; the JSON lists where the corners seem to be");
   EXPECT_EQ(
       sentence(Kind::drift, -1.234, 0.02),
-      "the lens of right changes over the images: fx by -1.2 from the first to the last, 2.0 % of the squared residuals; was the focus moved, did the "
-      "camera warm up, or is the lens model too simple for images that change, too?");
+      "the lens of right changes over the images: fx by -1.2 from the first to the last, 2.0 % of the squared residuals; look for a focus that was moved, a "
+      "camera that warmed up, or a lens model that is too simple for images that change, too");
   EXPECT_EQ(
       sentence(Kind::time_offset, -0.01, 0.3),
       "residuals of right follow the motion, as if it were 0.010 of the interval between image numbers earlier than left, 30 % of the squared "

@@ -38,23 +38,26 @@ inline void requireEnoughMeasurements(const Dataset& data, const Settings& setti
                    .remedy = "add images or corners, or choose a model with fewer parameters"});
 }
 
-/// Views that lie more than 10 px, and ten times as far as most, from where the rig puts them: in most cases
-/// images that were not taken at the same time.
+/// Views most of whose corners lie more than 10 px, and ten times as far as those of most, from where the rig puts them: in most cases
+/// images that were not taken at the same time. Single corners that are farther off are another matter.
 template <class Camera>
 std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig) {
   std::vector<Stray> views;
-  std::vector<double> errors;
+  std::vector<double> errors, medians;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     for (const View& view : data.cameras[c].views) {
       const SE3 world2camera = rig.left2camera[c] * rig.left2world.at(view.image).inverse();
       const double square = squaredPixelError(cameras[c], world2camera, view);
       errors.push_back(std::sqrt(square / double(view.corners.size())));
+      medians.push_back(medianPixelError(cameras[c], world2camera, view));
       views.push_back({data.cameras[c].name, view.image, errors.back(), view.photo});
     }
   }
-  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-  const double limit = std::max(10.0, 10 * errors[errors.size() / 2]);
-  std::erase_if(views, [&](const Stray& view) { return view.error_px <= limit; });
+  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  const double limit = std::max(10.0, 10 * *middle);
+  std::size_t i = 0;
+  std::erase_if(views, [&](const Stray&) { return medians[i++] <= limit; });
   return views;
 }
 

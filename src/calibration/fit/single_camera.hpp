@@ -46,6 +46,18 @@ double squaredPixelError(const Camera& camera, const SE3& world2camera, const Vi
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
+/// The median of the distances between corners and pixels [px]; infinite where that corner has no image.
+template <class Camera>
+double medianPixelError(const Camera& camera, const SE3& world2camera, const View& view) {
+  std::vector<double> errors;
+  for (const Corner& corner : view.corners) {
+    const double error = (camera.project(vec3(world2camera * corner.world)) - corner.pixel).norm();
+    errors.push_back(std::isfinite(error) ? error : std::numeric_limits<double>::infinity());
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  return errors[errors.size() / 2];
+}
+
 /// The pose of one view for a known camera, from a start; the start itself when the fit fails.
 template <class Camera>
 SE3 fitPose(const Camera& known_camera, const SE3& world2camera, const View& view, const Settings& settings) {

@@ -12,14 +12,14 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Share of a pattern that must be left where poses and shared parameters have followed it.
-constexpr double least_visible = 1e-3;
+/// Where cells are many, what they take from each other is not seen.
+constexpr double least_visible = 1e-3, least_visible_of_one = 1e-8;
 
 /// The inverse of N on the directions that are visible beside `square`, 0 on others.
-MatrixXd visibleInverse(const MatrixXd& N, const VectorXd& square) {
+MatrixXd visibleInverse(const MatrixXd& N, const VectorXd& square, double least) {
   const VectorXd scale = square.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * N * scale.asDiagonal());
-  const VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double l) { return l > least_visible ? 1 / l : 0.0; });
+  const VectorXd inverse = eigen.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / l : 0.0; });
   const MatrixXd U = scale.asDiagonal() * eigen.eigenvectors();
   return U * inverse.asDiagonal() * U.transpose();
 }
@@ -75,7 +75,7 @@ void PatternScores::finish(const MatrixXd& covariance, const MatrixXd& scores) {
     const MatrixXd solved = covariance * own.C;
     own.N -= own.C.transpose() * solved;
     own.scores -= solved.transpose() * scores;
-    own.N = visibleInverse(own.N, own.square);
+    own.N = visibleInverse(own.N, own.square, cells() == 1 ? least_visible_of_one : least_visible);
     const MatrixXd estimates = own.N * own.scores;
     products_ += own.scores.transpose() * estimates;
     own.scores = estimates;

@@ -68,7 +68,7 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
           camera, fixedDecimals(value, 2));
     case Kind::board_shape:
       return fmt::format(
-          "in the images of {}, corners of the board are elsewhere than stated, the same in all images: {} mm off its plane and {} mm within it "
+          "in the images of {}, corners of the board are elsewhere than stated, the same in all images: by at least {} mm off its plane and {} mm within it "
           "(RMS), {} of the squared residuals; lay the board on something flat, and measure what was printed; the JSON lists where the corners seem to be",
           camera, twoDigits(1e3 * value), twoDigits(1e3 * pattern.second), percent(pattern.share));
     case Kind::image_place:
@@ -78,8 +78,8 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
           camera, twoDigits(value), percent(pattern.share));
     case Kind::drift:
       return fmt::format(
-          "the lens of {} changes over the images: {} by {} from the first to the last, {} of the squared residuals; was the focus moved, did the camera warm "
-          "up, or is the lens model too simple for images that change, too?",
+          "the lens of {} changes over the images: {} by {} from the first to the last, {} of the squared residuals; look for a focus that was moved, a camera "
+          "that warmed up, or a lens model that is too simple for images that change, too",
           camera, pattern.parameter, twoDigits(value), percent(pattern.share));
     case Kind::row_readout:
       return fmt::format(
@@ -99,8 +99,8 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
           camera, fixedDecimals(value, 1));
     case Kind::speed:
       return fmt::format(
-          "residuals of {} are {} times as large in the quarter of its images with the fastest motion as in the slowest quarter: leave fast ones out, or move "
-          "less",
+          "residuals of {} are {} times as large in the quarter of its images with the fastest motion as in the slowest quarter, if image numbers are in the "
+          "order of time: leave fast ones out, or move less",
           camera, fixedDecimals(value, 1));
     case Kind::slant:
       return fmt::format(

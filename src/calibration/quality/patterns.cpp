@@ -302,7 +302,7 @@ ResidualPattern CameraPatterns::fromScores(Kind kind, const PatternScores& score
   const FlipTest test(scores.products());
   ResidualPattern pattern;
   pattern.kind = kind;
-  pattern.share = test.explained() * rig_.sigma_px * rig_.sigma_px / squares_;
+  pattern.share = std::min(1.0, test.explained() * rig_.sigma_px * rig_.sigma_px / squares_);
   pattern.probability = test.probability();
   if (scores.cells() == 1) pattern.value = scores.estimates(0).row(0).sum();
   return pattern;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -111,6 +112,35 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
   }
 }
 
+/// What moves parameters in all images alike, which no standard deviation shows.
+void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
+  bool has_board = false;
+  for (const ResidualPattern& pattern : result.quality->patterns) {
+    if (!pattern.isFound()) continue;
+    const std::string& camera = result.cameras[pattern.camera].name;
+    switch (pattern.kind) {
+      case ResidualPattern::Kind::board_shape:
+        if (!std::exchange(has_board, true))
+          doubts.push_back(fmt::format(
+              "corners of the board are not where they are stated to be, by at least {} mm off its plane and {} mm within it",
+              twoDigits(1e3 * pattern.value), twoDigits(1e3 * pattern.second)));
+        break;
+      case ResidualPattern::Kind::image_place:
+        doubts.push_back(fmt::format("residuals of {} depend on the place in the image, by {} px", camera,
+                                     twoDigits(pattern.value)));
+        break;
+      case ResidualPattern::Kind::drift:
+        doubts.push_back(fmt::format("the lens of {} changes over the images", camera));
+        break;
+      case ResidualPattern::Kind::time_offset:
+        doubts.push_back(fmt::format("{} and {} are not simultaneous", result.cameras.front().name, camera));
+        break;
+      default:
+        break;
+    }
+  }
+}
+
 void doubtProjection(const Result& result, std::vector<std::string>& doubts) {
   if (!result.quality->hasProjection()) return;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
@@ -161,11 +191,12 @@ std::string knownProjection(const Quality& quality) {
 bool isOfSameRig(const Quality& quality, const Result& result) {
   const std::size_t cameras = result.cameras.size();
   const auto has_projection = [](const CameraQuality& camera) { return !camera.projection.empty(); };
-  const auto is_there = [&](const WorstResidual& worst) { return worst.camera < cameras; };
+  const auto is_there = [&](const auto& of_camera) { return of_camera.camera < cameras; };
   return quality.cameras.size() == cameras && quality.split_half.cameras.size() <= cameras &&
          (!quality.hasProjection() ||
           std::all_of(quality.cameras.begin(), quality.cameras.end(), has_projection)) &&
-         std::all_of(quality.worst.begin(), quality.worst.end(), is_there);
+         std::all_of(quality.worst.begin(), quality.worst.end(), is_there) &&
+         std::all_of(quality.patterns.begin(), quality.patterns.end(), is_there);
 }
 
 void requireQuality(const Result& result) {
@@ -225,6 +256,7 @@ Verdict verdictOf(const Result& result) {
   doubtHalves(result, verdict.doubts);
   doubtNoise(result, verdict.doubts);
   doubtIndependence(result, verdict.doubts);
+  doubtPatterns(result, verdict.doubts);
   doubtProjection(result, verdict.doubts);
   verdict.level = verdict.doubts.empty() ? Verdict::Level::trustworthy : Verdict::Level::doubtful;
   verdict.sentence = fmt::format("Calibrated to {} px with {}", fixedDecimals(rmsOfAll(result), 2),

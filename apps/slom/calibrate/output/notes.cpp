@@ -118,16 +118,34 @@ const std::string& otherThan(const std::string& name, const Result& result) {
 }
 
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t most = 4;  // one by one
   for (const Stray& stray : result.strays) {
+    if (std::size_t(&stray - result.strays.data()) == most) {
+      std::vector<std::string> more;
+      for (std::size_t i = most; i < result.strays.size(); ++i)
+        more.push_back(fmt::format("{}.{}", result.strays[i].camera, result.strays[i].image));
+      notes.push_back(fmt::format(
+          "{} contradict the others in the same way: {}. Where these are most images of a camera, its image numbers or time "
+          "stamps do not belong to those of the others.",
+          more.size() == 1 ? "1 more view" : fmt::format("{} more views", more.size()),
+          fmt::join(more, ", ")));
+      break;
+    }
+    const bool is_alone = result.cameras.size() == 1;
+    const std::string question =
+        is_alone
+            ? fmt::format("Leave it out (--exclude {}), or look", stray.image)
+            : fmt::format(
+                  "Was it taken at the same time as image {} of {}? If not, leave it out (--exclude {}.{}) or correct its number. Otherwise look",
+                  stray.image,
+                  result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result)
+                                             : "the other cameras",
+                  stray.camera, stray.image);
     notes.push_back(fmt::format(
-        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {} px off. "
-        "Was it taken at the same time as image {} of {}? If not, leave it out (--exclude {}.{}) or correct its number. Otherwise "
-        "look whether its corners "
+        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {} px off. {} whether its corners "
         "were taken for their neighbours, a row or column further{}.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
-        fixedDecimals(stray.error_px, 0), stray.image,
-        result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result) : "the other cameras",
-        stray.camera, stray.image,
+        fixedDecimals(stray.error_px, 0), question,
         result.cameras.front().board_symmetry > 1
             ? ", or counted from another end: this board looks the same when it is turned"
             : ""));
@@ -241,7 +259,7 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   if (clustered.isReliable() && clustered.ratio > worth_a_note) {
     notes.push_back(fmt::format(
         "Errors are not independent: over all parameters the clustered standard deviations are {} times the stated ones. Errors that "
-        "the corners of an image share account for a factor of {}{}{}. Trust the clustered ones.",
+        "the corners of an image share account for a factor of {}{}{}. Where they are larger, trust the clustered ones.",
         fixedDecimals(clustered.ratio, 1), fixedDecimals(clustered.ratio_by_image, 1),
         clustered.block_length > 1 ? fmt::format(", with those that successive images share {}",
                                                  fixedDecimals(clustered.ratio_by_block, 1))
@@ -253,11 +271,21 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
+/// Rows seem to be read out one after the other where cameras are not simultaneous, too.
+bool isOfTimeOffset(const ResidualPattern& pattern, const Result& result) {
+  const auto& all = result.quality->patterns;
+  return pattern.kind == ResidualPattern::Kind::row_readout &&
+         std::any_of(all.begin(), all.end(), [&](const ResidualPattern& other) {
+           return other.kind == ResidualPattern::Kind::time_offset && other.isFound() &&
+                  other.share >= pattern.share;
+         });
+}
+
 /// Why errors are not independent, as far as residuals show it.
 void notePatterns(const Result& result, std::vector<std::string>& notes) {
   if (!result.quality) return;
   for (const ResidualPattern& pattern : result.quality->patterns) {
-    if (!pattern.isFound()) continue;
+    if (!pattern.isFound() || isOfTimeOffset(pattern, result)) continue;
     std::string sentence = sentenceOf(pattern, result);
     sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
     notes.push_back(sentence + ".");
@@ -279,7 +307,7 @@ std::vector<std::string> notes(const Result& result) {
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteClustered(result, notes);
-  if (result.success() && result.strays.empty()) notePatterns(result, notes);
+  if (result.success()) notePatterns(result, notes);
   noteGravity(result, notes);
   return notes;
 }
