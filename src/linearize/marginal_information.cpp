@@ -227,8 +227,7 @@ Rows rowsOf(const Problem& problem, const JacobianBatch& batch) {
 std::vector<MeasurementIndex> measurementsOf(const Problem& problem, const std::vector<int>& variables) {
   std::vector<MeasurementIndex> result;
   for (const int v : variables) {
-    problem.forEachUse(
-        v, [&](const MeasurementPool& pool, int i) { result.emplace_back(pool.index(), i); });
+    problem.forEachUse(v, [&](const MeasurementPool& pool, int i) { result.emplace_back(pool.index(), i); });
   }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());

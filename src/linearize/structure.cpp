@@ -89,9 +89,8 @@ class Update {
         has_other_constraints_ || change.kind == Kind::constraint || isOrWasConstrained(variable);
     if (change.kind != Kind::constraint) variables_.push_back(variable);
     if (change.kind == Kind::variable_fixed || change.kind == Kind::variable_freed) {
-      problem_.forEachUse(variable, [&](const MeasurementPool& pool, int i) {
-        touched_[at(pool.index())].push_back(i);
-      });
+      problem_.forEachUse(
+          variable, [&](const MeasurementPool& pool, int i) { touched_[at(pool.index())].push_back(i); });
     }
   }
 

@@ -332,6 +332,22 @@ TEST(GrossCorners, DoNotMoveTheFitThatRejectsThem) {
   EXPECT_EQ(assessed.quality->cameras[0].residuals.size(), rest.cameras[0].cornerCount());
 }
 
+TEST(GrossCorners, AreRejectedWhereTheirViewIsFarOffWithThem) {
+  for (const double wrong_by : {60., 100.}) {
+    const WrongCorner wrong(wrong_by);
+    const Result result = calibrate(wrong.data, Settings()), without = calibrate(wrong.without, Settings());
+    ASSERT_TRUE(result.success()) << wrong_by;
+    EXPECT_TRUE(result.strays.empty()) << wrong_by;
+    ASSERT_FALSE(result.rejected.empty()) << wrong_by;
+    EXPECT_EQ(result.rejected[0].number, wrong.corner.number);
+    EXPECT_EQ(result.rejected[0].image, wrong.image);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const Parameter& p = result.cameras[0].parameters[i];
+      EXPECT_NEAR(p.value, without.cameras[0].parameters[i].value, p.std) << wrong_by << " " << p.name;
+    }
+  }
+}
+
 TEST(GrossCorners, RejectionLeavesGoodDataAsTheyAre) {
   const WrongCorner wrong(0);
   const Result kept = calibrate(wrong.good, keepAll()), result = calibrate(wrong.good, Settings());

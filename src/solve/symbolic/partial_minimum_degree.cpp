@@ -20,9 +20,9 @@ constexpr int kMostNeighbours = 48;
 
 /// The graph while blocks are eliminated: lists of neighbours that move to the end of the storage when they
 /// grow.
-class Elimination {
+class GraphElimination {
  public:
-  explicit Elimination(const BlockGraph& graph)
+  explicit GraphElimination(const BlockGraph& graph)
       : dof_(graph.dof),
         first_(graph.start.begin(), graph.start.end() - 1),
         count_(at(graph.size())),
@@ -128,7 +128,7 @@ class Elimination {
 
 PartialMinimumDegree eliminateByMinimumDegree(const BlockGraph& graph) {
   PartialMinimumDegree result;
-  Elimination elimination(graph);
+  GraphElimination elimination(graph);
   result.order = elimination.run();
   const int n = graph.size(), count = static_cast<int>(result.order.size());
   if (count < kFewestOfMinimumDegree || count < kLeastShareOfMinimumDegree * n) return {};
