@@ -8,6 +8,7 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/rig_fit.hpp"
+#include "calibration/initialization/far_off.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/quality/clustered.hpp"
@@ -64,6 +65,24 @@ Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result
   return result;
 }
 
+/// A fit that never sees the corners that are farthest off, then those without the other gross ones.
+Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const Progress& progress) {
+  Result without;
+  without.rejected = farOffCorners(data);
+  const Dataset rest = withoutRejected(data, without);
+  Progress of_data = progress;
+  if (progress.single_camera) {
+    of_data.single_camera = [&](SingleCameraReport report) {
+      report.camera = &data.cameras[std::size_t(report.camera - rest.cameras.data())];
+      progress.single_camera(report);
+    };
+  }
+  Result result = settings.model.definition().calibrate(rest, settings, of_data);
+  addClustered(rest, result);
+  result.rejected = std::move(without.rejected);
+  return withoutGrossCorners(data, settings, std::move(result));
+}
+
 }  // namespace
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
@@ -79,10 +98,10 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
     };
   }
   const Settings from_now = started(settings);
+  if (settings.robust == Robust::reject) return withoutFarOffCorners(*sorted, from_now, of_caller);
   Result result = settings.model.definition().calibrate(*sorted, from_now, of_caller);
   addClustered(*sorted, result);
-  return settings.robust == Robust::reject ? withoutGrossCorners(*sorted, from_now, std::move(result))
-                                           : result;
+  return result;
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {

@@ -256,8 +256,8 @@ Verdict verdictOf(const Result& result) {
   doubtHalves(result, verdict.doubts);
   doubtNoise(result, verdict.doubts);
   doubtIndependence(result, verdict.doubts);
-  doubtPatterns(result, verdict.doubts);
   doubtProjection(result, verdict.doubts);
+  doubtPatterns(result, verdict.doubts);
   verdict.level = verdict.doubts.empty() ? Verdict::Level::trustworthy : Verdict::Level::doubtful;
   verdict.sentence = fmt::format("Calibrated to {} px with {}", fixedDecimals(rmsOfAll(result), 2),
                                  counted(result.images.size(), "image")) +
