@@ -31,6 +31,7 @@ void predictRejected(const Dataset& data, Result& result) {
                                     [&](const ImageResult& one) { return one.image == corner.image; });
     const auto found = std::find_if(view->corners.begin(), view->corners.end(),
                                     [&](const Corner& one) { return one.number == corner.number; });
+    if (image == result.images.end()) continue;  // of a fit that failed early
     const vec3 in_left = image->left2world.inverse() * found->world;
     corner.error_px = corner.error_without_px =
         (camera.project(camera.left2camera * in_left) - found->pixel).norm();
