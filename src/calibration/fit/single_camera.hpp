@@ -16,6 +16,7 @@
 #include "calibration/initialization/rig.hpp"
 #include "calibration/initialization/view_pose.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/median.hpp"
 #include "slom/calibration/result.hpp"
 
 namespace slom::calibration {
@@ -54,8 +55,7 @@ double medianPixelError(const Camera& camera, const SE3& world2camera, const Vie
     const double error = (camera.project(vec3(world2camera * corner.world)) - corner.pixel).norm();
     errors.push_back(std::isfinite(error) ? error : std::numeric_limits<double>::infinity());
   }
-  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
-  return errors[errors.size() / 2];
+  return medianOf(errors);
 }
 
 /// The pose of one view for a known camera, from a start; the start itself when the fit fails.

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "calibration/initialization/plane_view.hpp"
+#include "calibration/median.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -30,12 +31,6 @@ std::vector<double> distances(const PlaneView& view, const Eigen::Matrix3d& H) {
     all.push_back(std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity());
   }
   return all;
-}
-
-double medianOf(std::vector<double> numbers) {
-  const auto middle = numbers.begin() + std::ptrdiff_t(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
 }
 
 /// The distances by that of many homographies of four corners each whose median is smallest. The samples are the same on all machines.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibration/fit/rotation_vector.hpp"
+#include "calibration/median.hpp"
 #include "calibration/quality/whitened_scores.hpp"
 #include "slom/calibration/number_text.hpp"
 
@@ -139,9 +140,7 @@ constexpr int fewest_redundant = 100;
 
 /// The median of the sizes over that of a Rayleigh distribution: the noise of u and of v that most of these corners show.
 double noiseOf(std::vector<double> sizes) {
-  const auto middle = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle / std::sqrt(2 * std::log(2.0));
+  return medianOf(std::move(sizes)) / std::sqrt(2 * std::log(2.0));
 }
 
 /// Corners that are gross beside those of all images and beside those of their own: in a blurred or slanted one all are worse.

@@ -10,6 +10,7 @@
 
 #include "calibration/cross_matrix.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/median.hpp"
 #include "calibration/quality/flip_test.hpp"
 #include "slom/calibration/board.hpp"
 
@@ -25,14 +26,6 @@ using Kind = ResidualPattern::Kind;
 constexpr int most_blocks = 12, fewest_blocks_to_flip = 9;
 constexpr int place_columns = 8, place_rows = 6;  // cells of the image
 constexpr double near = 1.2;                      // distance of a neighbour over that of the nearest one
-
-/// Half of the numbers are smaller.
-double medianOf(std::vector<double> numbers) {
-  if (numbers.empty()) return 0;
-  const auto middle = numbers.begin() + std::ptrdiff_t(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
-}
 
 /// Numbers the points of the board by where they are.
 class BoardPoints {
