@@ -13,6 +13,7 @@ inline constexpr double least_spacing = 1e-3,
                         most_spacing = 10;  ///< gap between tags, as a fraction of their side
 inline constexpr double least_sigma = 1e-6,
                         most_sigma = 1e6;  ///< limits of the sigma of a pixel [px] or an acceleration [m/s^2]
+inline constexpr double least_sigma_board = 1e-9;  ///< of a coordinate of a corner of the board [m]
 inline constexpr double least_gravity = 1e-3;  ///< the least magnitude at which --fix fixes gravity [m/s^2]
 
 }  // namespace slom::app

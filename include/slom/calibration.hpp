@@ -7,12 +7,14 @@
 ///   assess.hpp      how far it can be trusted, assess(data, settings, result), in figures (quality.hpp) and in a sentence
 ///   patterns.hpp    what residuals have in common, and why
 ///   pixel_uncertainty.hpp  how sure it is where a point is projected to, asked pixel by pixel
+///   board_shape.hpp  a board that is not flat, found with the rest
 ///   comparison.hpp  which camera model the data carry
 ///   error.hpp       what is thrown for data and settings that make no sense
 #pragma once
 
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/board.hpp"
+#include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/calibrate.hpp"
 #include "slom/calibration/comparison.hpp"
 #include "slom/calibration/dataset.hpp"

@@ -140,6 +140,16 @@ std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings
   return comparison;
 }
 
+/// The shapes of the board for the model of the calibration, where --compare is given and --board-shape is not.
+std::optional<Comparison> compareShapes(const Dataset& data, CommandSettings& settings) {
+  if (settings.board_shape_is_given) return {};
+  const Comparison comparison =
+      inWordsOfOptions(settings, [&] { return compareBoardShapes(data, settings); });
+  if (!settings.quiet) say(boardShapesText(comparison));
+  if (comparison.chosen) settings.board_shape = comparison.chosenTrial().board_shape;
+  return comparison;
+}
+
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
 Dataset readInTime(const CommandSettings& settings) {
   try {
@@ -162,8 +172,10 @@ std::string failureOf(const Result& result) {
                 ? result.message
                 : "the data do not determine all parameters: " + result.undetermined);
   }
-  if (result.comparison && !result.comparison->cut_short.empty())
-    return "the comparison was cut short: " + result.comparison->cut_short;
+  for (const std::optional<Comparison>& comparison : {result.comparison, result.board_comparison}) {
+    if (comparison && !comparison->cut_short.empty())
+      return "the comparison was cut short: " + comparison->cut_short;
+  }
   if (result.quality && !result.quality->cut_short.empty())
     return "the assessment was cut short: " + result.quality->cut_short;
   return "";
@@ -185,10 +197,12 @@ void run(const RawOptions& raw) {
     say(fmt::format("written: {}\n", oneLine(file)));
   const std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
+  const std::optional<Comparison> board_comparison = compareShapes(data, settings);
   if (!settings.quiet) say(aloneHeader(settings));
   Result result = inWordsOfOptions(
       settings, [&] { return calibrate(data, settings, settings.quiet ? Progress{} : printedProgress()); });
   result.comparison = comparison;
+  result.board_comparison = board_comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty())
     result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
@@ -271,6 +285,17 @@ void addCalibrateCommand(CLI::App& app) {
                   "leave out an image, or a corner of it: 17, 17:5, left.17:5; may be repeated")
       ->type_name("[CAMERA.]IMAGE[:CORNER]")
       ->allow_extra_args(false);
+  command
+      .add_option("--board-shape", raw->board_shape,
+                  "what is estimated of the board: nothing; a bend, by three numbers; or each corner\n"
+                  "by itself. --compare tries all three, unless it is given")
+      ->type_name("flat|bent|free")
+      ->default_str("flat");
+  command
+      .add_option("--sigma-board", raw->sigma_board,
+                  "of a free board: standard deviation of each coordinate of a corner from where it is\n"
+                  "stated [m]; otherwise estimated")
+      ->type_name("NUMBER");
   command
       .add_option(
           "--robust", raw->robust,

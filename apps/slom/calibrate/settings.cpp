@@ -244,6 +244,34 @@ Robust parseRobust(const std::string& text) {
   throw UserError(fmt::format("--robust {}: what becomes of gross corners is none or reject", text));
 }
 
+/// The shape of the board, which --compare tries where it is not given.
+void parseBoardShape(const RawOptions& raw, CommandSettings& settings) {
+  settings.board_shape_is_given = !raw.board_shape.empty() || !raw.compare;
+  if (raw.board_shape == "bent") {
+    settings.board_shape = BoardShape::bent;
+  } else if (raw.board_shape == "free") {
+    settings.board_shape = BoardShape::free;
+  } else if (!raw.board_shape.empty() && raw.board_shape != "flat") {
+    throw UserError(
+        fmt::format("--board-shape {}: the shape of a board is flat, bent or free", raw.board_shape));
+  }
+  if (!raw.sigma_board) return;
+  const double sigma = *raw.sigma_board;
+  if (!(sigma > 0 && std::isfinite(sigma)))
+    throw UserError(fmt::format("--sigma-board {}: a standard deviation must be positive", sigma));
+  if (sigma < least_sigma_board || sigma > most_sigma) {
+    throw UserError(
+        fmt::format("--sigma-board {}: a standard deviation lies between {:g} and {:g} m; give such a value",
+                    sigma, least_sigma_board, most_sigma));
+  }
+  if (settings.board_shape != BoardShape::free) {
+    throw UserError(fmt::format(
+        "--sigma-board {}: it is by how much corners of a free board are off; add --board-shape free",
+        sigma));
+  }
+  settings.sigma_board = sigma;
+}
+
 Model parseModel(const std::string& option, const std::string& name) {
   try {
     return Model(name);
@@ -285,6 +313,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   parseSources(raw, settings);
   settings.robust = parseRobust(raw.robust);
+  parseBoardShape(raw, settings);
   settings.exclusions = parseExclusions(raw.excluded, settings.cameras);
   settings.fixed = parseFixed(raw.fixed, settings.lens_options);
   for (const LensOption& bound : parseBounds(raw.bounded)) settings.lens_options.push_back(bound);

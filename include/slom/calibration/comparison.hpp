@@ -1,4 +1,4 @@
-/// Several camera models on the same data: which one they carry.
+/// Several camera models on the same data, or several shapes of the board: which one they carry.
 ///
 /// A model with more parameters always fits better; whether it also predicts better is seen on images that it
 /// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
@@ -20,6 +20,7 @@ namespace slom::calibration {
 /// One model on all images, and in cross-validation.
 struct ModelTrial {
   Model model;
+  BoardShape board_shape = BoardShape::flat;
   std::string failure{};             ///< why there is no fit, or none that can be used; empty otherwise
   std::optional<DataError> error{};  ///< whose sentence that is, if it is one's
   int unknowns = 0, redundancy = 0;
@@ -31,7 +32,7 @@ struct ModelTrial {
   double heldOutRms() const;
 };
 
-/// What comes out of a comparison of models.
+/// What comes out of a comparison of models, or of shapes of the board.
 struct Comparison {
   std::vector<ModelTrial> trials;   ///< as they were asked for
   std::optional<std::size_t> best;  ///< predicts best
@@ -49,5 +50,9 @@ struct Comparison {
 /// Fits each model, of one at least. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial; so
 /// it is when the time is over.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
+
+/// The same of one model, Settings::model, with a flat, a bent and a free board. The shape is fitted without the images of a fold, and fixed, as lenses
+/// are.
+Comparison compareBoardShapes(const Dataset& data, const Settings& settings);
 
 }  // namespace slom::calibration

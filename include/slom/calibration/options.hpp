@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/models.hpp"
 #include "slom/calibration/types.hpp"
 
@@ -44,7 +45,7 @@ enum class Robust {
   reject,  ///< the fit is made again without them, until there are none; good data are not touched. Result::rejected lists them.
 };
 
-/// Sigmas lie from 1e-6 to 1e6, Fixed::gravity from 1e-3 to 1e6 m/s^2, components of Fixed::acc_bias within 1e6 m/s^2. A constraint leaves
+/// Sigmas lie from 1e-6 to 1e6 (sigma_board from 1e-9 to 1e6 m), Fixed::gravity from 1e-3 to 1e6 m/s^2, components of Fixed::acc_bias within 1e6 m/s^2. A constraint leaves
 /// values that a lens may have (focal lengths from 1e-3 to 1e9 px, others within 1e6), and no parameter is constrained twice. DataError
 /// [slom.calibration.bad-settings] otherwise.
 struct Settings {
@@ -52,6 +53,9 @@ struct Settings {
   double sigma_px = 0.25;          ///< standard deviation of a corner's u and of its v [px]
   double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
   Robust robust = Robust::reject;
+  BoardShape board_shape = BoardShape::flat;
+  /// Of a free board: standard deviation of each coordinate of a corner from where it is stated [m]. Without a value it is estimated.
+  std::optional<double> sigma_board;
   Fixed fixed;
   std::vector<LensConstraint> lens;
   /// Standard deviation of a prior at 0 on the parameters that a model can trade against others (Model::heldNearZero). Without a value

@@ -7,19 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/types.hpp"
 
 namespace slom::calibration {
 
 struct Result;
-
-/// Where a corner of the board seems to be.
-struct MovedCorner {
-  int number = 0;  ///< Corner::number, of the first image that shows it
-  vec3 world;      ///< as stated [m]
-  vec3
-      displacement;  ///< from there, in the world; what all images' poses and the lens can follow is not in it [m]
-};
 
 /// One suspicion about one camera, put to the test.
 struct ResidualPattern {

@@ -171,14 +171,16 @@ struct Result {
   std::string undetermined;                 ///< empty, or why there are no standard deviations
   std::vector<CameraResult> cameras;
   std::optional<ImuResult> imu;
+  std::optional<FittedBoard> board;               ///< of a bent or free one (Settings::board_shape)
   std::optional<ClusteredUncertainty> clustered;  ///< of a calibration that succeeded, from two images on
   std::vector<Stray> strays;
   /// Corners that the fit does without (Settings::robust), and where it puts them; the worst first.
   std::vector<GrossCorner> rejected;
-  std::vector<GrossCorner> gross;        ///< of a calibration that succeeded, the worst first
-  std::vector<ImageResult> images;       ///< by rising number
-  std::optional<Comparison> comparison;  ///< where it was asked for
-  std::optional<Quality> quality;        ///< where it was asked for
+  std::vector<GrossCorner> gross;              ///< of a calibration that succeeded, the worst first
+  std::vector<ImageResult> images;             ///< by rising number
+  std::optional<Comparison> comparison;        ///< where it was asked for
+  std::optional<Comparison> board_comparison;  ///< of shapes of the board, likewise
+  std::optional<Quality> quality;              ///< where it was asked for
 
   /// RSS / redundancy: near 1 where the stated sigmas are right. NaN without redundancy.
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }

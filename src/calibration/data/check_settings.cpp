@@ -22,8 +22,8 @@ struct Range {
 };
 
 constexpr Range pixel_sigmas{1e-6, 1e6, " px"}, reading_sigmas{1e-6, 1e6, " m/s^2"},
-    prior_sigmas{1e-6, 1e6, ""}, gravities{1e-3, most_reading_m_s2, " m/s^2"},
-    biases{-most_reading_m_s2, most_reading_m_s2, " m/s^2"};
+    prior_sigmas{1e-6, 1e6, ""}, board_sigmas{1e-9, most_corner_m, " m"},
+    gravities{1e-3, most_reading_m_s2, " m/s^2"}, biases{-most_reading_m_s2, most_reading_m_s2, " m/s^2"};
 
 [[noreturn]] void refuseSetting(const std::string& sentence, const std::string& subject) {
   throw DataError("slom.calibration.bad-settings", sentence, subject);
@@ -78,6 +78,7 @@ void requireNumbers(const Settings& settings) {
   requireWithin("sigma_acc", settings.sigma_acc, reading_sigmas);
   if (settings.sigma_denominator)
     requireWithin("sigma_denominator", *settings.sigma_denominator, prior_sigmas);
+  if (settings.sigma_board) requireWithin("sigma_board", *settings.sigma_board, board_sigmas);
   if (settings.fixed.gravity) requireWithin("fixed.gravity", *settings.fixed.gravity, gravities);
   if (settings.fixed.acc_bias) {
     const vec3& bias = *settings.fixed.acc_bias;

@@ -1,6 +1,7 @@
 #include "calibration/data/result_of.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <fmt/format.h>
@@ -61,12 +62,30 @@ std::string differenceOfImu(const Dataset& data, const Result& result) {
   return "";
 }
 
+std::string differenceOfBoard(const Dataset& data, const Result& result) {
+  if (!result.board) return "";
+  std::set<std::array<double, 3>> known;
+  for (const MovedCorner& corner : result.board->corners)
+    known.insert({corner.world.x(), corner.world.y(), corner.world.z()});
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) {
+      for (const Corner& corner : view.corners) {
+        if (known.contains({corner.world.x(), corner.world.y(), corner.world.z()})) continue;
+        return fmt::format("corner {} of image {} of {} is not on the board of the result", corner.number,
+                           view.image, camera.name);
+      }
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string differenceOf(const Dataset& data, const Result& result) {
   std::string difference = differenceOfCameras(data, result);
   if (difference.empty()) difference = differenceOfImages(data, result);
   if (difference.empty()) difference = differenceOfImu(data, result);
+  if (difference.empty()) difference = differenceOfBoard(data, result);
   return difference;
 }
 

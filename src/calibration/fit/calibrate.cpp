@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
@@ -23,7 +24,9 @@ std::string sentenceOf(const slom::Error& error) {
 namespace {
 
 /// Residuals of the rejected corners, of which the fit knows nothing.
-void predictRejected(const Dataset& data, Result& result) {
+void predictRejected(const Dataset& of_flat_board, Result& result) {
+  const DataOnBoard on_board(of_flat_board, result.board);
+  const Dataset& data = *on_board;
   for (GrossCorner& corner : result.rejected) {
     const CameraResult& camera = result.cameras[corner.camera];
     const View* const view = data.cameras[corner.camera].find(corner.image);

@@ -187,7 +187,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   }
   Settings same = settings;
   same.sigma_denominator = start.sigma_denominator;
-  RigProblem<Camera> problem(data, same, cameras, rig, {});
+  RigProblem<Camera> problem(data, same, cameras, rig, {}, start.board ? &*start.board : nullptr);
   Options options;
   options.max_iterations = settings.max_iterations;
   options.deviation_tolerance = enough_deviations;
@@ -200,7 +200,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
 
 template <class Camera>
 ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
-  ModelTrial trial{settings.model};
+  ModelTrial trial{settings.model, settings.board_shape};
   try {
     const auto start = startModel<Camera>(data, planes, settings, {});
     RigProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
@@ -215,7 +215,8 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     trial.rss = summary.final_rss;
     trial.rms_px = problem.rmsOfAll();
     if (!summary.converged) return trial.failure = summary.message, trial;
-    trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig());
+    const std::optional<FittedBoard> board = problem.board();
+    trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig(), board);
     if (!std::isfinite(trial.heldOutRms()))
       trial.failure = "corners that it was not fitted to have no image in it";
   } catch (const DataError& error) {

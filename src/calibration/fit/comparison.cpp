@@ -33,18 +33,13 @@ double standardErrors(const std::vector<double>& worse, const std::vector<double
   return average == 0 ? 0 : average / error;
 }
 
-ModelTrial fitOne(const Dataset& data, Settings settings, const Model& model) {
-  settings.model = model;
-  return model.definition().try_model(data, settings);
-}
-
 /// Notes in the comparison when there is no time left to try this one to the end.
-ModelTrial tryOne(const Dataset& data, const Settings& settings, const Model& model, Comparison& comparison) {
-  ModelTrial trial{model};
+ModelTrial tryOne(const Dataset& data, const Settings& settings, Comparison& comparison) {
+  ModelTrial trial{settings.model, settings.board_shape};
   std::string reason;
   try {
     requireTime(settings.limits);
-    trial = fitOne(data, settings, model);
+    trial = settings.model.definition().try_model(data, settings);
     if (!trial.failure.empty()) reason = reasonToEnd(settings.limits);
   } catch (const WorkEnded& ended) {
     reason = ended.what();
@@ -92,24 +87,41 @@ void judge(Comparison& comparison) {
   }
 }
 
+namespace {
+
+Comparison compareAll(const Dataset& data, const std::vector<Settings>& alternatives) {
+  for (const Settings& settings : alternatives) checkSettings(data, settings);
+  requireWellFormed(data);
+  const SortedDataset sorted(data);
+  checkDataset(*sorted);
+  Comparison comparison;
+  const Limits limits = started(alternatives.front()).limits;
+  for (Settings settings : alternatives) {
+    settings.limits = limits;
+    comparison.trials.push_back(tryOne(*sorted, settings, comparison));
+  }
+  judge(comparison);
+  return comparison;
+}
+
+}  // namespace
+
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models) {
   if (models.empty()) {
     throw DataError("slom.calibration.bad-settings",
                     "there is no model to compare; pass some, such as comparedModels()", "models");
   }
-  for (const Model& model : models) {
-    Settings of_model = settings;
-    of_model.model = model;
-    checkSettings(data, of_model);
-  }
-  requireWellFormed(data);
-  const SortedDataset sorted(data);
-  checkDataset(*sorted);
-  Comparison comparison;
-  const Settings from_now = started(settings);
-  for (const Model& model : models) comparison.trials.push_back(tryOne(*sorted, from_now, model, comparison));
-  judge(comparison);
-  return comparison;
+  std::vector<Settings> alternatives(models.size(), settings);
+  for (std::size_t i = 0; i < models.size(); ++i) alternatives[i].model = models[i];
+  return compareAll(data, alternatives);
+}
+
+Comparison compareBoardShapes(const Dataset& data, const Settings& settings) {
+  std::vector<Settings> alternatives(3, settings);
+  alternatives[0].board_shape = BoardShape::flat;
+  alternatives[1].board_shape = BoardShape::bent;
+  alternatives[2].board_shape = BoardShape::free;
+  return compareAll(data, alternatives);
 }
 
 }  // namespace slom::calibration

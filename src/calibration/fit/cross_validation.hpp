@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/fit/rig.hpp"
 #include "calibration/fit/single_camera.hpp"
 #include "calibration/limits.hpp"
@@ -43,12 +44,13 @@ double predictedSquare(const Dataset& data, const std::vector<Camera>& cameras, 
   return sum;
 }
 
-/// Mean squared distance of the predicted corners, by image [px^2]. `cameras` and `rig` are those of a fit to
+/// Mean squared distance of the predicted corners, by image [px^2]. `cameras`, `rig` and `board` are those of a fit to
 /// all images: where the fits to the folds, and poses in them, start. slom::Error when a fold determines too
 /// little, WorkEnded when there is no time left for all folds.
 template <class Camera>
 std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings,
-                                   const std::vector<Camera>& cameras, const RigStart& rig) {
+                                   const std::vector<Camera>& cameras, const RigStart& rig,
+                                   const std::optional<FittedBoard>& board) {
   const std::vector<int> images = data.images();
   std::map<int, double> squares;
   const std::size_t folds = std::min<std::size_t>(most_folds, images.size());
@@ -61,7 +63,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
       if (i % folds != fold) start.left2world[images[i]] = rig.left2world.at(images[i]);
     }
     const Dataset others = data.withImages([&](int image) { return !is_held_out[image]; });
-    RigProblem<Camera> problem(others, settings, cameras, start, {});
+    RigProblem<Camera> problem(others, settings, cameras, start, {}, board ? &*board : nullptr);
     Options options;
     options.max_iterations = settings.max_iterations;
     options.most_parameters = 0;
@@ -70,6 +72,7 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
     problem.optimize(options);
     RigStart fitted = problem.rig();
     fitted.left2world = rig.left2world;
+    const DataOnBoard seen(data, problem.board());
     for (const int image : images) {
       if (!is_held_out[image]) continue;
       requireTime(settings.limits);
@@ -77,8 +80,8 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
       for (const CameraData& camera : data.cameras)
         corners += camera.find(image) ? camera.find(image)->corners.size() : 0;
       const std::vector<Camera> lenses = problem.cameras();
-      squares[image] = (predictedSquare(data, lenses, fitted, image, 0) +
-                        predictedSquare(data, lenses, fitted, image, 1)) /
+      squares[image] = (predictedSquare(*seen, lenses, fitted, image, 0) +
+                        predictedSquare(*seen, lenses, fitted, image, 1)) /
                        double(corners);
     }
   }

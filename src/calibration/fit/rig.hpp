@@ -8,6 +8,8 @@
 
 #include <slom/slom.hpp>
 
+#include "calibration/fit/board_corners.hpp"
+#include "calibration/fit/board_unknowns.hpp"
 #include "calibration/fit/imu_precision.hpp"
 #include "calibration/fit/rotation_vector.hpp"
 #include "calibration/fit/single_camera.hpp"
@@ -19,12 +21,14 @@ namespace slom::calibration {
 template <class Camera>
 class RigProblem {
  public:
-  /// `data` and `settings` must live as long as the problem. `imu` where data has one.
+  /// `data` and `settings` must live as long as the problem. `imu` where data has one; `board`: of an earlier fit, where there is one.
   RigProblem(const Dataset& data, const Settings& settings, const std::vector<Camera>& cameras,
-             const RigStart& rig, const std::optional<ImuStart>& imu);
+             const RigStart& rig, const std::optional<ImuStart>& imu, const FittedBoard* board = nullptr);
+  RigProblem(const RigProblem&) = delete;
+  RigProblem& operator=(const RigProblem&) = delete;
 
   Summary optimize(const Options& options) {
-    Summary summary = est_.optimize(options);
+    Summary summary = board_ ? board_->optimize(options) : est_.optimize(options);
     nameLimit(settings_.limits, summary);
     return summary;
   }
@@ -32,11 +36,13 @@ class RigProblem {
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
   RigStart rig() const;
+  std::optional<FittedBoard> board();
   /// The RMS distance of all projected corners from their measured pixels [px].
   double rmsOfAll() const;
 
  private:
   void insertCorners();
+  void insertCornersOfShape();
   void insertImu(const ImuStart& start);
   vec2 residual(std::size_t camera, int image, const Corner& corner) const;
   CameraResult cameraResult(std::size_t index) const;
@@ -55,6 +61,7 @@ class RigProblem {
   VarID<SO3> left2imu_;
   VarID<vec3> acc_bias_;
   VarID<mtk::Scalar<>> gravity_;
+  std::optional<BoardUnknowns> board_;  ///< where its shape is estimated
 };
 
 /// The fault alone, without the library's id and without the remedy, which is for programmers.
@@ -66,7 +73,7 @@ std::string sentenceOf(const slom::Error& error);
 template <class Camera>
 RigProblem<Camera>::RigProblem(const Dataset& data, const Settings& settings,
                                const std::vector<Camera>& cameras, const RigStart& rig,
-                               const std::optional<ImuStart>& imu)
+                               const std::optional<ImuStart>& imu, const FittedBoard* board)
     : data_(data), settings_(settings) {
   const std::string reference = data.cameras.front().name;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -81,7 +88,12 @@ RigProblem<Camera>::RigProblem(const Dataset& data, const Settings& settings,
     left2world_.emplace(image,
                         est_.insertRV(pose, true, reference + "2world[" + std::to_string(image) + "]"));
   }
-  insertCorners();
+  if (settings.board_shape == BoardShape::flat) {
+    insertCorners();
+  } else {
+    board_.emplace(est_, data, settings, board);
+    insertCornersOfShape();
+  }
   if (imu) insertImu(*imu);
 }
 
@@ -99,6 +111,11 @@ RigStart RigProblem<Camera>::rig() const {
     rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
   for (const auto& [image, id] : left2world_) rig.left2world[image] = *id;
   return rig;
+}
+
+template <class Camera>
+std::optional<FittedBoard> RigProblem<Camera>::board() {
+  return board_ ? std::optional(board_->result()) : std::nullopt;
 }
 
 template <class Camera>
@@ -129,6 +146,26 @@ void RigProblem<Camera>::insertCorners() {
 }
 
 template <class Camera>
+void RigProblem<Camera>::insertCornersOfShape() {
+  const StandardDeviation noise(settings_.sigma_px);
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    for (const View& view : data_.cameras[c].views) {
+      const auto pose = left2world_.at(view.image);
+      for (const Corner& corner : view.corners) {
+        const auto shape = board_->of(corner);
+        if (c == 0) {
+          est_.insertMeasurement(CornerOfShapeInLeft(corner, board_->basis()), cameras_[c], pose, shape,
+                                 noise);
+        } else {
+          est_.insertMeasurement(CornerOfShapeInOther(corner, board_->basis()), cameras_[c], left2camera_[c],
+                                 pose, shape, noise);
+        }
+      }
+    }
+  }
+}
+
+template <class Camera>
 void RigProblem<Camera>::insertImu(const ImuStart& start) {
   left2imu_ = est_.insertRV(start.left2imu, true, data_.cameras.front().name + "2imu");
   acc_bias_ = est_.insertRV(start.acc_bias, !settings_.fixed.acc_bias, "acc_bias");
@@ -142,7 +179,8 @@ void RigProblem<Camera>::insertImu(const ImuStart& start) {
 template <class Camera>
 vec2 RigProblem<Camera>::residual(std::size_t camera, int image, const Corner& corner) const {
   const SE3 left2camera = camera == 0 ? SE3() : *left2camera_[camera];
-  return CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), corner.world) - corner.pixel;
+  const vec3 world = board_ ? board_->worldOf(corner) : corner.world;
+  return CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), world) - corner.pixel;
 }
 
 template <class Camera>
@@ -245,6 +283,7 @@ Result RigProblem<Camera>::result(const Summary& summary) {
   result.sigma_acc = settings_.sigma_acc;
   for (std::size_t c = 0; c < cameras_.size(); ++c) result.cameras.push_back(cameraResult(c));
   if (data_.imu) result.imu = imuResult();
+  result.board = board();
   for (const int image : data_.images()) result.images.push_back(imageResult(image));
   try {
     addStandardDeviations(result);

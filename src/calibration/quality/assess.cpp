@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
@@ -19,6 +20,7 @@
 #include "calibration/quality/projection.hpp"
 #include "calibration/quality/residuals.hpp"
 #include "calibration/quality/split_half.hpp"
+#include "calibration/quality/whitened_scores.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -87,25 +89,25 @@ void scaleToClustered(Quality& quality) {
   for (FurtherView& view : quality.further_views) view.before_px *= factor, view.after_px *= factor;
 }
 
-/// What is to be expected of a calibration that succeeded. WorkEnded when there is no time left for all of it.
-void addExpectations(const Dataset& data, const Settings& settings, const Result& result,
-                     const FittedRig& rig, const std::vector<ImageGrid>& grids, PhaseClock& clock,
-                     Quality& quality) {
-  const std::map<int, Observation> observations = observationsOf(data, rig);
+/// What is to be expected of a calibration that succeeded; `on_board`: the data on the fitted board. WorkEnded when there is no time left for all of it.
+void addExpectations(const Dataset& data, const Dataset& on_board, const Settings& settings,
+                     const Result& result, const FittedRig& rig, const std::vector<ImageGrid>& grids,
+                     PhaseClock& clock, Quality& quality) {
+  const std::map<int, Observation> observations = observationsOf(on_board, rig);
   Information information(rig.columns);
   for (const auto& [image, observation] : observations) {
     requireTime(settings.limits);
     information.add(informationOf(rig, observation));
   }
   information.addPrior(rig);
-  const Posterior stated(information);
+  const Posterior stated = statedPosterior(on_board, rig, information);
   quality.is_clustered = result.clustered && result.clustered->isReliable();
   const Posterior posterior =
       quality.is_clustered ? Posterior(information, covarianceOf(*result.clustered)) : stated;
   quality.board_distance_m = boardDistance(observations, rig);
   quality.correlations = correlationsOf(rig.columns, stated.covarianceOfShared());
   clock.record("covariance");
-  quality.patterns = residualPatterns(data, rig, stated.covarianceOfShared(), grids, settings.limits);
+  quality.patterns = residualPatterns(on_board, rig, stated.covarianceOfShared(), grids, settings.limits);
   clock.record("patterns");
   addProjection(rig, posterior, stated, quality.board_distance_m, settings, quality.cameras);
   clock.record("projection");
@@ -114,7 +116,7 @@ void addExpectations(const Dataset& data, const Settings& settings, const Result
   FurtherViewOptions options;
   options.board_distance_m = quality.board_distance_m;
   options.limits = settings.limits;
-  quality.further_views = furtherViews(rig, information, fullestView(data), grids, options);
+  quality.further_views = furtherViews(rig, information, fullestView(on_board), grids, options);
   if (quality.is_clustered) scaleToClustered(quality);
   clock.record("further_views");
 }
@@ -147,19 +149,20 @@ Quality assessSorted(const Dataset& data, const Settings& settings, const Result
   Quality quality;
   PhaseClock clock(quality.times);
   const FittedRig rig(result);
+  const DataOnBoard on_board(data, result.board);
   std::vector<ImageGrid> grids;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     grids.push_back(gridOver(imageBoxOf(data.cameras[c], result.cameras[c])));
     CameraQuality camera;
     camera.grid = grids.back();
-    camera.residuals = residualsOf(data.cameras[c], rig, c);
+    camera.residuals = residualsOf((*on_board).cameras[c], rig, c);
     quality.cameras.push_back(std::move(camera));
   }
   quality.worst = worstResiduals(quality.cameras, worst_corners);
   clock.record("residuals");
   if (!result.success()) return quality;
   try {
-    addExpectations(data, started(settings), result, rig, grids, clock, quality);
+    addExpectations(data, *on_board, started(settings), result, rig, grids, clock, quality);
   } catch (const WorkEnded& ended) {
     cutShort(ended.what(), quality);
   }

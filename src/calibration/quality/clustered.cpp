@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/fit/rotation_vector.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/whitened_scores.hpp"
@@ -182,8 +183,10 @@ void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& 
 
 }  // namespace
 
-void addClustered(const Dataset& data, Result& result) {
+void addClustered(const Dataset& of_flat_board, Result& result) {
   if (!result.success() || result.images.size() < std::size_t(fewest_groups)) return;
+  const DataOnBoard on_board(of_flat_board, result.board);
+  const Dataset& data = *on_board;
   const FittedRig rig(result);
   if (rig.columns.free.empty()) return;
   const WhitenedScores scores(data, rig);
@@ -207,7 +210,7 @@ void addClustered(const Dataset& data, Result& result) {
     columns.dof = columns.dof.cwiseMin(points.dof);
   }
   clustered.ratio = std::sqrt(ratioOf(V));
-  const MatrixXd& K = scores.root();
+  const MatrixXd K = scores.root();
   const MatrixXd covariance = K * V * K.transpose(), by_block = K * blocks.sums.V * K.transpose();
   // With few groups the difference of two ways may say less than one of them.
   columns.std = covariance.diagonal().cwiseMax(by_block.diagonal()).cwiseSqrt();

@@ -73,6 +73,32 @@ void addReading(const FittedRig& rig, const Observation& observation, Eigen::Mat
   H.bottomRightCorner<6, 6>() += weight * by_pose.transpose() * by_pose;
 }
 
+/// Adds what the unknowns of the board are to the corners that camera c sees: to H, in which they follow the shared parameters.
+void addBoard(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
+  const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
+  const Eigen::Matrix3d world2left = observation.left2world.orient.toRotationMatrix().transpose();
+  const Lens& lens = *rig.lenses[c];
+  const int n = lens.parameters(), left2camera = rig.columns.pose[c];
+  const double weight = 1 / (rig.sigma_px * rig.sigma_px);
+  Eigen::Matrix<double, 2, 6> pose;
+  for (const vec3& point : observation.points[c]) {
+    const Eigen::Vector3d in_left = world2left * (point - observation.left2world.pos);
+    const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig.left2camera[c].pos));
+    const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
+    const auto [first, map] = rig.board->of(point);
+    const Eigen::Matrix<double, 2, 3> by_board = by_left * world2left * *map, weighted = weight * by_board;
+    const Eigen::Index row = rig.columns.size + first;
+    H.block(row, rig.columns.lens[c], 3, n).noalias() += weighted.transpose().lazyProduct(q.by_parameters);
+    if (c > 0) {
+      pose << q.by_point, -by_turn;
+      H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * pose;
+    }
+    H.block<3, 3>(row, row).noalias() += weighted.transpose() * by_board;
+    pose << -by_left * world2left, by_turn;
+    H.bottomRows<6>().middleCols<3>(row).noalias() += pose.transpose() * weighted;
+  }
+}
+
 /// Adds up H of one image; of its pose, the part that corners make.
 Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
   for (std::size_t c = 0; c < observation.points.size(); ++c) {
@@ -85,12 +111,33 @@ Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen
 
 }  // namespace
 
+BoardColumns::BoardColumns(const FittedBoard& board)
+    : basis_(board.shape,
+             [&] {
+               std::vector<Corner> points;
+               for (const MovedCorner& corner : board.corners)
+                 points.push_back({corner.number, corner.world, {}});
+               return points;
+             }()),
+      sigma_(board.sigma) {
+  for (const MovedCorner& corner : board.corners) {
+    const vec3 at(corner.world + corner.displacement);
+    fitted_.emplace(std::array{at.x(), at.y(), at.z()}, basis_.find(corner.world));
+  }
+}
+
+std::pair<int, const Eigen::Matrix3d*> BoardColumns::of(const vec3& world) const {
+  const int point = fitted_.at({world.x(), world.y(), world.z()});
+  return {3 * basis_.block(point), &basis_.map(point)};
+}
+
 FittedRig::FittedRig(const Result& result)
     : imu(result.imu),
       sigma_px(result.sigma_px),
       sigma_acc(result.sigma_acc),
       sigma_denominator(result.sigma_denominator),
       columns(columnsOf(result)) {
+  if (result.board) board.emplace(*result.board);
   for (const CameraResult& camera : result.cameras) {
     lenses.push_back(makeLens(camera));
     left2camera.push_back(camera.left2camera);
@@ -109,9 +156,11 @@ ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& ob
 }
 
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation) {
-  const int n = rig.columns.size;
+  const int n = rig.columns.size + (rig.board ? rig.board->unknowns() : 0);
   ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}, {}};
   addEquations(rig, observation, all.H);
+  for (std::size_t c = 0; rig.board && c < observation.points.size(); ++c)
+    addBoard(rig, c, observation, all.H);
   const Eigen::LDLT<Matrix6> pose(all.H.bottomRightCorner<6, 6>());
   all.pose_by_shared = pose.solve(all.H.bottomRows<6>().leftCols(n));
   all.pose_inverse = pose.solve(Matrix6::Identity());
@@ -217,8 +266,12 @@ Eigen::VectorXd Posterior::solve(const Eigen::VectorXd& by_free) const {
 
 Eigen::MatrixXd Posterior::covarianceOfShared() const {
   const auto n = Eigen::Index(free_.size());
-  const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(all_, all_);
+  if (root_.size() > 0) {
+    C(free_, free_) = root_ * root_.transpose();
+    return C;
+  }
+  const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
   C(free_, free_) = scale_.asDiagonal() * inverse * scale_.asDiagonal();
   return C;
 }

@@ -15,13 +15,17 @@
 // with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
 
+#include "calibration/data/board_basis.hpp"
 #include "calibration/quality/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/result.hpp"
@@ -41,6 +45,21 @@ struct SharedColumns {
   std::vector<std::string> names;   ///< `left.fx`
 };
 
+/// Where the board has unknowns of its own: those of the corners that the data on the fitted board show.
+class BoardColumns {
+ public:
+  explicit BoardColumns(const FittedBoard& board);
+  int unknowns() const { return 3 * basis_.blocks(); }
+  /// Of the corner that is here on the fitted board: its first unknown, and how they move it.
+  std::pair<int, const Eigen::Matrix3d*> of(const vec3& world) const;
+  double sigma() const { return sigma_; }
+
+ private:
+  BoardBasis basis_;
+  std::map<std::array<double, 3>, int> fitted_;  // points of the basis
+  double sigma_;
+};
+
 /// The calibrated rig.
 struct FittedRig {
   explicit FittedRig(const Result& result);
@@ -51,6 +70,7 @@ struct FittedRig {
   std::optional<ImuResult> imu;
   double sigma_px, sigma_acc;
   std::optional<double> sigma_denominator;
+  std::optional<BoardColumns> board;
   SharedColumns columns;
 };
 
@@ -61,10 +81,10 @@ struct Observation {
   std::optional<vec3> acc;
 };
 
-/// The normal equations of one image: by all shared parameters, and by its pose, which is eliminated.
+/// The normal equations of one image: by all shared parameters, then the unknowns of the board, and by its pose, which is eliminated.
 struct ImageEquations {
   Eigen::MatrixXd H;                                        ///< lower triangle; the pose last
-  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs, of the board's unknowns, too
   Matrix6 pose_inverse;                                     ///< H_ff^-1
 };
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);

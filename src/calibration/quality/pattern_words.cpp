@@ -69,7 +69,7 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
     case Kind::board_shape:
       return fmt::format(
           "in the images of {}, corners of the board are elsewhere than stated, the same in all images: by at least {} mm off its plane and {} mm within it "
-          "(RMS), {} of the squared residuals; lay the board on something flat, and measure what was printed; the JSON lists where the corners seem to be",
+          "(RMS), {} of the squared residuals; have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed",
           camera, twoDigits(1e3 * value), twoDigits(1e3 * pattern.second), percent(pattern.share));
     case Kind::image_place:
       return fmt::format(

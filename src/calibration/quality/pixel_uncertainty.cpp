@@ -7,11 +7,13 @@
 #include <fmt/format.h>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
+#include "calibration/quality/whitened_scores.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -39,7 +41,8 @@ Posterior posteriorOf(const Dataset& data, const Result& result, const FittedRig
   for (const auto& [image, seen] : observationsOf(data, rig)) information.add(informationOf(rig, seen));
   information.addPrior(rig);
   const bool is_clustered = result.clustered && result.clustered->isReliable();
-  return is_clustered ? Posterior(information, covarianceOf(*result.clustered)) : Posterior(information);
+  return is_clustered ? Posterior(information, covarianceOf(*result.clustered))
+                      : statedPosterior(data, rig, information);
 }
 
 [[noreturn]] void refuseQuestion(const char* subject, const std::string& sentence) {
@@ -65,7 +68,7 @@ PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {
   checkImuImages(all);
   const Dataset data = withoutRejected(all, result);
   requirePixelsOf(data, result);
-  impl_ = std::make_shared<const Implementation>(data, result);
+  impl_ = std::make_shared<const Implementation>(*DataOnBoard(data, result.board), result);
 }
 
 std::optional<PixelCovariance> PixelUncertainty::at(std::size_t camera, const vec2& pixel,

@@ -7,10 +7,12 @@
 #include <fmt/format.h>
 
 #include "calibration/cross_matrix.hpp"
+#include "calibration/data/fitted_board.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
+#include "calibration/quality/whitened_scores.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -18,14 +20,15 @@ namespace {
 
 /// One half: its calibration and what it knows.
 struct Half {
-  Half(const Result& result, const Dataset& data) : rig(result), posterior(informationOfAll(data, rig)) {}
+  Half(const Result& result, const Dataset& data)
+      : rig(result), posterior(posteriorOf(*DataOnBoard(data, result.board), rig)) {}
 
-  static Posterior informationOfAll(const Dataset& data, const FittedRig& rig) {
+  static Posterior posteriorOf(const Dataset& data, const FittedRig& rig) {
     Information sum(rig.columns);
     for (const auto& [image, observation] : observationsOf(data, rig))
       sum.add(informationOf(rig, observation));
     sum.addPrior(rig);
-    return Posterior(sum);
+    return statedPosterior(data, rig, sum);
   }
 
   FittedRig rig;

@@ -4,6 +4,8 @@
 // images are sums of these. With C = (sum Lambda)^-1 = K K^T, the leverage of group g is N_g = K^T Lambda_g K, and the sandwich with the
 // correction cr2 is
 //   V = K (sum_g w_g w_g^T) K^T,   w_g = (I - N_g)^(-1/2) K^T g_g
+// Where the board has unknowns of its own, these are eliminated as well: K has a row for each of them, its rows of the shared parameters are a root
+// of their covariance, and all sums are as above.
 //   source   Bell and McCaffrey 2002; docs/decisions/clustered_uncertainty.md, which has the literature
 #pragma once
 
@@ -30,13 +32,18 @@ struct BoardPointSums {
   int points = 0;
 };
 
+/// What the images know, with what the unknowns of the board take from it.
+Posterior statedPosterior(const Dataset& data, const FittedRig& rig, const Information& information);
+
 class WhitenedScores {
  public:
   /// `data` is sorted.
   WhitenedScores(const Dataset& data, const FittedRig& rig);
 
   /// K: all shared parameters x free ones; rows of those that are not estimated are 0.
-  const Eigen::MatrixXd& root() const { return K_; }
+  auto root() const { return K_.topRows(shared_); }
+  /// The stated covariance of the shared parameters: root() times its transpose.
+  Eigen::MatrixXd statedCovariance() const { return root() * root().transpose(); }
   int images() const { return int(images_.size()); }
   /// Blocks of `length` successive images; the last one has the remainder, too.
   GroupSums byBlocks(int length) const;
@@ -54,6 +61,7 @@ class WhitenedScores {
   struct Image {
     Eigen::MatrixXd leverage;  // K^T Lambda K
     Eigen::VectorXd score;     // K^T g
+    Eigen::MatrixXd on_board;  // Lambda K, rows of the unknowns of the board
   };
   /// What a corner adds to its group.
   struct CornerScore {
@@ -64,11 +72,18 @@ class WhitenedScores {
   int blockOf(int image, int length) const {
     return std::min(image / length, std::max(1, images() / length) - 1);
   }
+  void factorise(const SharedColumns& columns, const Eigen::MatrixXd& sum);
+  /// W with W^T W + A^2 = K^T Lambda (sum Lambda)^-1 Lambda K, A the leverage of the group.
+  Eigen::MatrixXd onBoard(const Image& group) const;
   void addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                const Eigen::MatrixXd& by_pose, const Matrix6& pose_inverse);
   void addReading(const FittedRig& rig, const Observation& observation, const Eigen::MatrixXd& by_pose);
 
-  Eigen::MatrixXd K_, prior_;  // prior_: K^T P K
+  int shared_;
+  Eigen::MatrixXd K_, prior_;  // rows: shared parameters, then the unknowns of the board; prior_: K^T P K
+  Eigen::MatrixXd
+      board_factor_;  // of the information on the board alone, the lower triangle, scaled on both sides by
+  Eigen::VectorXd board_scale_;
   std::vector<Image> images_;
   std::vector<CornerScore> corners_;
   std::vector<CornerTest> tests_;

@@ -8,18 +8,27 @@
 namespace slom::app::calib {
 namespace {
 
-std::string row(const ModelTrial& trial, double standard_errors) {
-  const std::string name = fmt::format("  {:<10}{:>10}", trial.model.name(), trial.model.parameters().size());
+/// A line of the table that begins with `name`.
+std::string row(const std::string& name, const ModelTrial& trial, double standard_errors) {
   if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
                      trial.rss, trial.rss / trial.redundancy, trial.rms_px, trial.heldOutRms(),
                      standard_errors);
 }
 
+std::string header(const std::string& title, const std::string& names) {
+  return fmt::format("\n{}\n{}{:>10}{:>13}{:>10}{:>10}{:>14}{:>18}\n", title, names, "unknowns", "RSS",
+                     "RSS/dof", "RMS px", "predicted px", "behind best [se]");
+}
+
+std::string cutShort(const Comparison& comparison) {
+  return comparison.cut_short.empty()
+             ? ""
+             : fmt::format("The comparison was cut short: {}. ", comparison.cut_short);
+}
+
 std::string verdict(const Comparison& comparison) {
-  const std::string cut_short = comparison.cut_short.empty()
-                                    ? ""
-                                    : fmt::format("The comparison was cut short: {}. ", comparison.cut_short);
+  const std::string cut_short = cutShort(comparison);
   if (!comparison.chosen) return cut_short.empty() ? "None of the models fits." : cut_short;
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
   if (!cut_short.empty())
@@ -32,15 +41,43 @@ std::string verdict(const Comparison& comparison) {
                      best.model.name());
 }
 
+const char* wordsFor(BoardShape shape) {
+  return shape == BoardShape::flat   ? "a flat board"
+         : shape == BoardShape::bent ? "a bent board"
+                                     : "a free board";
+}
+
+std::string verdictOnShape(const Comparison& comparison) {
+  const std::string cut_short = cutShort(comparison);
+  if (!comparison.chosen) return cut_short.empty() ? "None of the shapes can be fitted." : cut_short;
+  const BoardShape chosen = comparison.chosenTrial().board_shape;
+  if (!cut_short.empty())
+    return cut_short + fmt::format("Of those tried, the data ask for {}.", wordsFor(chosen));
+  if (chosen == BoardShape::flat) return "The data do not ask for another board than the stated one.";
+  return fmt::format(
+      "The data ask for {}: other images are predicted better with it than as stated, by more than two standard errors.",
+      wordsFor(chosen));
+}
+
 }  // namespace
 
 std::string comparisonText(const Comparison& comparison) {
-  std::string text =
-      fmt::format("\nmodels compared\n  {:<10}{:>10}{:>10}{:>13}{:>10}{:>10}{:>14}{:>18}\n", "model",
-                  "parameters", "unknowns", "RSS", "RSS/dof", "RMS px", "predicted px", "behind best [se]");
-  for (std::size_t i = 0; i < comparison.trials.size(); ++i)
-    text += row(comparison.trials[i], comparison.standard_errors[i]);
+  std::string text = header("models compared", fmt::format("  {:<10}{:>10}", "model", "parameters"));
+  for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
+    const ModelTrial& trial = comparison.trials[i];
+    text += row(fmt::format("  {:<10}{:>10}", trial.model.name(), trial.model.parameters().size()), trial,
+                comparison.standard_errors[i]);
+  }
   return text + bulleted(verdict(comparison));
+}
+
+std::string boardShapesText(const Comparison& comparison) {
+  std::string text = header("shapes of the board compared", fmt::format("  {:<20}", "board"));
+  for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
+    const ModelTrial& trial = comparison.trials[i];
+    text += row(fmt::format("  {:<20}", toString(trial.board_shape)), trial, comparison.standard_errors[i]);
+  }
+  return text + bulleted(verdictOnShape(comparison));
 }
 
 }  // namespace slom::app::calib

@@ -9,5 +9,7 @@ namespace slom::app::calib {
 
 /// A table, and which model to take.
 std::string comparisonText(const Comparison& comparison);
+/// The same of the shapes of the board.
+std::string boardShapesText(const Comparison& comparison);
 
 }  // namespace slom::app::calib

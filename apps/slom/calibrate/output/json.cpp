@@ -154,12 +154,28 @@ Json grossJson(const Result& result, const std::vector<GrossCorner>& corners) {
   return list;
 }
 
+Json boardJson(const FittedBoard& board) {
+  Json corners = Json::array();
+  for (const MovedCorner& corner : board.corners) {
+    corners.push_back({{"corner", corner.number},
+                       {"world_m", list(corner.world)},
+                       {"displacement_m", list(corner.displacement)},
+                       {"std_m", list(corner.std)}});
+  }
+  return {{"shape", toString(board.shape)},
+          {"sigma_m", board.sigma},
+          {"off_plane_m", board.off_plane},
+          {"within_plane_m", board.within_plane},
+          {"corners", std::move(corners)}};
+}
+
 Json comparisonJson(const Comparison& comparison) {
   Json trials = Json::array();
   for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
     const ModelTrial& trial = comparison.trials[i];
     const bool fits = trial.failure.empty();
     trials.push_back({{"model", trial.model.name()},
+                      {"board_shape", toString(trial.board_shape)},
                       {"failure", fits ? Json() : Json(trial.failure)},
                       {"unknowns", fits ? Json(trial.unknowns) : Json()},
                       {"rss", fits ? Json(trial.rss) : Json()},
@@ -170,7 +186,9 @@ Json comparisonJson(const Comparison& comparison) {
   }
   return {{"models", std::move(trials)},
           {"cut_short", comparison.cut_short.empty() ? Json() : Json(comparison.cut_short)},
-          {"chosen", comparison.chosen ? Json(comparison.chosenTrial().model.name()) : Json()}};
+          {"chosen", comparison.chosen ? Json(comparison.chosenTrial().model.name()) : Json()},
+          {"chosen_board_shape",
+           comparison.chosen ? Json(toString(comparison.chosenTrial().board_shape)) : Json()}};
 }
 
 }  // namespace
@@ -187,33 +205,36 @@ std::string toJson(const Result& result) {
     strays.push_back({{"camera", stray.camera}, {"image", stray.image}, {"error_px", stray.error_px}});
   }
   for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
-  const Json json = {{"converged", result.converged},
-                     {"stop_reason", result.stop_reason},
-                     {"message", result.message},
-                     {"iterations", result.iterations},
-                     {"measurements", result.measurements},
-                     {"unknowns", result.unknowns},
-                     {"redundancy", result.redundancy},
-                     {"rss", result.rss},
-                     {"active_bounds", result.active_bounds},
-                     {"chi2_per_dof", result.chi2PerDof()},
-                     {"sigma_px", result.sigma_px},
-                     {"sigma_acc", result.sigma_acc},
-                     {"rms_px", std::move(rms)},
-                     {"rms_acc", result.imu ? Json(result.imu->rms_acc) : Json()},
-                     {"undetermined", result.undetermined.empty() ? Json() : Json(result.undetermined)},
-                     {"reference", reference},
-                     {"cameras", std::move(cameras)},
-                     {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
-                     {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
-                     {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
-                     {"worst_images", std::move(worst)},
-                     {"strays", std::move(strays)},
-                     {"rejected_corners", grossJson(result, result.rejected)},
-                     {"gross_corners", grossJson(result, result.gross)},
-                     {"notes", notes(result)},
-                     {"images", std::move(images)},
-                     {"quality", result.quality ? qualityJson(result) : Json()}};
+  const Json json = {
+      {"converged", result.converged},
+      {"stop_reason", result.stop_reason},
+      {"message", result.message},
+      {"iterations", result.iterations},
+      {"measurements", result.measurements},
+      {"unknowns", result.unknowns},
+      {"redundancy", result.redundancy},
+      {"rss", result.rss},
+      {"active_bounds", result.active_bounds},
+      {"chi2_per_dof", result.chi2PerDof()},
+      {"sigma_px", result.sigma_px},
+      {"sigma_acc", result.sigma_acc},
+      {"rms_px", std::move(rms)},
+      {"rms_acc", result.imu ? Json(result.imu->rms_acc) : Json()},
+      {"undetermined", result.undetermined.empty() ? Json() : Json(result.undetermined)},
+      {"reference", reference},
+      {"cameras", std::move(cameras)},
+      {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
+      {"board", result.board ? boardJson(*result.board) : Json()},
+      {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
+      {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
+      {"board_comparison", result.board_comparison ? comparisonJson(*result.board_comparison) : Json()},
+      {"worst_images", std::move(worst)},
+      {"strays", std::move(strays)},
+      {"rejected_corners", grossJson(result, result.rejected)},
+      {"gross_corners", grossJson(result, result.gross)},
+      {"notes", notes(result)},
+      {"images", std::move(images)},
+      {"quality", result.quality ? qualityJson(result) : Json()}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names need not be UTF-8
 }
 

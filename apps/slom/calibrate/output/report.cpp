@@ -101,6 +101,22 @@ std::string imuLines(const Result& result, const ImuResult& imu) {
   return is_open ? text + precisionTable(imu) : text;
 }
 
+std::string boardLines(const FittedBoard& board) {
+  constexpr double mm = 1000;
+  const auto largest = std::max_element(board.corners.begin(), board.corners.end(),
+                                        [](const MovedCorner& a, const MovedCorner& b) {
+                                          return a.displacement.norm() < b.displacement.norm();
+                                        });
+  std::string text = fmt::format("\nboard: {}, {}, RMS from where they are stated: {} mm off the plane",
+                                 toString(board.shape), plural(board.corners.size(), "corner"),
+                                 twoDigits(mm * board.off_plane));
+  if (board.shape == BoardShape::free)
+    text += fmt::format(", {} mm within it along each axis", twoDigits(mm * board.within_plane));
+  return text + fmt::format("\n  the farthest is corner {}, by {} mm, known to {} mm in each coordinate\n",
+                            largest->number, twoDigits(mm * largest->displacement.norm()),
+                            twoDigits(mm * largest->std.maxCoeff()));
+}
+
 Outcome outcomeOf(const Result& r) {
   return {r.converged, r.iterations, r.stop_reason, r.message, r.measurements, r.unknowns, r.rss};
 }
@@ -177,6 +193,7 @@ std::string reportText(const Result& result) {
   std::string text = outcomeText(outcomeOf(result));
   for (const CameraResult& camera : result.cameras) text += cameraLines(result, camera);
   if (result.imu) text += imuLines(result, *result.imu);
+  if (result.board) text += boardLines(*result.board);
   text += worstLines(result);
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";

@@ -1,0 +1,64 @@
+// Measurements of corners whose places on the board are unknowns of the fit.
+#pragma once
+
+#include "calibration/data/board_basis.hpp"
+#include "calibration/fit/measurements.hpp"
+
+namespace slom::calibration {
+
+/// One corner: where a camera sees it less where it was found [px]. `shape` is the block of unknowns that displaces it. Corner and basis must live
+/// as long.
+class CornerOfShape {
+ public:
+  CornerOfShape(const Corner& corner, const BoardBasis& basis)
+      : corner_(&corner), map_(&basis.map(basis.find(corner.world))) {}
+
+  vec2 operator()(const auto& camera, const SE3& left2camera, const SE3& left2world,
+                  const vec3& shape) const {
+    const vec3 in_left = left2world.inverse() * at(shape);
+    return vec2(camera.project(left2camera * in_left) - corner_->pixel);
+  }
+
+ protected:
+  void differentiated(const auto& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
+                      auto by_camera, auto by_left2camera, auto by_left2world, auto& by_shape) const {
+    const vec3 point = at(shape);
+    Eigen::Matrix<double, 2, 6> pose;
+    differentiatePixels(
+        camera, left2camera, left2world, 1, [&](std::size_t) -> const vec3& { return point; }, by_camera,
+        by_left2camera, &pose);
+    // Moving the board is moving the camera the other way.
+    by_shape = -pose.leftCols<3>() * *map_;
+    *by_left2world = pose;
+  }
+
+ private:
+  vec3 at(const vec3& shape) const { return vec3(corner_->world + *map_ * shape); }
+
+  const Corner* corner_;
+  const Eigen::Matrix3d* map_;
+};
+
+/// As the reference camera sees it.
+struct CornerOfShapeInLeft : CornerOfShape {
+  using CornerOfShape::CornerOfShape;
+  vec2 operator()(const auto& camera, const SE3& left2world, const vec3& shape) const {
+    return CornerOfShape::operator()(camera, SE3(), left2world, shape);
+  }
+  void jacobian(const auto& camera, const SE3& left2world, const vec3& shape, auto& by_camera,
+                auto& by_left2world, auto& by_shape) const {
+    differentiated(camera, SE3(), left2world, shape, &by_camera, nullptr, &by_left2world, by_shape);
+  }
+};
+
+/// As another camera sees it.
+struct CornerOfShapeInOther : CornerOfShape {
+  using CornerOfShape::CornerOfShape;
+  void jacobian(const auto& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
+                auto& by_camera, auto& by_left2camera, auto& by_left2world, auto& by_shape) const {
+    differentiated(camera, left2camera, left2world, shape, &by_camera, &by_left2camera, &by_left2world,
+                   by_shape);
+  }
+};
+
+}  // namespace slom::calibration
