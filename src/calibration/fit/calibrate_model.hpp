@@ -143,31 +143,52 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
 /// nowhere: then a prior keeps them near 0.
 inline constexpr double sigma_of_denominator = 1;
 
+/// Whether the images know some of these parameters less well than the prior would.
+template <class Camera>
+bool leavesDenominatorOpen(const Result& result) {
+  if constexpr (has_prior<Camera>) {
+    for (const CameraResult& camera : result.cameras) {
+      for (const int i : Camera::held_near_zero) {
+        if (!(camera.parameters[std::size_t(i)].std <= sigma_of_denominator)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// For a model that may need its prior: first with a flat board and without the prior, which says whether it does.
+template <class Camera>
+Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& planes,
+                                  const std::string& parallel, Settings settings, const Progress& progress) {
+  std::vector<SingleCameraReport> alone;
+  std::vector<IterationRecord> iterations;
+  const Progress kept{[&](const SingleCameraReport& report) { alone.push_back(report); },
+                      [&](const IterationRecord& record) { iterations.push_back(record); }};
+  Settings first = settings;
+  first.board_shape = BoardShape::flat;
+  const Result result = calibrateOnce<Camera>(data, planes, parallel, first, kept);
+  const bool is_open = !result.success() || leavesDenominatorOpen<Camera>(result);
+  const bool must_end = !parallel.empty() || !reasonToEnd(settings.limits).empty();
+  if (must_end || (!is_open && settings.board_shape == BoardShape::flat)) {
+    for (const SingleCameraReport& report : alone) {
+      if (progress.single_camera) progress.single_camera(report);
+    }
+    for (const IterationRecord& record : iterations) {
+      if (progress.iteration) progress.iteration(record);
+    }
+    return result;
+  }
+  if (is_open) settings.sigma_denominator = sigma_of_denominator;
+  return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
+}
+
 template <class Camera>
 Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
   const PlanesByCamera planes = planesOf(data);
   const std::string parallel = parallelViews(planes, data.images().size());
-  if constexpr (has_prior<Camera>) {
-    std::vector<SingleCameraReport> alone;
-    std::vector<IterationRecord> iterations;
-    const Progress kept{[&](const SingleCameraReport& report) { alone.push_back(report); },
-                        [&](const IterationRecord& record) { iterations.push_back(record); }};
-    const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
-    if (result.success() || !parallel.empty() || !reasonToEnd(settings.limits).empty()) {
-      for (const SingleCameraReport& report : alone) {
-        if (progress.single_camera) progress.single_camera(report);
-      }
-      for (const IterationRecord& record : iterations) {
-        if (progress.iteration) progress.iteration(record);
-      }
-      return result;
-    }
-    Settings with_prior = settings;
-    with_prior.sigma_denominator = sigma_of_denominator;
-    return calibrateOnce<Camera>(data, planes, parallel, with_prior, progress);
-  } else {
-    return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
-  }
+  if (has_prior<Camera> && !settings.sigma_denominator)
+    return calibrateWithPriorIfNeeded<Camera>(data, planes, parallel, settings, progress);
+  return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
 }
 
 template <class Camera>
@@ -198,8 +219,10 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   return problem.result(problem.optimize(options));
 }
 
+/// `is_open` becomes whether the prior of the model is needed.
 template <class Camera>
-ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
+ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
+                        bool* is_open = nullptr) {
   ModelTrial trial{settings.model, settings.board_shape};
   try {
     const auto start = startModel<Camera>(data, planes, settings, {});
@@ -215,6 +238,10 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     trial.rss = summary.final_rss;
     trial.rms_px = problem.rmsOfAll();
     if (!summary.converged) return trial.failure = summary.message, trial;
+    if (is_open) {
+      *is_open = leavesDenominatorOpen<Camera>(problem.result(summary));
+      if (*is_open) return trial;
+    }
     const std::optional<FittedBoard> board = problem.board();
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig(), board);
     if (!std::isfinite(trial.heldOutRms()))
@@ -231,11 +258,17 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
 template <class Camera>
 ModelTrial tryModel(const Dataset& data, const Settings& settings) {
   const PlanesByCamera planes = planesOf(data);
-  ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
-  if (trial.failure.empty() || !has_prior<Camera> || !reasonToEnd(settings.limits).empty()) return trial;
-  Settings with_prior = settings;
-  with_prior.sigma_denominator = sigma_of_denominator;
-  return tryModelOnce<Camera>(data, planes, with_prior);
+  if (!has_prior<Camera> || settings.sigma_denominator) return tryModelOnce<Camera>(data, planes, settings);
+  Settings next = settings;
+  next.board_shape = BoardShape::flat;
+  bool is_open = false;
+  ModelTrial trial = tryModelOnce<Camera>(data, planes, next, &is_open);
+  is_open = is_open || !trial.failure.empty();
+  if (!reasonToEnd(settings.limits).empty() || (!is_open && settings.board_shape == BoardShape::flat))
+    return trial;
+  next.board_shape = settings.board_shape;
+  if (is_open) next.sigma_denominator = sigma_of_denominator;
+  return tryModelOnce<Camera>(data, planes, next);
 }
 
 }  // namespace slom::calibration
