@@ -286,7 +286,7 @@ TEST(Patterns2, HaveSentences) {
   EXPECT_EQ(
       sentence(Kind::board_shape, 0.00083, 0.123, 0.0002),
       "in the images of right, corners of the board are elsewhere than stated, the same in all images: by at least 0.83 mm off its plane and 0.20 mm within it "
-      "(RMS), 12 % of the squared residuals; lay the board on something flat, and measure what was printed; the JSON lists where the corners seem to be");
+      "(RMS), 12 % of the squared residuals; have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed");
   EXPECT_EQ(
       sentence(Kind::drift, -1.234, 0.02),
       "the lens of right changes over the images: fx by -1.2 from the first to the last, 2.0 % of the squared residuals; look for a focus that was moved, a "

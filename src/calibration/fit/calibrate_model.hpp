@@ -156,7 +156,8 @@ bool leavesDenominatorOpen(const Result& result) {
   return false;
 }
 
-/// For a model that may need its prior: first with a flat board and without the prior, which says whether it does.
+/// For a model that may need its prior: first with a flat board and without the prior, which says whether it does. Where the board is unknown, too, it
+/// does as soon as the images know less than the prior.
 template <class Camera>
 Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& planes,
                                   const std::string& parallel, Settings settings, const Progress& progress) {
@@ -167,9 +168,10 @@ Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& pla
   Settings first = settings;
   first.board_shape = BoardShape::flat;
   const Result result = calibrateOnce<Camera>(data, planes, parallel, first, kept);
-  const bool is_open = !result.success() || leavesDenominatorOpen<Camera>(result);
+  const bool is_flat = settings.board_shape == BoardShape::flat;
+  const bool is_open = !result.success() || (!is_flat && leavesDenominatorOpen<Camera>(result));
   const bool must_end = !parallel.empty() || !reasonToEnd(settings.limits).empty();
-  if (must_end || (!is_open && settings.board_shape == BoardShape::flat)) {
+  if (must_end || (!is_open && is_flat)) {
     for (const SingleCameraReport& report : alone) {
       if (progress.single_camera) progress.single_camera(report);
     }
@@ -219,7 +221,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   return problem.result(problem.optimize(options));
 }
 
-/// `is_open` becomes whether the prior of the model is needed.
+/// `is_open` becomes whether the images know less than the prior of the model; there is no cross-validation then.
 template <class Camera>
 ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
                         bool* is_open = nullptr) {
