@@ -12,6 +12,7 @@
 #include "analyze/singular.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
+#include "slom/analyze/chi_square.hpp"
 #include "slom/optimize/optimizer.hpp"
 
 namespace slom {
@@ -242,14 +243,21 @@ Preflight Estimator::preflight() const {
   return state_->analyze([](const LinearizedProblem& linearized) { return slom::preflight(linearized); });
 }
 
-ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {
+ProfiledFit Estimator::profiledFit(int variable) {
   ProfiledFit fit;
   fit.variance_factor = [this] { return state_->varianceFactor(); };
   fit.is_at_minimum = [this](double variance_factor) { return state_->isAtMinimum(variance_factor); };
   fit.rss = [this] { return getRSS(); };
   fit.covariance = [this, variable](double* C) { writeCovariance(variable, variable, C); };
   fit.refit = [this] { return optimize().final_rss; };
-  return profileLikelihood(problem(), fit, variable, path, probability);
+  return fit;
+}
+
+ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {
+  requireProbabilityOfProfile(probability);
+  ProfiledFit fit = profiledFit(variable);
+  fit.half_width = [&](int) { return std::sqrt(chiSquareCritical(1 - probability, 1)); };
+  return profileLikelihood(problem(), fit, variable, path);
 }
 
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {

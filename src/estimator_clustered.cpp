@@ -1,9 +1,59 @@
 // Clustered covariances of a fit.
 #include "analyze/clustered_state.hpp"
+#include "analyze/profile.hpp"
+#include "base/index.hpp"
 #include "estimator_state.hpp"
 #include "slom/analyze/clustered.hpp"
 
 namespace slom {
+
+/// Fits without each group of the first way, by the estimator's algorithm.
+GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
+  if (gauge == FreeGauge::inner_constraints &&
+      analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); }) > 0) {
+    throw Error("slom.bad-option",
+                "ClusterOptions::refit compares values, and the gauge is free: values of different fits "
+                "differ by a motion of everything; fix what fixes the gauge, or leave refit out",
+                "refit");
+  }
+  const Clustering way = Clustered::State::firstWay(problem, options);
+  const ProblemStructure structure = evaluator.structure();
+  const auto fit = [&] {
+    try {
+      return optimize(*algorithm, Options{.most_parameters = 0}).converged;
+    } catch (const Error&) {  // no derivative at some values on the way
+      return false;
+    }
+  };
+  GroupRefits result = refitWithoutGroups(problem, structure, way, fit);
+  current.reset();
+  return result;
+}
+
+ProfileInterval Estimator::profile(int variable, const std::string& path, const Clustered& clustered,
+                                   double probability) {
+  requireProbabilityOfProfile(probability);
+  if (&clustered.problem() != &problem()) {
+    throw Error("slom.stale-clustered",
+                "clustered covariances are those of another estimator; pass those of clustered() of this one",
+                "Clustered");
+  }
+  ProfiledFit fit = profiledFit(variable);
+  fit.half_width = [&](int component) {
+    const int dof = problem().variables()[at(variable)].dof;
+    Eigen::VectorXd interval(dof), deviations(dof);
+    clustered.writePerComponent(variable, Clustered::Kind::interval, probability, interval.data());
+    writeDeviations(variable, deviations.data());
+    if (interval[component] > 0) return interval[component] / deviations[component];
+    const std::string name = problem().componentNames(variable)[at(component)];
+    throw Error("slom.no-clustered-deviation",
+                name +
+                    " has no clustered standard deviation, as it is at its bound or all residuals are 0; "
+                    "take the profile without clustered covariances",
+                name);
+  };
+  return profileLikelihood(problem(), fit, variable, path);
+}
 
 Clustered Estimator::clustered() const { return clustered(ClusterOptions{}); }
 
@@ -15,8 +65,12 @@ Clustered Estimator::clustered(const ClusterOptions& options) const {
                 "and see in its summary whether it has converged",
                 "clustered");
   }
+  std::optional<GroupRefits> refits;
+  if (options.refit) refits = state_->refitGroups(options);
   return state_->analyze([&](const LinearizedProblem&) {
-    return Clustered(std::make_shared<Clustered::State>(state_->current, state_->gauge, factor, options));
+    auto state = std::make_shared<Clustered::State>(state_->current, state_->gauge, factor, options);
+    state->refits = std::move(refits);
+    return Clustered(std::move(state));
   });
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "analyze/given_derivatives.hpp"
+#include "analyze/group_refits.hpp"
 #include "analyze/linearized_problem.hpp"
 #include "base/threads.hpp"
 #include "online/online_fit.hpp"
@@ -52,6 +53,8 @@ struct Estimator::State {
   double varianceFactor();
   /// Whether the current values count as a minimum, for statements that hold at one alone.
   bool isAtMinimum(double variance_factor);
+  /// How far values move without each group of the first way; they come back.
+  GroupRefits refitGroups(const ClusterOptions& options);
   /// Completes what the optimisation has filled. `singular_at`: where the rank ran out, if it did.
   void complete(Summary& summary, const Options& options, const SolveStatus& singular_at);
 

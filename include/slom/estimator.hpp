@@ -45,6 +45,9 @@ class Archive;
 class Clustered;
 class GaussianPrior;
 struct ClusterOptions;
+struct VarianceComponents;
+struct ProfiledFit;
+struct VarianceOptions;
 
 namespace detail {
 
@@ -502,6 +505,15 @@ class Estimator {
   ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
     return profile(problem().indexOf(id), "", probability);
   }
+  /// The same for errors that measurements share: at the ends the best fit of everything else is worse by (t s / s_stated)^2, with the
+  /// clustered standard deviation s, the stated one and Student's quantile t for the degrees of freedom of the former. Where the RSS is
+  /// quadratic, that is Clustered::interval. As the values move, `clustered` answers no more afterwards, like all that was computed of them. Throws
+  /// [slom.stale-clustered], [slom.no-clustered-deviation] and what profile throws.
+  template <class T>
+  ProfileInterval profile(const VarID<T>& id, const std::string& path, const Clustered& clustered,
+                          double probability = 0.95) {
+    return profile(problem().indexOf(id), path, clustered, probability);
+  }
 
   /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, the probability of
   /// such a residual, and how far the fit would move without it. Throws as covariance does.
@@ -511,6 +523,15 @@ class Estimator {
   /// slom/analyze/clustered.hpp. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups], [slom.not-a-minimum] and what covariance throws.
   Clustered clustered() const;
   Clustered clustered(const ClusterOptions& options) const;
+
+  /// How large the errors of each kind of measurement are, over what is stated, and those that groups of them share; at the values of the
+  /// fit, which stay. slom/analyze/variance_components.hpp. Throws [slom.not-a-minimum], [slom.no-component], [slom.components-with-loss],
+  /// [slom.no-groups], [slom.bad-group], [slom.bad-option] and what covariance throws.
+  VarianceComponents varianceComponents() const;
+  VarianceComponents varianceComponents(const VarianceOptions& options) const;
+  /// Multiplies the stated standard deviations of each kind by its factor, for what is computed from here on; optimize() afterwards. Shared errors
+  /// are left alone: a variable for each group, with a prior, takes them into the fit. Throws [slom.stale-components].
+  void apply(const VarianceComponents& components);
 
   /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
   /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
@@ -565,7 +586,10 @@ class Estimator {
     problem().setFixed(variable, components, is_fixed);
   }
   void bound(int variable, const std::string& path, double lower, double upper);
+  ProfiledFit profiledFit(int variable);
   ProfileInterval profile(int variable, const std::string& path, double probability);
+  ProfileInterval profile(int variable, const std::string& path, const Clustered& clustered,
+                          double probability);
   [[noreturn]] void raiseNoMember(int variable) const;
 
   Problem& problem() const;

@@ -105,9 +105,10 @@ void Clustered::writePerComponent(int variable, Kind kind, double probability, d
 void Clustered::writeInfluences(int variable, bool in_deviations, double* out) const {
   const Eigen::MatrixXd Z = state_->columns(variable);
   const ClusterScores& scores = state_->level(0).terms[0].scores;
-  Eigen::MatrixXd change = scores.effects(Z, ClusterCorrection::cr3);
+  Eigen::MatrixXd change =
+      state_->refits ? state_->refitted({variable}) : scores.effects(Z, ClusterCorrection::cr3);
   const Eigen::VectorXd stated = state_->problem().times(Z).colwise().squaredNorm();
-  for (int g = 0; g < scores.count(); ++g) {
+  for (int g = 0; g < (state_->refits ? 0 : scores.count()); ++g) {
     const bool is_unknown = !scores.factors()[at(g)].has_leverage || scores.isPrivate(variable, g);
     for (Eigen::Index i = 0; i < change.cols(); ++i) {
       if (stated[i] > 0 && (is_unknown || scores.aloneIn(Z.col(i), g) > kAloneShare * stated[i]))

@@ -53,6 +53,12 @@ bool makeSemidefinite(MatrixXd& C, const VectorXd& scale) {
 
 }  // namespace
 
+Clustering Clustered::State::firstWay(const Problem& problem, const ClusterOptions& options) {
+  Clustering way = makeClustering(problem, options.by.empty() ? usualWays(problem)[0] : options.by[0]);
+  checkWay(way);
+  return way;
+}
+
 Clustered::State::State(const std::shared_ptr<const LinearizedProblem>& problem, FreeGauge free_gauge,
                         double factor, ClusterOptions all)
     : linearized(problem), gauge(free_gauge), variance_factor(factor), options(std::move(all)) {
@@ -133,6 +139,20 @@ MatrixXd Clustered::State::columns(int variable) {
   return Z;
 }
 
+MatrixXd Clustered::State::refitted(const std::vector<int>& variables) const {
+  MatrixXd result(refits->change.rows(), 0);
+  for (const int v : variables) {
+    const Index dof = problem().problem().variables()[at(v)].dof, before = result.cols();
+    result.conservativeResize(Eigen::NoChange, before + dof);
+    if (problem().structure().system.isEmpty(v)) {
+      result.rightCols(dof).setZero();
+    } else {
+      result.rightCols(dof) = refits->change.middleCols(problem().structure().offsetOf(v), dof);
+    }
+  }
+  return result;
+}
+
 Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::vector<int>& variables) {
   const LinearizedProblem& all = problem();
   Index n = 0;
@@ -151,7 +171,11 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   MatrixXd as_stated = MatrixXd::Zero(n, n);
   VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
   for (const Term& term : level(l).terms) {
-    const MatrixXd effects = term.scores.effects(Z, options.correction);
+    MatrixXd effects = term.scores.effects(Z, options.correction);
+    if (refits && options.correction == ClusterCorrection::cr3 && ways.size() == 1 && !options.ordered) {
+      const MatrixXd change = refitted(variables);
+      effects = change.array().isFinite().select(change, effects).eval();
+    }
     MatrixXd rest = stated - term.scores.vouchedFor(Z, Z);
     for (Index i = 0; i < n; ++i) {
       if (rest(i, i) > kNoShare * stated(i, i)) continue;
@@ -267,6 +291,9 @@ std::vector<std::string> Clustered::State::notes() const {
     result.push_back("there are too few groups by " + ways[0].way +
                      " to see whether neighbours share errors; " + std::to_string(2 * kFewestBlocks) +
                      " are needed");
+  if (refits && !refits->failed.empty())
+    result.push_back("the fit does not converge without " + listed(refits->failed, 8) +
+                     "; covariances take one step there, and changes are not known");
   if (!is_convex)
     result.push_back(
         "the robust cost is not convex at these values; variances hold for the curvature that its weights give");

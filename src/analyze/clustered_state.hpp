@@ -8,14 +8,17 @@
 #include <vector>
 
 #include "analyze/cluster_scores.hpp"
+#include "analyze/group_refits.hpp"
 #include "analyze/robust_curvature.hpp"
 
 namespace slom {
 
 struct Clustered::State {
-  /// Throws [slom.no-groups], [slom.bad-group] or [slom.too-few-groups].
+  /// Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups] or [slom.bad-option].
   State(const std::shared_ptr<const LinearizedProblem>& linearized, FreeGauge gauge, double variance_factor,
         ClusterOptions options);
+  /// The first way of grouping. Throws as the constructor.
+  static Clustering firstWay(const Problem& problem, const ClusterOptions& options);
 
   /// One summand of the inclusion and exclusion over several ways.
   struct Term {
@@ -48,6 +51,8 @@ struct Clustered::State {
   Eigen::MatrixXd columns(int variable);
   Covariance covarianceAt(int l, const std::vector<int>& variables);
   Covariance covariance(const std::vector<int>& variables);
+  /// The columns of GroupRefits::change of these variables.
+  Eigen::MatrixXd refitted(const std::vector<int>& variables) const;
   const Choice& choice(int variable);
   Eigen::VectorXd degreesOfFreedom(int variable, int l);
   std::vector<std::string> notes() const;
@@ -61,6 +66,7 @@ struct Clustered::State {
   std::map<int, Choice> choices;                        // of ordered groups, by variable
   std::vector<std::pair<int, Eigen::MatrixXd>> recent;  // columns of the variables that were asked for last
   std::optional<RobustCurvature> curvature;
+  std::optional<GroupRefits> refits;  // of the first way
   bool is_convex = true;
 };
 

@@ -15,6 +15,9 @@ class FreeNetwork final : public InverseBlocks {
   explicit FreeNetwork(const LinearizedProblem& linearized);
 
   void block(int a, int b, double* out) const override;
+  /// By unknown, positive for as many unknowns as there are free directions: what is added to the diagonal of H so that it is regular, and
+  /// changes no residual of a solution.
+  const Eigen::VectorXd& damping() const { return damping_; }
   /// Columns of the pseudo-inverse: those of the unknowns [first, first + count).
   Eigen::MatrixXd columns(int first, int count) const;
   /// The pseudo-inverse times B.

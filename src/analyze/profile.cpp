@@ -8,7 +8,6 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "problem/value_snapshot.hpp"
-#include "slom/analyze/chi_square.hpp"
 
 namespace slom {
 
@@ -35,7 +34,7 @@ class Profile {
                 problem.variableName(variable));
   }
 
-  ProfileInterval interval(double probability) {
+  ProfileInterval interval() {
     factor_ = fit_.variance_factor();
     if (!fit_.is_at_minimum(factor_)) {
       throw Error("slom.not-a-minimum",
@@ -50,7 +49,8 @@ class Profile {
     const ComponentBound bound =
         found == nullptr ? ComponentBound{component_, -kUnlimited, kUnlimited} : *found;
     best_ = fit_.rss();
-    rise_ = factor_ * chiSquareCritical(1 - probability, 1);
+    const double half_width = fit_.half_width(component_);
+    rise_ = factor_ * half_width * half_width;
     ValueSnapshot start(problem_);
     const auto restore = [&] {
       problem_.setFixed(variable_, components_, false);
@@ -113,14 +113,16 @@ class Profile {
 }  // namespace
 
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
-                                  const std::string& path, double probability) {
-  if (!(probability > 0 && probability < 1)) {
-    throw Error("slom.bad-option",
-                "the probability of a profile interval is " + number(probability, 6) +
-                    "; pass one between 0 and 1, such as 0.95",
-                "probability");
-  }
-  return Profile(problem, fit, variable, path).interval(probability);
+                                  const std::string& path) {
+  return Profile(problem, fit, variable, path).interval();
+}
+
+void requireProbabilityOfProfile(double probability) {
+  if (probability > 0 && probability < 1) return;
+  throw Error("slom.bad-option",
+              "the probability of a profile interval is " + number(probability, 6) +
+                  "; pass one between 0 and 1, such as 0.95",
+              "probability");
 }
 
 double profileRoot(const std::function<double(double)>& f, double guess, double most) {

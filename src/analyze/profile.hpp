@@ -16,12 +16,17 @@ struct ProfiledFit {
   std::function<double()> rss;                                ///< likewise
   std::function<void(double*)> covariance;  ///< writes that of the variable, dof x dof; likewise
   std::function<double()> refit;            ///< fits all that is not fixed; returns the RSS
+  /// How many stated standard deviations of the component half the interval is, where the RSS is quadratic.
+  std::function<double(int component)> half_width;
 };
 
 /// The interval of the component at `path`, see Estimator::profile. Values, fixed components and bounds are as before when it returns
 /// or throws.
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
-                                  const std::string& path, double probability);
+                                  const std::string& path);
+
+/// Throws [slom.bad-option] unless it is between 0 and 1.
+void requireProbabilityOfProfile(double probability);
 
 /// The root of a function that grows with t > 0, is -1 at 0 and about (t / guess)^2 - 1, up to 1000 guesses; infinite beyond.
 /// `most` where the function, which is not evaluated beyond, is not positive up to there.

@@ -60,12 +60,19 @@ std::string parameterTable(const Summary& summary) {
   std::size_t width = 9;
   for (const ParameterSummary& parameter : summary.parameters) width = std::max(width, parameter.name.size());
   const int w = static_cast<int>(width);
-  std::string text = format("  %-*s %14s %20s\n", w, "parameter", "value", "standard deviation");
+  const bool is_clustered =
+      std::any_of(summary.parameters.begin(), summary.parameters.end(),
+                  [](const auto& parameter) { return !std::isnan(parameter.clustered); });
+  std::string text = format("  %-*s %14s %20s%s\n", w, "parameter", "value", "standard deviation",
+                            is_clustered ? format(" %12s %8s", "clustered", "dof").c_str() : "");
   for (const ParameterSummary& parameter : summary.parameters) {
     const std::string value = std::isnan(parameter.value) ? "" : format("%.8g", parameter.value);
-    text += format("  %-*s %14s %20.3g\n", w, parameter.name.c_str(), value.c_str(),
-                   parameter.standard_deviation);
+    text +=
+        format("  %-*s %14s %20.3g", w, parameter.name.c_str(), value.c_str(), parameter.standard_deviation);
+    if (is_clustered) text += format(" %12.3g %8.3g", parameter.clustered, parameter.clustered_dof);
+    text += "\n";
   }
+  for (const std::string& note : summary.clustered_notes) text += "  note: " + note + "\n";
   for (const CorrelationSummary& pair : summary.correlations) {
     text += format("  correlation of %s and %s: %.4f\n", pair.a.c_str(), pair.b.c_str(), pair.correlation);
   }

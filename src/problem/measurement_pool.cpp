@@ -122,6 +122,29 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
   return start;
 }
 
+void MeasurementPool::scaleSigmas(const std::vector<double>& factors) {
+  constexpr std::size_t unit = ~std::size_t{0};  // in place of where W lies
+  std::vector<double> scaled;
+  std::vector<WhiteningKind> kinds = noise_kind_;
+  std::vector<std::size_t> places(noise_at_.size(), 0);
+  std::map<std::pair<std::size_t, double>, std::size_t> known;  // where W times that number lies
+  for (int i = 0; i < size(); ++i) {
+    const bool is_unit = noise_kind_[at(i)] == WhiteningKind::unit;
+    const double by = 1 / factors[at(i)];
+    if (is_unit && by == 1) continue;
+    const std::size_t from = is_unit ? unit : noise_at_[at(i)];
+    const auto [place, is_new] = known.try_emplace({from, by}, scaled.size());
+    places[at(i)] = place->second;
+    if (is_unit) kinds[at(i)] = WhiteningKind::scalar;
+    if (!is_new) continue;
+    const int count = whiteningSize(kinds[at(i)], rows(i));
+    for (int k = 0; k < count; ++k) scaled.push_back(by * (is_unit ? 1 : noise_[from + at(k)]));
+  }
+  noise_ = std::move(scaled);
+  noise_kind_ = std::move(kinds);
+  noise_at_ = std::move(places);
+}
+
 const Loss* MeasurementPool::keepLoss(const Loss& loss) {
   if (loss.kind() == nullptr) return nullptr;
   checkLoss(loss, [&] { return nextName(); });

@@ -1,5 +1,6 @@
 /// The measurements of a problem: which pool they go to, who depends on whom, what they are called.
 #include <algorithm>
+#include <limits>
 #include <new>
 
 #include "base/index.hpp"
@@ -139,6 +140,37 @@ void Problem::removeMeasurement(MeasurementPool& pool, int i) {
   if (uses_) ++uses_->removed;
   --measurement_count_;
   changes_.add({Change::Kind::measurement_removed, i, pool.index()}, size());
+}
+
+void Problem::scaleSigmas(const std::vector<std::vector<double>>& factors) {
+  for (std::size_t p = 0; p < pools_.size(); ++p) pools_[p]->scaleSigmas(factors[p]);
+  changes_.forgetAll();
+  moves_.add(kAll, size());
+}
+
+std::vector<MeasurementPool::SavedNoise> Problem::withhold(
+    const std::vector<std::vector<char>>& is_withheld) {
+  std::vector<MeasurementPool::SavedNoise> saved;
+  for (const auto& pool : pools_) saved.push_back(pool->saveNoise());
+  try {
+    for (std::size_t p = 0; p < pools_.size(); ++p) {
+      std::vector<double> factors(is_withheld[p].size(), 1.0);
+      for (std::size_t i = 0; i < factors.size(); ++i) {
+        if (is_withheld[p][i] != 0) factors[i] = std::numeric_limits<double>::infinity();
+      }
+      pools_[p]->scaleSigmas(factors);
+    }
+  } catch (...) {
+    restoreNoise(std::move(saved));
+    throw;
+  }
+  moves_.add(kAll, size());
+  return saved;
+}
+
+void Problem::restoreNoise(std::vector<MeasurementPool::SavedNoise> noise) noexcept {
+  for (std::size_t p = 0; p < pools_.size(); ++p) pools_[p]->restoreNoise(std::move(noise[p]));
+  moves_.add(kAll, size());
 }
 
 void Problem::raiseThrew(const std::string& measurement, const int* variables, int arity,

@@ -1,5 +1,6 @@
 #include "problem/value_snapshot.hpp"
 
+#include <algorithm>
 #include <new>
 
 namespace slom {
@@ -43,6 +44,13 @@ void ValueSnapshot::copy(int variable) {
     copies_.push_back(std::make_unique<Copy>(*record.store, record.slot, variable));
 }
 ValueSnapshot::~ValueSnapshot() = default;
+
+void ValueSnapshot::difference(int variable, double* d) const {
+  const auto found = std::lower_bound(copies_.begin(), copies_.end(), variable,
+                                      [](const auto& copy, int v) { return copy->variable < v; });
+  const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(variable)];
+  record.store->boxminus(d, record.store->valueAt(record.slot), (*found)->place);
+}
 
 void ValueSnapshot::restore() {
   for (const auto& copy : copies_) problem_.overwrite(copy->variable, copy->place);

@@ -20,6 +20,8 @@ class ValueSnapshot {
   /// The value of a further variable, as it is now; nothing where there is one already.
   void keep(int variable);
   void restore();
+  /// d := value now [-] value then, in the tangent space of the variable; of a snapshot of all variables.
+  void difference(int variable, double* d) const;
   /// The present values of the variables of this one.
   std::unique_ptr<ValueSnapshot> takeAgain() const;
   /// Whether the value of this variable is among those that `keep` has taken.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <slom/analyze/clustered.hpp>
+#include <slom/analyze/variance_components.hpp>
 #include <slom/posterior.hpp>
 #include <slom/slom.hpp>
 
@@ -68,7 +69,8 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
       }
     }
   }
-  ASSERT_TRUE(est.optimize().converged);
+  const slom::Summary summary = est.optimize();
+  ASSERT_TRUE(summary.converged);
   const slom::Clustered c = est.clustered({.by = {"day"}});
   std::cout << c.report();
   EXPECT_EQ(blocks(page(), "text").at(3), c.report());
@@ -79,6 +81,48 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
   EXPECT_GT(half[0], 2 * c.standardDeviation(barn)[0]);
   EXPECT_EQ(influence.rows(), 12);
   EXPECT_GT(length.standardDeviation()[0], est.propagate(distance, mill, barn).standardDeviation()[0]);
+  EXPECT_EQ(c.outliers().suspects(), 0);
+
+  std::cout << c.outliers();                                 // days that pull at the values more than they should
+  slom::Summary with_both = summary;
+  c.addTo(with_both);                                        // its report() has a column of clustered ones
+  const slom::ProfileInterval scaled = est.profile(barn, "x", c, 0.95);
+  EXPECT_NE(with_both.report().find("  standard deviation    clustered      dof\n"), std::string::npos);
+  EXPECT_NEAR(scaled.upper - scaled.lower, 2 * half[0], 1e-3 * half[0]);
+}
+
+/// Distances by a tape whose zero point is another one on each day, and positions by a receiver.
+TEST(UncertaintyPage, HowLargeErrorsAre) {
+  slom::Estimator est;
+  const std::vector<vec2> truth{vec2(0, 0), vec2(100, 0), vec2(60, 80), vec2(-20, 50), vec2(40, 40)};
+  const std::vector<std::string> names{"church", "mill", "tower", "barn", "oak"};
+  std::vector<slom::VarID<vec2>> points;
+  for (std::size_t i = 0; i < 5; ++i) points.push_back(est.insertRV(truth[i], names[i]));
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal(0, 1);
+  const auto position = [](const auto& point) { return point; };
+  for (int day = 0; day < 12; ++day) {
+    const double zero = 0.02 * normal(engine);
+    for (std::size_t i = 0; i < 5; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        est.insertMeasurement(distance, points[i], points[j], slom::measured(distance(truth[i], truth[j]) + zero + 0.015 * normal(engine)),
+                              slom::StandardDeviation(0.01), slom::named("tape"), slom::group("day", day));
+      }
+      if (day % 3 == 0)
+        est.insertMeasurement(position, points[i], slom::measured(vec2(truth[i] + 0.03 * vec2(normal(engine), normal(engine)))),
+                              slom::StandardDeviation(0.05), slom::named("receiver"));
+    }
+  }
+  ASSERT_TRUE(est.optimize().converged);
+  const slom::VarianceComponents v = est.varianceComponents({.shared = {{"tape", "day"}}});
+  std::cout << v.report();
+  EXPECT_EQ(blocks(page(), "text").at(4), v.report());
+  const auto [lower, upper] = v.at("receiver").interval(0.95);   // of the factor
+  est.apply(v);                                              // stated standard deviations, times the factors
+  const slom::Summary with_right_weights = est.optimize();
+  EXPECT_LT(lower, 0.6);
+  EXPECT_GT(upper, 0.6);
+  EXPECT_TRUE(with_right_weights.converged);
 }
 
 TEST(UncertaintyPage, Works) {

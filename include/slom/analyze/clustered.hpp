@@ -15,6 +15,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +30,8 @@
 #include "slom/problem/problem.hpp"
 
 namespace slom {
+
+struct Summary;
 
 /// How the residuals r_g of a group, which are smaller than the errors, are corrected; H_gg = J_g H^-1 J_g^T is the group's leverage.
 enum class ClusterCorrection : std::uint8_t {
@@ -114,6 +117,10 @@ struct ClusterOptions {
   /// groups are taken together, until the variance no longer grows.
   ///   source   Flegal and Jones, "Batch means and spectral variance estimators in Markov chain Monte Carlo", 2010
   bool ordered = false;
+  /// change() and influence() are found by a fit without each group of the first way in place of one step, from the present values, and so are
+  /// covariances by cr3, one way and not ordered. It takes as many fits as there are groups; the values are as before afterwards. Where losses, or what is not
+  /// linear, matter within a group's influence, the step and the fits differ.
+  bool refit = false;
   /// Columns of H^-1 that are computed at most to find leverages, where groups share unknowns that do not meet in them. Groups that need
   /// more are corrected as by cr1, and a note says so.
   int most_columns = 5000;
@@ -128,6 +135,30 @@ struct ClusterCheck {
   int dof = 0;             ///< number of combinations of the values that it pulls at
   double probability = 1;  ///< of such a statistic or a larger one there
 };
+
+/// The tests of all groups, the least probable first. Where groups share errors, all of them pull more than is stated; then each is
+/// compared with the others.
+struct ClusterOutliers {
+  /// A group and how it compares with the others.
+  struct Group {
+    ClusterCheck check;  ///< as stated uncertainties let expect it
+    double probability =
+        1;  ///< of such a statistic or a larger one, as stated or, with `is_relative`, among these groups
+    bool is_suspect = false;
+  };
+  double significance = 0.01;  ///< the probability that one of the groups is a suspect where all are good
+  double scale = 1;            ///< median over the groups of statistic over the median of its chi-square
+  bool is_relative =
+      false;  ///< groups pull more than is stated: of their medians more than half are above 1, by a sign test at 5 %
+  std::vector<Group> groups;
+
+  /// Number of suspects.
+  int suspects() const;
+  /// A table of the worst groups, suspects marked.
+  std::string text(int most_groups = 10) const;
+};
+
+std::ostream& operator<<(std::ostream& os, const ClusterOutliers& outliers);
 
 /// Clustered covariances. It computes when it is asked, and answers as long as its estimator lives and nothing of it has changed; after that
 /// all functions throw [slom.stale-clustered].
@@ -193,7 +224,7 @@ class Clustered {
     return blockLengthOf(indexOf(id));
   }
   /// By how much the fit moves each component when a group of the first way is left out, groups x dof, in one step from the factor, which
-  /// is exact for linear problems; NaN where the others do not determine it.
+  /// is exact for linear problems, or by ClusterOptions::refit; NaN where the others do not determine it.
   template <class T>
   Eigen::MatrixXd change(const VarID<T>& id) const {
     return influences(id, false);
@@ -207,6 +238,11 @@ class Clustered {
   std::vector<std::string> groups() const;
   /// Whether each of them pulls the values more than its stated uncertainties allow, in the order of groups().
   std::vector<ClusterCheck> check() const;
+  /// The same tests as a report that names suspects: groups that pull the values more than the others do. Throws [slom.bad-option].
+  ClusterOutliers outliers(double significance = 0.01) const;
+  /// Fills in the clustered standard deviations and degrees of freedom of the summary's parameters, and the notes, so that its report has a
+  /// column of them. Throws [slom.no-parameters] where the summary has no such parameters.
+  void addTo(Summary& summary) const;
   /// The first unknowns, as many as that: value, stated and clustered standard deviation, degrees of freedom; and the notes on them.
   std::string report(int most_unknowns = 40) const;
   /// Sentences on what limits these numbers: few groups, measurements without one, ...
@@ -222,6 +258,7 @@ class Clustered {
   explicit Clustered(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
  private:
+  friend class Estimator;
   enum class Kind : std::uint8_t { dof, interval, stated_share };
 
   template <class T>

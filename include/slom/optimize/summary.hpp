@@ -158,6 +158,9 @@ struct ParameterSummary {
   std::string name;
   double value = 0;               ///< its coordinate; NaN where it has none, as rotations
   double standard_deviation = 0;  ///< in the tangent space
+  double clustered =
+      std::numeric_limits<double>::quiet_NaN();  ///< the same by Clustered::addTo; NaN: not filled in
+  double clustered_dof = 0;                      ///< degrees of freedom of that
 };
 
 /// Two components whose errors are strongly correlated.
@@ -193,6 +196,7 @@ struct Summary {
   PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;
   std::vector<ParameterSummary> parameters;      ///< when there are no more than Options::most_parameters
+  std::vector<std::string> clustered_notes;      ///< what limits the clustered standard deviations
   std::vector<CorrelationSummary> correlations;  ///< the strongest of these parameters, from 0.95 on
   std::vector<IterationRecord> trace;
 

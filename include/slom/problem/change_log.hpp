@@ -55,6 +55,12 @@ class ChangeLog {
     }
   }
 
+  /// A change that no event describes: there is no answer since any revision before it.
+  void forgetAll() noexcept {
+    forget(events_.size());
+    ++first_;
+  }
+
  private:
   void forget(std::size_t count) noexcept {
     events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(count));

@@ -109,6 +109,22 @@ class MeasurementPool {
   std::pair<WhiteningKind, const double*> whitening(int i) const {
     return {noise_kind_[at(i)], noise_.data() + noise_at_[at(i)]};
   }
+  /// Multiplies the standard deviations of each measurement by a factor, one for each; infinite: W becomes 0.
+  void scaleSigmas(const std::vector<double>& factors);
+  /// The noise of all measurements, to go back to by restoreNoise().
+  struct SavedNoise {
+    std::vector<WhiteningKind> kind;
+    std::vector<std::size_t> place;
+    std::vector<double> numbers;
+  };
+  /// A copy of it.
+  SavedNoise saveNoise() const { return {noise_kind_, noise_at_, noise_}; }
+  /// Of the same measurements in the same order.
+  void restoreNoise(SavedNoise&& noise) noexcept {
+    noise_kind_.swap(noise.kind);
+    noise_at_.swap(noise.place);
+    noise_.swap(noise.numbers);
+  }
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
 

@@ -109,6 +109,13 @@ class Problem {
   }
   /// Removes measurement i of the pool; the last one takes its place.
   void removeMeasurement(MeasurementPool& pool, int i);
+  /// Multiplies the stated standard deviations: factors by pool and measurement, positive.
+  void scaleSigmas(const std::vector<std::vector<double>>& factors);
+  /// Gives measurements no weight until restoreNoise(): `is_withheld` by pool and measurement. Throws nothing but std::bad_alloc, with nothing
+  /// changed.
+  std::vector<MeasurementPool::SavedNoise> withhold(const std::vector<std::vector<char>>& is_withheld);
+  /// Takes that back, to the last bit.
+  void restoreNoise(std::vector<MeasurementPool::SavedNoise> noise) noexcept;
   /// Puts measurement i into these groups, of different dimensions.
   void assignGroups(MeasurementPool& pool, int i, const Group* groups, int count);
   /// Names of the groups of measurements that may share errors; null: no measurement ever was in one.

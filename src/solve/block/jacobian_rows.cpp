@@ -43,6 +43,14 @@ void JacobianRows::add(const JacobianBatch& batch) {
   group.r.insert(group.r.end(), batch.r, batch.r + (group.row.back() - first));
 }
 
+void JacobianRows::multiply(std::size_t g, int m, double by) {
+  Group& group = groups_[g];
+  const std::size_t i = at(m);
+  const std::size_t end = i + 1 < group.start.size() ? group.start[i + 1] : group.J.size();
+  for (std::size_t k = group.start[i]; k < end; ++k) group.J[k] *= by;
+  for (int k = group.row[i]; k < group.row[i + 1]; ++k) group.r[at(k)] *= by;
+}
+
 Eigen::Map<const VectorXd> JacobianRows::residual(std::size_t g, int m) const {
   const Group& group = groups_[g];
   const int first = group.row[static_cast<std::size_t>(m)];

@@ -17,6 +17,8 @@ class JacobianRows {
   void analyze(const BlockStructure& structure);
   void clear();
   void add(const JacobianBatch& batch);
+  /// Multiplies residual and Jacobian of measurement m of group g.
+  void multiply(std::size_t g, int m, double by);
 
   /// Number of measurements of group g.
   int size(std::size_t g) const { return static_cast<int>(groups_[g].start.size()); }

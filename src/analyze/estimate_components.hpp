@@ -1,0 +1,20 @@
+/// Variance components of a linearised problem.
+#pragma once
+
+#include "analyze/linearized_problem.hpp"
+#include "slom/analyze/variance_components.hpp"
+
+namespace slom {
+
+/// The measurements that a factor is for.
+struct VarianceComponents::Assignment {
+  const Problem* problem = nullptr;
+  std::uint64_t structure_revision = 0;
+  std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component, -1: none
+};
+
+/// Throws what varianceComponents() throws, but for [slom.not-a-minimum].
+VarianceComponents estimateComponents(const LinearizedProblem& linearized, FreeGauge gauge,
+                                      const VarianceOptions& options);
+
+}  // namespace slom

@@ -1,0 +1,307 @@
+#include "analyze/variance_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "analyze/free_network.hpp"
+#include "base/index.hpp"
+#include "base/threads.hpp"
+#include "slom/solve/block_qr.hpp"
+#include "slom/solve/block_solver.hpp"
+
+namespace slom {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kMostExactUnknowns = 400;     // for S: dense matrices of that size, one for each component
+constexpr int kSigns = 64;                  // probes of Hutchinson's estimator beyond
+constexpr double kLeverageAccuracy = 1e-6;  // of the sum of all leverages, which is the number of unknowns
+constexpr int kRowsPerTask = 256;
+
+}  // namespace
+
+VarianceModel::VarianceModel(const LinearizedProblem& linearized, FreeGauge gauge,
+                             std::vector<std::vector<int>> component_of, std::vector<SharedTerm> shared,
+                             int kinds)
+    : linearized_(linearized),
+      gauge_(gauge),
+      component_of_(std::move(component_of)),
+      shared_(std::move(shared)),
+      kinds_(kinds),
+      original_groups_(linearized.structure().system.groups.size()) {
+  static_cast<void>(linearized.covarianceTimes(gauge, MatrixXd(linearized.structure().system.unknowns(), 0)));
+  makeStructure();
+  rows_.analyze(structure_);
+  addRows();
+  addDatum();
+  theta_ = VectorXd::Ones(components());
+  residuals_ = VectorXd::Zero(components());
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    for (int m = 0; m < rows_.size(g); ++m) {
+      if (const int c = componentOf(g, m); c >= 0)
+        residuals_[c] += static_cast<double>(rows_.residual(g, m).size());
+    }
+  }
+  solver_ = std::make_unique<BlockSolver>(BlockSolverOptions{.method = BlockSolverOptions::Method::cholesky});
+  solver_->analyze(structure_);
+}
+
+/// The blocks of the problem, one for each group of each shared error, and groups of rows: those of the problem, the shared errors' own, the datum.
+void VarianceModel::makeStructure() {
+  structure_ = linearized_.structure().system;
+  for (const SharedTerm& term : shared_) {
+    const int first = structure_.blockCount();
+    for (int g = 0; g < term.groups.count(); ++g)
+      structure_.offset.push_back(structure_.offset.back() + term.dimension);
+    for (std::size_t p = 0; p < term.groups.of_pool.size(); ++p) {
+      const std::vector<int>& of = term.groups.of_pool[p];
+      if (std::all_of(of.begin(), of.end(), [](int g) { return g < 0; })) continue;
+      MeasurementGroup& group = structure_.groups[p];
+      MeasurementGroup longer{group.arity + 1, {}};
+      for (std::size_t i = 0; i < of.size(); ++i) {
+        const auto own = group.blocks.begin() + static_cast<std::ptrdiff_t>(i * at(group.arity));
+        longer.blocks.insert(longer.blocks.end(), own, own + group.arity);
+        longer.blocks.push_back(of[i] < 0 ? -1 : first + of[i]);
+      }
+      group = std::move(longer);
+    }
+    MeasurementGroup own{1, {}};
+    for (int g = 0; g < term.groups.count(); ++g) own.blocks.push_back(first + g);
+    structure_.groups.push_back(std::move(own));
+  }
+  MeasurementGroup datum{1, {}};
+  for (int b = 0; gauge_ == FreeGauge::inner_constraints && b < linearized_.structure().system.blockCount();
+       ++b) {
+    if (!structure_.isEmpty(b)) datum.blocks.push_back(b);
+  }
+  structure_.groups.push_back(std::move(datum));
+}
+
+/// The rows of the problem, each with an identity for its shared errors, and 0 = b.
+void VarianceModel::addRows() {
+  const JacobianRows& from = linearized_.rows();
+  const std::vector<MeasurementGroup>& before = linearized_.structure().system.groups;
+  std::vector<int> dof;
+  std::vector<double> J;
+  for (std::size_t g = 0; g < original_groups_; ++g) {
+    const MeasurementGroup& shape = structure_.groups[g];
+    for (int m = 0; m < from.size(g); ++m) {
+      const auto r = from.residual(g, m);
+      dof.assign(at(shape.arity), 0);
+      J.clear();
+      int k = 0;
+      const auto skip_fixed = [&] {
+        while (k < before[g].arity && shape.blocks[at(m * shape.arity + k)] < 0) ++k;
+      };
+      from.forEachPart(g, m, [&](int, const JacobianRows::Part& part) {
+        skip_fixed();
+        dof[at(k++)] = static_cast<int>(part.cols());
+        J.insert(J.end(), part.data(), part.data() + part.size());
+      });
+      for (k = before[g].arity; k < shape.arity; ++k) {
+        if (shape.blocks[at(m * shape.arity + k)] < 0) continue;
+        dof[at(k)] = static_cast<int>(r.size());
+        const MatrixXd unit = MatrixXd::Identity(r.size(), r.size());
+        J.insert(J.end(), unit.data(), unit.data() + unit.size());
+      }
+      const int rows = static_cast<int>(r.size());
+      rows_.add({static_cast<int>(g), m, 1, &rows, dof.data(), r.data(), J.data()});
+    }
+  }
+  for (std::size_t s = 0; s < shared_.size(); ++s) {
+    const int rows = shared_[s].dimension;
+    const MatrixXd unit = MatrixXd::Identity(rows, rows);
+    const VectorXd none = VectorXd::Zero(rows);
+    for (int g = 0; g < shared_[s].groups.count(); ++g)
+      rows_.add({static_cast<int>(original_groups_ + s), g, 1, &rows, &rows, none.data(), unit.data()});
+  }
+}
+
+/// Rows that keep a free gauge: they change no residual, and so no leverage.
+void VarianceModel::addDatum() {
+  if (gauge_ != FreeGauge::inner_constraints) return;
+  const VectorXd damping = FreeNetwork(linearized_).damping();
+  const std::size_t g = structure_.groups.size() - 1;
+  int m = 0;
+  for (const int b : structure_.groups[g].blocks) {
+    const int dof = structure_.dof(b);
+    const MatrixXd J = damping.segment(structure_.offset[at(b)], dof).cwiseSqrt().asDiagonal();
+    const VectorXd none = VectorXd::Zero(dof);
+    rows_.add({static_cast<int>(g), m++, 1, &dof, &dof, none.data(), J.data()});
+  }
+}
+
+int VarianceModel::componentOf(std::size_t group, int m) const {
+  if (group < component_of_.size()) return component_of_[group][at(m)];
+  if (group < original_groups_ || group + 1 == structure_.groups.size()) return -1;
+  return kinds_ + static_cast<int>(group - original_groups_);
+}
+
+void VarianceModel::weigh(const VectorXd& theta) {
+  const VectorXd by = (theta_.array() / theta.array()).sqrt();
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    for (int m = 0; m < rows_.size(g); ++m) {
+      if (const int c = componentOf(g, m); c >= 0 && by[c] != 1) rows_.multiply(g, m, by[c]);
+    }
+  }
+  theta_ = theta;
+}
+
+bool VarianceModel::solve() {
+  rows_.sendTo(*solver_);
+  MatrixXd X;
+  const SolveStatus solved = solver_->solveFor(-rows_.gradient(), X);
+  if (!solved.ok || !solver_->invertBlocks(structure_, inverse_).ok) return false;
+  step_ = X.col(0);
+  return true;
+}
+
+/// Squares of residuals and redundancies; returns the sum of all leverages.
+double VarianceModel::addLeverages(Evaluation& result) const {
+  const int n = components();
+  result.square = VectorXd::Zero(n);
+  result.redundancy = residuals_;
+  double sum = 0;
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    const int tasks = (rows_.size(g) + kRowsPerTask - 1) / kRowsPerTask;
+    std::vector<VectorXd> squares(at(tasks), VectorXd::Zero(n)), leverages = squares;
+    std::vector<double> others(at(tasks), 0);
+    detail::forEachIndex(tasks, [&](int t) {
+      MatrixXd C;
+      const int last = std::min(rows_.size(g), (t + 1) * kRowsPerTask);
+      for (int m = t * kRowsPerTask; m < last; ++m) {
+        VectorXd v = rows_.residual(g, m);
+        double leverage = 0;
+        rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& Ja) {
+          v += Ja * step_.segment(structure_.offset[at(a)], Ja.cols());
+          rows_.forEachPart(g, m, [&](int b, const JacobianRows::Part& Jb) {
+            C.resize(Ja.cols(), Jb.cols());
+            inverse_->block(a, b, C.data());
+            leverage += (Ja * C).cwiseProduct(Jb).sum();
+          });
+        });
+        const int c = componentOf(g, m);
+        (c < 0 ? others[at(t)] : leverages[at(t)][c]) += leverage;
+        if (c >= 0) squares[at(t)][c] += v.squaredNorm();
+      }
+    });
+    for (std::size_t t = 0; t < at(tasks); ++t) {
+      result.square += squares[t];
+      result.redundancy -= leverages[t];
+      sum += leverages[t].sum() + others[t];
+    }
+  }
+  return sum;
+}
+
+VarianceModel::Evaluation VarianceModel::evaluate(const VectorXd& theta) {
+  weigh(theta);
+  Evaluation result;
+  const double unknowns = structure_.unknowns();
+  const auto is_accurate = [&] {
+    return std::abs(addLeverages(result) - unknowns) <= kLeverageAccuracy * std::max(1.0, unknowns);
+  };
+  bool is_solved = solve();
+  is_accurate_ = is_solved && is_accurate();
+  if (!is_accurate_) {  // J^T J has lost too many digits
+    solver_ = std::make_unique<BlockQR>();
+    solver_->analyze(structure_);
+    is_solved = solve();
+    if (!is_solved) throw linearized_.undetermined(SolveStatus{false, 0, 0, 0});
+    is_accurate_ = is_accurate();
+  }
+  addInformation(result);
+  return result;
+}
+
+bool VarianceModel::isExact() const { return structure_.unknowns() <= kMostExactUnknowns; }
+
+/// |(I - H)_kl|^2 = delta_kl (n_k - 2 tr H_kk) + |H_kl|^2.
+void VarianceModel::addInformation(Evaluation& result) {
+  result.S = isExact() ? squaredLeverages() : squaredLeveragesByProbes();
+  result.S.diagonal() += 2 * result.redundancy - residuals_;
+}
+
+/// |H_kl|^2 = tr(N_k C N_l C), N_k the part of component k of J^T J.
+MatrixXd VarianceModel::squaredLeverages() {
+  const int unknowns = structure_.unknowns(), n = components();
+  std::vector<MatrixXd> NC(at(n), MatrixXd::Zero(unknowns, unknowns));
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    for (int m = 0; m < rows_.size(g); ++m) {
+      const int c = componentOf(g, m);
+      if (c < 0) continue;
+      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& Ja) {
+        rows_.forEachPart(g, m, [&](int b, const JacobianRows::Part& Jb) {
+          NC[at(c)]
+              .block(structure_.offset[at(a)], structure_.offset[at(b)], Ja.cols(), Jb.cols())
+              .noalias() += Ja.transpose() * Jb;
+        });
+      });
+    }
+  }
+  MatrixXd C;
+  static_cast<void>(solver_->solveFor(MatrixXd::Identity(unknowns, unknowns), C));
+  for (MatrixXd& N : NC) N = (N * C).eval();
+  MatrixXd result(n, n);
+  for (int k = 0; k < n; ++k) {
+    for (int l = 0; l <= k; ++l)
+      result(k, l) = result(l, k) = NC[at(k)].cwiseProduct(NC[at(l)].transpose()).sum();
+  }
+  return result;
+}
+
+/// The mean of |J_k C J_l^T w|^2 over random signs w.
+///   source   Hutchinson, "A stochastic estimator of the trace of the influence matrix for Laplacian smoothing splines", 1990
+MatrixXd VarianceModel::squaredLeveragesByProbes() {
+  const int unknowns = structure_.unknowns(), n = components();
+  std::mt19937 engine(1);
+  MatrixXd B = MatrixXd::Zero(unknowns, Index{n} * kSigns), X;
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    for (int m = 0; m < rows_.size(g); ++m) {
+      const int c = componentOf(g, m);
+      if (c < 0) continue;
+      MatrixXd signs(rows_.residual(g, m).size(), kSigns);
+      for (Index i = 0; i < signs.size(); ++i) signs.data()[i] = (engine() & 1U) != 0 ? 1 : -1;
+      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& J) {
+        B.block(structure_.offset[at(a)], Index{c} * kSigns, J.cols(), kSigns).noalias() +=
+            J.transpose() * signs;
+      });
+    }
+  }
+  static_cast<void>(solver_->solveFor(B, X));
+  MatrixXd result = MatrixXd::Zero(n, n), image;
+  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+    for (int m = 0; m < rows_.size(g); ++m) {
+      const int c = componentOf(g, m);
+      if (c < 0) continue;
+      image = MatrixXd::Zero(rows_.residual(g, m).size(), X.cols());
+      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& J) {
+        image.noalias() += J * X.middleRows(structure_.offset[at(a)], J.cols());
+      });
+      for (int l = 0; l < n; ++l) result(c, l) += image.middleCols(Index{l} * kSigns, kSigns).squaredNorm();
+    }
+  }
+  return (result + result.transpose()) / (2 * kSigns);
+}
+
+double VarianceModel::largestMove() const {
+  double largest = 0;
+  MatrixXd C;
+  for (int b = 0; b < linearized_.structure().system.blockCount(); ++b) {
+    const int dof = structure_.dof(b);
+    C.resize(dof, dof);
+    if (dof > 0) inverse_->block(b, b, C.data());
+    for (int i = 0; i < dof; ++i) {
+      if (linearized_.activeSet().isFixedOrActive(b, i) || !(C(i, i) > 0)) continue;
+      largest = std::max(largest, std::abs(step_[structure_.offset[at(b)] + i]) / std::sqrt(C(i, i)));
+    }
+  }
+  return largest;
+}
+
+}  // namespace slom

@@ -1,0 +1,77 @@
+/// A linearised problem whose measurements are weighted by the variances of their kinds, with errors that groups share as further unknowns.
+///
+/// With unknowns x and b of the shared errors the residuals of measurement i of kind k are r_i + J_i x + b_g(i), their covariance theta_k I; a shared
+/// error is measured by 0 = b_g with covariance theta_s I. Its restricted likelihood is that of the model in which b is part of the errors,
+/// as contrasts that are free of x and b are those of the latter (Henderson's mixed model equations). So all components are alike: a weight of some rows.
+///   source   Henderson, "Best linear unbiased estimation and prediction under a selection model", 1975; Koch 1999, section 3.6
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analyze/clusters.hpp"
+#include "analyze/linearized_problem.hpp"
+
+namespace slom {
+
+/// An error of the measurements of one kind, by group.
+struct SharedTerm {
+  Clustering groups;  ///< those of other kinds are in none
+  int dimension = 0;  ///< of each group's error
+};
+
+class VarianceModel {
+ public:
+  /// `component_of`: by pool and measurement the component of its errors, -1: as stated. The components of `shared` follow.
+  /// Throws what covariances throw.
+  VarianceModel(const LinearizedProblem& linearized, FreeGauge gauge,
+                std::vector<std::vector<int>> component_of, std::vector<SharedTerm> shared, int kinds);
+
+  /// Statements about the components at some variances theta.
+  struct Evaluation {
+    Eigen::VectorXd square;      ///< |v_k|^2, in units of sqrt(theta_k)
+    Eigen::VectorXd redundancy;  ///< tr (I - H)_kk
+    Eigen::MatrixXd S;           ///< |(I - H)_kl|^2, Frobenius: twice the expected information on log theta
+  };
+  int components() const { return kinds_ + static_cast<int>(shared_.size()); }
+  /// Number of scalar residuals of each component.
+  const Eigen::VectorXd& residuals() const { return residuals_; }
+  /// Weighs rows by theta, solves, and evaluates. Throws what covariances throw.
+  Evaluation evaluate(const Eigen::VectorXd& theta);
+  /// By how many of its standard deviations the unknown that moves most moves, at the theta evaluated last.
+  double largestMove() const;
+  /// Whether S is exact, and not a mean over random signs.
+  bool isExact() const;
+  /// Whether the factor had the digits that leverages need.
+  bool isAccurate() const { return is_accurate_; }
+
+ private:
+  void makeStructure();
+  void addRows();
+  void addDatum();
+  int componentOf(std::size_t group, int m) const;
+  void weigh(const Eigen::VectorXd& theta);
+  bool solve();
+  double addLeverages(Evaluation& result) const;
+  void addInformation(Evaluation& result);
+  Eigen::MatrixXd squaredLeverages();
+  Eigen::MatrixXd squaredLeveragesByProbes();
+
+  const LinearizedProblem& linearized_;
+  FreeGauge gauge_;
+  std::vector<std::vector<int>> component_of_;
+  std::vector<SharedTerm> shared_;
+  int kinds_;
+  std::size_t original_groups_;  // of the problem: pools, and the group of what does not move
+  BlockStructure structure_;
+  JacobianRows rows_;      // weighted by theta_
+  Eigen::VectorXd theta_;  // of rows_
+  Eigen::VectorXd residuals_, step_;
+  std::unique_ptr<LinearSolver> solver_;
+  std::unique_ptr<InverseBlocks> inverse_;
+  bool is_accurate_ = true;
+};
+
+}  // namespace slom
