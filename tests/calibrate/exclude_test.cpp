@@ -96,6 +96,25 @@ TEST(Exclude, TakesReadingsWithTheImagesThatNoCameraHasThen) {
   EXPECT_NE(data.cameras[0].find(5), nullptr);  // as it was before
 }
 
+TEST(Exclude, SaysWhatIsExcludedTwice) {
+  Dataset data = FilesOfOneCamera().data;
+  const auto sentence = [&](const std::vector<Exclusion>& exclusions) -> std::string {
+    try {
+      exclude(data, exclusions);
+    } catch (const DataError& error) {
+      return error.sentence();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(sentence({{"", 5, {}}, {"", 5, {}}}),
+            "exclusion 5: another exclusion has left that out already; give one of the two");
+  EXPECT_EQ(sentence({{"a", 5, {}}, {"a", 5, 7}}),
+            "exclusion a.5:7: another exclusion has left that out already; give one of the two");
+  EXPECT_EQ(sentence({{"a", 5, 7}, {"a", 5, 7}}),
+            "exclusion a.5:7: another exclusion has left that out already; give one of the two");
+  EXPECT_EQ(sentence({{"a", 5, {}}, {"", 5, {}}}), "no error");
+}
+
 TEST(ClusteredOutput, IsBesideTheStatedStandardDeviations) {
   const FilesOfOneCamera files;
   const std::string out = files.path("r.json");
@@ -124,6 +143,70 @@ TEST(ClusteredOutput, IsBesideTheStatedStandardDeviations) {
   EXPECT_EQ(report["quality"]["cameras"]["a"]["projection_stated"].size(), 2u);
   EXPECT_TRUE(report["gross_corners"].empty());
   EXPECT_TRUE(report["rejected_corners"].empty());
+}
+
+TEST(BoardShapeOption, EstimatesTheBoard) {
+  const FilesOfOneCamera files;
+  const std::string out = files.path("r.json");
+  ASSERT_EQ(files.run({"--board-shape", "free", "--json", out}).exit_code, 0);
+  json report = json::parse(std::ifstream(out));
+  const json board = report["board"];
+  EXPECT_EQ(board["shape"], "free");
+  ASSERT_EQ(board["corners"].size(), 48u);
+  double square = 0;
+  for (const json& corner : board["corners"]) {
+    square += std::pow(corner["displacement_m"][2].get<double>(), 2);
+    EXPECT_GT(corner["std_m"][0].get<double>(), 0);
+    EXPECT_EQ(corner["world_m"][2], 0);
+  }
+  EXPECT_NEAR(board["off_plane_m"].get<double>(), std::sqrt(square / 48), 1e-9);
+  const CommandResult bent = files.run({"--board-shape", "bent", "--json", out}, false);
+  ASSERT_EQ(bent.exit_code, 0);
+  report = json::parse(std::ifstream(out));
+  EXPECT_EQ(report["board"]["shape"], "bent");
+  EXPECT_NE(bent.output.find("\nboard: bent, 48 corners, RMS from where they are stated: "),
+            std::string::npos)
+      << bent.output;
+  ASSERT_EQ(files.run({"--json", out}, false).exit_code, 0);
+  EXPECT_EQ(json::parse(std::ifstream(out))["board"], nullptr);
+}
+
+TEST(BoardShapeOption, IsComparedUnlessItIsGiven) {
+  const FilesOfOneCamera files;
+  const std::string out = files.path("r.json");
+  const CommandResult all = files.run({"--compare", "opencv4,opencv5", "--json", out}, false);
+  ASSERT_EQ(all.exit_code, 0) << all.errors;
+  const json shapes = json::parse(std::ifstream(out))["board_comparison"];
+  ASSERT_EQ(shapes["models"].size(), 3u);
+  EXPECT_EQ(shapes["models"][1]["board_shape"], "bent");
+  EXPECT_EQ(shapes["chosen_board_shape"], "flat");
+  EXPECT_NE(all.output.find("\nshapes of the board compared\n"), std::string::npos);
+  EXPECT_NE(all.output.find("The data do not ask for another board than the stated one."), std::string::npos)
+      << all.output;
+  ASSERT_EQ(files.run({"--compare", "opencv5", "--board-shape", "bent", "--json", out}, false).exit_code, 0);
+  const json report = json::parse(std::ifstream(out));
+  EXPECT_EQ(report["board_comparison"], nullptr);
+  EXPECT_EQ(report["board"]["shape"], "bent");
+  EXPECT_EQ(report["comparison"]["models"][0]["board_shape"], "bent");
+}
+
+TEST(BoardShapeOption, RefusesWhatMakesNoSense) {
+  const FilesOfOneCamera files;
+  const auto error = [&](std::vector<std::string> options) {
+    const CommandResult result = files.run(std::move(options), false);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.errors;
+  };
+  EXPECT_EQ(error({"--board-shape", "round"}),
+            "slom: --board-shape round: the shape of a board is flat, bent or free\n");
+  EXPECT_EQ(error({"--board-shape", "free", "--sigma-board", "0"}),
+            "slom: --sigma-board 0: a standard deviation must be positive\n");
+  EXPECT_EQ(
+      error({"--board-shape", "free", "--sigma-board", "1e-12"}),
+      "slom: --sigma-board 1e-12: a standard deviation lies between 1e-09 and 1e+06 m; give such a value\n");
+  EXPECT_EQ(
+      error({"--sigma-board", "0.001"}),
+      "slom: --sigma-board 0.001: it is by how much corners of a free board are off; add --board-shape free\n");
 }
 
 TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {

@@ -69,6 +69,19 @@ void requireImage(const Dataset& data, const Exclusion& exclusion) {
                     fmt::format("name the camera, as in {}.{}", names.front(), nameOf(exclusion)));
 }
 
+/// An image or a corner that earlier exclusions have taken out of all cameras that are meant.
+void requireNotGone(const Dataset& rest, const Exclusion& exclusion) {
+  for (const CameraData& camera : rest.cameras) {
+    const auto is_gone = [&](const Exclusion& one) {
+      return one.image == exclusion.image && (!one.corner || one.corner == exclusion.corner);
+    };
+    if (isMeant(exclusion, camera) && camera.find(exclusion.image) &&
+        std::none_of(camera.excluded.begin(), camera.excluded.end(), is_gone))
+      return;
+  }
+  refuseExclusion(exclusion, "another exclusion has left that out already", "give one of the two");
+}
+
 void excludeFrom(CameraData& camera, const Exclusion& exclusion) {
   const auto view = std::find_if(camera.views.begin(), camera.views.end(),
                                  [&](const View& one) { return one.image == exclusion.image; });
@@ -94,7 +107,8 @@ void excludeFrom(CameraData& camera, const Exclusion& exclusion) {
 void exclude(Dataset& data, const std::vector<Exclusion>& exclusions) {
   Dataset rest = data;
   for (const Exclusion& exclusion : exclusions) {
-    requireImage(rest, exclusion);
+    requireImage(data, exclusion);
+    requireNotGone(rest, exclusion);
     for (CameraData& camera : rest.cameras) {
       if (isMeant(exclusion, camera)) excludeFrom(camera, exclusion);
     }
