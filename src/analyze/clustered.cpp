@@ -16,6 +16,7 @@ namespace slom {
 
 namespace {
 constexpr double kSaidShare = 0.01;   // of the stated variance, from which on a note says that it is stated
+constexpr double kWorthLittle = 10;   // independent groups, below which a note says so
 constexpr double kAloneShare = 1e-6;  // of the stated variance of a component that a group determines alone
 
 /// Sentences on variables whose variance is, in part, as stated, or too small.
@@ -32,7 +33,9 @@ class VariableNotes {
     }
     if (covariance.was_indefinite) indefinite_.push_back(name);
     if (covariance.was_smaller) smaller_.push_back(name);
-    if (state.levelCount() > 1 && !state.choice(variable).levels_off)
+    if (!state.isSeries()) return;
+    addWorth(state, components, state.choice(variable).correlation);
+    if (!state.choice(variable).levels_off)
       growing_.push_back(name + " with blocks of " + std::to_string(1 << state.choice(variable).level) +
                          " groups");
   }
@@ -49,11 +52,24 @@ class VariableNotes {
     say("the variance still grows at the largest length of blocks of which there are enough; errors are shared "
         "for longer, and the variance is too small: ",
         growing_);
+    say("successive groups are so alike that all of them are worth fewer than ten independent ones, and intervals "
+        "hold less often than they say: ",
+        alike_);
     return notes;
   }
 
  private:
-  std::vector<std::string> stated_, indefinite_, smaller_, growing_;
+  /// What groups are worth whose neighbours are alike, where that is little.
+  void addWorth(const Clustered::State& state, const std::vector<std::string>& components,
+                const Eigen::VectorXd& correlation) {
+    for (Eigen::Index i = 0; i < correlation.size(); ++i) {
+      const double rho = correlation[i], worth = state.ways[0].count() * (1 - rho) / (1 + rho);
+      if (!(rho > 0 && worth < kWorthLittle)) continue;
+      alike_.push_back(components[static_cast<std::size_t>(i)] + " (correlation " + number(rho, 2) + ")");
+    }
+  }
+
+  std::vector<std::string> stated_, indefinite_, smaller_, growing_, alike_;
 };
 
 }  // namespace
@@ -73,7 +89,7 @@ std::vector<std::string> Clustered::notes() const {
 }
 
 int Clustered::blockLengthOf(int variable) const {
-  return state_->levelCount() == 1 ? 1 : 1 << state_->choice(variable).level;
+  return state_->isSeries() ? 1 << state_->choice(variable).level : 1;
 }
 
 void Clustered::writeCovariance(const int* variables, int count, double* out) const {
@@ -86,7 +102,7 @@ void Clustered::writePerComponent(int variable, Kind kind, double probability, d
   if (kind == Kind::stated_share) {
     result = state_->covariance({variable}).stated_share;
   } else {
-    result = state_->levelCount() == 1 ? state_->degreesOfFreedom(variable, 0) : state_->choice(variable).dof;
+    result = state_->isSeries() ? state_->choice(variable).dof : state_->degreesOfFreedom(variable, 0);
   }
   if (kind == Kind::interval) {
     if (!(probability > 0 && probability < 1)) {

@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kFewGroups = 10;
-constexpr int kFewestBlocks = 8;        // of successive groups
+constexpr int kFewInSeries = 60;        // of which neighbours may share errors
 constexpr std::size_t kMostRecent = 8;  // variables whose columns are kept
 constexpr double kNoShare = 1e-6;       // of the stated variance: rounding
 constexpr int kMostWays = 4;
@@ -90,12 +90,6 @@ const LinearizedProblem& Clustered::State::problem() const {
       "slom.stale-clustered",
       "clustered covariances are those of a fit that has changed since, or that is gone; call clustered() again",
       "Clustered");
-}
-
-int Clustered::State::levelCount() const {
-  int count = 1;
-  while (options.ordered && ways[0].count() >> count >= kFewestBlocks) ++count;
-  return count;
 }
 
 const Clustered::State::Level& Clustered::State::level(int l) {
@@ -204,40 +198,8 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   return result;
 }
 
-/// Blocks of 1, 2, 4, ... groups until the variance grows by less than it is uncertain, a standard deviation sqrt(2 / dof) of it. What
-/// blocks of length b leave out is of order 1 / b, so that 2 V(2 b) - V(b) leaves out less.
-/// With V(b) from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof where V(2 b) has 2 / dof.
-///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
-const Clustered::State::Choice& Clustered::State::choice(int variable) {
-  const auto found = choices.find(variable);
-  if (found != choices.end()) return found->second;
-  Choice result;
-  VectorXd before = covarianceAt(0, {variable}).C.diagonal(), largest = before;
-  result.deviation = before.cwiseSqrt();
-  result.dof = degreesOfFreedom(variable, 0);
-  for (int l = 1; l < levelCount(); ++l) {
-    const VectorXd now = covarianceAt(l, {variable}).C.diagonal(), dof = degreesOfFreedom(variable, l);
-    result.level = l;
-    result.dof = dof;
-    result.levels_off = true;
-    for (Index i = 0; i < now.size(); ++i) {
-      if (now[i] > before[i] * (1 + std::sqrt(2 / dof[i]))) result.levels_off = false;
-    }
-    largest = largest.cwiseMax(now);
-    result.deviation = largest.cwiseSqrt();
-    if (result.levels_off) {
-      result.deviation = now.cwiseMax(2 * now - before).cwiseSqrt();
-      for (Index i = 0; i < now.size(); ++i) result.dof[i] = now[i] > before[i] ? 0.4 * dof[i] : dof[i];
-      result.dof = result.dof.cwiseMax(1);
-      break;
-    }
-    before = now;
-  }
-  return choices.emplace(variable, std::move(result)).first->second;
-}
-
 Clustered::State::Covariance Clustered::State::covariance(const std::vector<int>& variables) {
-  if (levelCount() == 1) return covarianceAt(0, variables);
+  if (!isSeries()) return covarianceAt(0, variables);
   int l = 0;
   std::vector<double> deviations;
   for (const int v : variables) {
@@ -287,10 +249,15 @@ std::vector<std::string> Clustered::State::notes() const {
         " takes too many columns of H^-1 (ClusterOptions::most_columns); their residuals are corrected as by cr1");
     break;
   }
-  if (options.ordered && levelCount() == 1)
+  if (options.ordered && !isSeries()) {
     result.push_back("there are too few groups by " + ways[0].way +
-                     " to see whether neighbours share errors; " + std::to_string(2 * kFewestBlocks) +
-                     " are needed");
+                     " to see whether neighbours share errors; " + std::to_string(kFewestInSeries) +
+                     " are needed, better " + std::to_string(kFewInSeries));
+  } else if (options.ordered && ways[0].count() < kFewInSeries) {
+    result.push_back("there are only " + counted(ways[0].count(), "group") + " by " + ways[0].way +
+                     " in order: where neighbours are much alike, intervals hold less often than they say; " +
+                     std::to_string(kFewInSeries) + " are better");
+  }
   if (refits && !refits->failed.empty())
     result.push_back("the fit does not converge without " + listed(refits->failed, 8) +
                      "; covariances take one step there, and changes are not known");

@@ -14,6 +14,8 @@
 namespace slom {
 
 struct Clustered::State {
+  static constexpr int kFewestInSeries = 6;  // groups, to see whether neighbours share errors
+
   /// Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups] or [slom.bad-option].
   State(const std::shared_ptr<const LinearizedProblem>& linearized, FreeGauge gauge, double variance_factor,
         ClusterOptions options);
@@ -34,6 +36,7 @@ struct Clustered::State {
   struct Choice {
     int level = 0;
     Eigen::VectorXd deviation, dof;  // where they are ordered
+    Eigen::VectorXd correlation;     // of successive groups
     bool levels_off = true;
   };
   struct Covariance {
@@ -47,12 +50,16 @@ struct Clustered::State {
   const LinearizedProblem& problem() const;
   const Level& level(int l);
   int levelCount() const;
+  void chooseBlocks(int variable, Choice& choice);
+  void chooseAutoregression(int variable, Choice& choice);
   /// Columns of H^-1, or of what a robust cost has in its place; 0 for what is fixed or at an active bound. Unknowns x dof.
   Eigen::MatrixXd columns(int variable);
   Covariance covarianceAt(int l, const std::vector<int>& variables);
   Covariance covariance(const std::vector<int>& variables);
   /// The columns of GroupRefits::change of these variables.
   Eigen::MatrixXd refitted(const std::vector<int>& variables) const;
+  /// Whether groups follow each other, and are enough to see whether neighbours share errors.
+  bool isSeries() const;
   const Choice& choice(int variable);
   Eigen::VectorXd degreesOfFreedom(int variable, int l);
   std::vector<std::string> notes() const;

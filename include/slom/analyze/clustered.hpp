@@ -113,9 +113,11 @@ struct ClusterOptions {
   ///   source   Cameron, Gelbach and Miller, "Robust inference with multiway clustering", 2011
   std::vector<ClusterBy> by{};
   ClusterCorrection correction = ClusterCorrection::cr2;
-  /// Groups of the first way follow each other, by number or as they came, and neighbours may share errors, too. Blocks of 1, 2, 4, ...
-  /// groups are taken together, until the variance no longer grows.
-  ///   source   Flegal and Jones, "Batch means and spectral variance estimators in Markov chain Monte Carlo", 2010
+  /// Groups of the first way follow each other, by number or as they came, and neighbours may share errors, too. From 32 groups on, blocks of
+  /// 1, 2, 4, ... groups are taken together, until the variance no longer grows; up to 100 groups, what they contribute counts as an autoregressive
+  /// series, if that gives the wider interval.
+  ///   source   Flegal and Jones, "Batch means and spectral variance estimators in Markov chain Monte Carlo", 2010; Andrews and Monahan, "An
+  ///            improved heteroskedasticity and autocorrelation consistent covariance matrix estimator", 1992
   bool ordered = false;
   /// change() and influence() are found by a fit without each group of the first way in place of one step, from the present values, and so are
   /// covariances by cr3, one way and not ordered. It takes as many fits as there are groups; the values are as before afterwards. Where losses, or what is not
