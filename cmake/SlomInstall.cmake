@@ -7,35 +7,36 @@ set(slom_not_installed "")
 if(NOT TARGET slom_calibration)
   set(slom_not_installed REGEX "/slom/calibration(/|[.]hpp$)" EXCLUDE)
 endif()
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
         FILES_MATCHING PATTERN "*.hpp" ${slom_not_installed})
 install(TARGETS mtk EXPORT mtk_targets)
-install(TARGETS slom EXPORT slom_targets)
-install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}")
-install(EXPORT slom_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
-if(TARGET slom_calibration)
-  install(TARGETS slom_calibration EXPORT slom_calibration_targets)
-  install(EXPORT slom_calibration_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
-endif()
+install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}" COMPONENT development)
+foreach(library IN ITEMS slom slom_io slom_calibration)
+  if(TARGET ${library})
+    install(TARGETS ${library} EXPORT ${library}_targets
+            LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT libraries NAMELINK_COMPONENT development
+            ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development)
+    install(EXPORT ${library}_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}" COMPONENT development)
+  endif()
+endforeach()
 
-if(TARGET slom_io)
-  install(TARGETS slom_io EXPORT slom_io_targets)
-  install(EXPORT slom_io_targets NAMESPACE slom:: DESTINATION "${slom_package_dir}")
+set(slom_is_static ON)
+if(BUILD_SHARED_LIBS)
+  set(slom_is_static OFF)
 endif()
-
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/slom-config.cmake.in"
                               "${PROJECT_BINARY_DIR}/slom-config.cmake" INSTALL_DESTINATION "${slom_package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/slom-config-version.cmake"
                                  COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/slom-config.cmake" "${PROJECT_BINARY_DIR}/slom-config-version.cmake"
-        DESTINATION "${slom_package_dir}")
+        DESTINATION "${slom_package_dir}" COMPONENT development)
 # Pages, as their links expect them beside the readme; what the command brings of others says so beside its own licence.
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
-        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" PATTERN "docs/site" EXCLUDE)
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT licences)
+install(FILES "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT documents)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/docs" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT documents PATTERN "docs/site" EXCLUDE)
 # The site that scripts/docs makes of them, where it was built.
 set(slom_site "${PROJECT_SOURCE_DIR}/build/docs/html")
-install(DIRECTORY "${slom_site}" DESTINATION "${CMAKE_INSTALL_DOCDIR}" OPTIONAL)
+install(DIRECTORY "${slom_site}" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT documents OPTIONAL)
 if(PROJECT_IS_TOP_LEVEL)
   add_custom_target(docs COMMAND "${PROJECT_SOURCE_DIR}/scripts/docs" "${slom_site}" USES_TERMINAL VERBATIM
                     COMMENT "Building the documentation as a site")
@@ -59,5 +60,5 @@ file(RELATIVE_PATH slom_pc_to_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 string(REGEX REPLACE "/$" "" slom_pc_to_prefix "${slom_pc_to_prefix}")
 foreach(name IN ITEMS mtk slom)
   configure_file("${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
-  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT development)
 endforeach()

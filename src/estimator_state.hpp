@@ -14,7 +14,7 @@
 
 namespace slom {
 
-struct Estimator::State {
+struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public header, not exported
   Problem problem;
   Linearizer linearizer;
   Evaluator evaluator{problem, linearizer};

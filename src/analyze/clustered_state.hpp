@@ -13,8 +13,8 @@
 
 namespace slom {
 
-struct Clustered::State {
-  static constexpr int kFewestInSeries = 6;  // groups, to see whether neighbours share errors
+struct [[gnu::visibility("hidden")]] Clustered::State {  // declared in a public header, not exported
+  static constexpr int kFewestInSeries = 6;              // groups, to see whether neighbours share errors
 
   /// Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups] or [slom.bad-option].
   State(const std::shared_ptr<const LinearizedProblem>& linearized, FreeGauge gauge, double variance_factor,

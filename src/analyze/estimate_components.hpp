@@ -7,7 +7,8 @@
 namespace slom {
 
 /// The measurements that a factor is for.
-struct VarianceComponents::Assignment {
+struct [[gnu::visibility(
+    "hidden")]] VarianceComponents::Assignment {  // declared in a public header, not exported
   const Problem* problem = nullptr;
   std::uint64_t structure_revision = 0;
   std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component, -1: none

@@ -22,7 +22,7 @@ struct NearNullSpace;
 ///
 /// The optimisation loop does not make one for each step, as it needs no rows: there they go straight into H
 /// (docs/decisions/linearized_problem.md).
-class LinearizedProblem {
+class [[gnu::visibility("hidden")]] LinearizedProblem {  // declared in a public header, not exported
  public:
   /// Linearises when something is first asked for. `system` lends its solver.
   LinearizedProblem(const Problem& problem, Evaluator& evaluator);

@@ -94,7 +94,8 @@ std::string toG2o(const PoseGraph<Pose>& graph) {
   return fmt::to_string(text);
 }
 
-template std::string toG2o(const PoseGraph<Pose2>&);
-template std::string toG2o(const PoseGraph<Pose3>&);
+// A shared library hides instances of templates that are not defined in a public header, unless told otherwise.
+template __attribute__((visibility("default"))) std::string toG2o(const PoseGraph<Pose2>&);
+template __attribute__((visibility("default"))) std::string toG2o(const PoseGraph<Pose3>&);
 
 }  // namespace slom::io
