@@ -37,7 +37,7 @@ function(slom_exports target)
   set(public "${PROJECT_BINARY_DIR}/exports/${target}.hpp")
   file(CONFIGURE OUTPUT "${public}" @ONLY CONTENT
        "#pragma once\n#pragma GCC visibility push(default)\n@headers@\n#pragma GCC visibility pop\n")
-  set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON DEFINE_SYMBOL "")
+  set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_precompile_headers(${target} PRIVATE "${public}")
 
   slom_version_script(script ${namespace})
