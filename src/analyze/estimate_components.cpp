@@ -276,6 +276,8 @@ class ComponentEstimation {
         component.dof = 1 / inverse(i, i);
         component.standard_deviation = component.factor * std::sqrt(inverse(i, i) / 2);
         component_of_[c] = static_cast<int>(i);
+        if (unknown.shared >= 0)
+          component.length_slope = model.lengthSlope(static_cast<int>(i) - model.kinds());
       }
     }
     for (const auto& [a, i] : component_of_) {

@@ -1,6 +1,9 @@
 #include "analyze/variance_kinds.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 
 #include "base/index.hpp"
 #include "base/words.hpp"
@@ -8,6 +11,8 @@
 namespace slom {
 
 namespace {
+
+constexpr double kSamePlace = 1e-9;  // distance over correlation length
 
 /// Labels, or types of measurements without one: the rows of a summary's table.
 Clustering byPool(const Problem& problem) {
@@ -102,6 +107,62 @@ SharedTerm makeSharedTerm(const Problem& problem, const Clustering& kinds, const
   return term;
 }
 
+void requireLength(const SharedError& error) {
+  if (error.length > 0 && error.length < std::numeric_limits<double>::infinity()) return;
+  throw Error("slom.bad-option",
+              "an error of measurements " + error.kind +
+                  " changes along groups with the correlation length " + number(error.length, 6) +
+                  "; pass a positive length in the units of SharedError::place",
+              error.kind);
+}
+
+/// The place of measurement i of pool p.
+double placeIn(const Problem& problem, const SharedError& error, std::size_t p, int i) {
+  const double place = error.place(ClusterItem(problem, *problem.pools()[p], i));
+  if (std::isfinite(place)) return place;
+  const std::string name = problem.pools()[p]->measurementName(i);
+  throw Error("slom.bad-option",
+              "the place of measurement " + name + " is " + number(place) +
+                  "; let SharedError::place return a finite time or distance",
+              name);
+}
+
+/// Makes each place in each group a group of its own, in the order of groups and places.
+void splitByPlace(const Problem& problem, const SharedError& error, SharedTerm& term) {
+  requireLength(error);
+  std::map<std::pair<int, double>, int> states;  // by group and place
+  std::vector<std::vector<double>> places(term.groups.of_pool.size());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    for (std::size_t i = 0; i < term.groups.of_pool[p].size(); ++i) {
+      const int group = term.groups.of_pool[p][i];
+      places[p].push_back(group < 0 ? 0 : placeIn(problem, error, p, static_cast<int>(i)));
+      if (group >= 0) states[{group, places[p].back()}] = 0;
+    }
+  }
+  std::vector<std::string> names;
+  int group = -1;
+  double place = 0;
+  for (auto& [key, state] : states) {
+    const double t = (key.second - place) / error.length;
+    const bool is_first = key.first != group;
+    if (is_first || t > kSamePlace) {  // rounding apart, they are one place
+      term.previous.push_back(is_first ? -1 : static_cast<int>(names.size()) - 1);
+      term.distance.push_back(is_first ? 0 : t);
+      names.push_back(term.groups.names[at(key.first)]);
+      place = key.second;
+    }
+    group = key.first;
+    state = static_cast<int>(names.size()) - 1;
+  }
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    for (std::size_t i = 0; i < places[p].size(); ++i) {
+      int& own = term.groups.of_pool[p][i];
+      if (own >= 0) own = states[{own, places[p][i]}];
+    }
+  }
+  term.groups.names = std::move(names);
+}
+
 }  // namespace
 
 VarianceKinds makeVarianceKinds(const Problem& problem, const VarianceOptions& options) {
@@ -129,6 +190,7 @@ VarianceKinds makeVarianceKinds(const Problem& problem, const VarianceOptions& o
   }
   for (const SharedError& error : options.shared) {
     result.shared.push_back(makeSharedTerm(problem, kinds, error));
+    if (error.place) splitByPlace(problem, error, result.shared.back());
     result.shared_names.push_back(error.kind + ", shared by " + result.shared.back().groups.way);
     const auto own = std::find(result.names.begin(), result.names.end(), error.kind);
     result.shared_kind.push_back(own == result.names.end() ? -1

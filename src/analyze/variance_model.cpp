@@ -70,8 +70,12 @@ void VarianceModel::makeStructure() {
       }
       group = std::move(longer);
     }
-    MeasurementGroup own{1, {}};
-    for (int g = 0; g < term.groups.count(); ++g) own.blocks.push_back(first + g);
+    const bool is_chain = !term.previous.empty();
+    MeasurementGroup own{is_chain ? 2 : 1, {}};
+    for (int g = 0; g < term.groups.count(); ++g) {
+      own.blocks.push_back(first + g);
+      if (is_chain) own.blocks.push_back(term.previous[at(g)] < 0 ? -1 : first + term.previous[at(g)]);
+    }
     structure_.groups.push_back(std::move(own));
   }
   MeasurementGroup datum{1, {}};
@@ -113,12 +117,26 @@ void VarianceModel::addRows() {
       rows_.add({static_cast<int>(g), m, 1, &rows, dof.data(), r.data(), J.data()});
     }
   }
+  addSharedRows();
+}
+
+/// 0 = b or, along a chain, 0 = (b - a b') / sqrt(1 - a^2) with b' of the place before and a = exp(-distance).
+void VarianceModel::addSharedRows() {
   for (std::size_t s = 0; s < shared_.size(); ++s) {
-    const int rows = shared_[s].dimension;
-    const MatrixXd unit = MatrixXd::Identity(rows, rows);
+    const SharedTerm& term = shared_[s];
+    const int rows = term.dimension;
     const VectorXd none = VectorXd::Zero(rows);
-    for (int g = 0; g < shared_[s].groups.count(); ++g)
-      rows_.add({static_cast<int>(original_groups_ + s), g, 1, &rows, &rows, none.data(), unit.data()});
+    for (int g = 0; g < term.groups.count(); ++g) {
+      const bool has_previous = !term.previous.empty() && term.previous[at(g)] >= 0;
+      const int dof[] = {rows, has_previous ? rows : 0};
+      MatrixXd J = MatrixXd::Identity(rows, has_previous ? 2 * rows : rows);
+      if (has_previous) {
+        const double t = term.distance[at(g)], scale = 1 / std::sqrt(-std::expm1(-2 * t));
+        J.leftCols(rows) *= scale;
+        J.rightCols(rows) = -std::exp(-t) * scale * MatrixXd::Identity(rows, rows);
+      }
+      rows_.add({static_cast<int>(original_groups_ + s), g, 1, &rows, dof, none.data(), J.data()});
+    }
   }
 }
 
@@ -287,6 +305,31 @@ MatrixXd VarianceModel::squaredLeveragesByProbes() {
     }
   }
   return (result + result.transpose()) / (2 * kSigns);
+}
+
+/// The mean, over b given the data, of the derivative of the log-density of b: with u = b - a b', w = 1 - a^2 and a' = a t, t the distance over the
+/// length, it is d a a' / w + a' u b' / (theta w) - a a' |u|^2 / (theta w^2) for each place with one before it, d its dimension.
+double VarianceModel::lengthSlope(int s) const {
+  const SharedTerm& term = shared_[at(s)];
+  const MeasurementGroup& own = structure_.groups[original_groups_ + at(s)];
+  const double theta = theta_[kinds_ + s];
+  const int d = term.dimension;
+  MatrixXd C11(d, d), C10(d, d), C00(d, d);
+  double sum = 0;
+  for (int g = 0; g < term.groups.count(); ++g) {
+    if (term.previous.empty() || term.previous[at(g)] < 0) continue;
+    const int one = own.blocks[at(2 * g)], before = own.blocks[at(2 * g + 1)];
+    inverse_->block(one, one, C11.data());
+    inverse_->block(one, before, C10.data());
+    inverse_->block(before, before, C00.data());
+    const double t = term.distance[at(g)], a = std::exp(-t), w = -std::expm1(-2 * t), change = a * t;
+    const VectorXd b = step_.segment(structure_.offset[at(one)], d),
+                   b0 = step_.segment(structure_.offset[at(before)], d), u = b - a * b0;
+    const double uu = u.squaredNorm() + (C11 - 2 * a * C10 + a * a * C00).trace(),
+                 ub = u.dot(b0) + (C10 - a * C00).trace();
+    sum += change * (d * a / w + ub / (theta * w) - a * uu / (theta * w * w));
+  }
+  return sum;
 }
 
 double VarianceModel::largestMove() const {

@@ -18,8 +18,13 @@ namespace slom {
 
 /// An error of the measurements of one kind, by group.
 struct SharedTerm {
-  Clustering groups;  ///< those of other kinds are in none
+  Clustering
+      groups;  ///< those of other kinds are in none; where the error changes along groups, each place is a group
   int dimension = 0;  ///< of each group's error
+  /// Where the error changes along groups, by place: the place before it in the same group (-1: none), and the distance to that over the
+  /// correlation length. Otherwise empty.
+  std::vector<int> previous{};
+  std::vector<double> distance{};
 };
 
 class VarianceModel {
@@ -35,11 +40,14 @@ class VarianceModel {
     Eigen::VectorXd redundancy;  ///< tr (I - H)_kk
     Eigen::MatrixXd S;           ///< |(I - H)_kl|^2, Frobenius: twice the expected information on log theta
   };
+  int kinds() const { return kinds_; }
   int components() const { return kinds_ + static_cast<int>(shared_.size()); }
   /// Number of scalar residuals of each component.
   const Eigen::VectorXd& residuals() const { return residuals_; }
   /// Weighs rows by theta, solves, and evaluates. Throws what covariances throw.
   Evaluation evaluate(const Eigen::VectorXd& theta);
+  /// Derivative of the restricted log-likelihood by the logarithm of the correlation length of shared error s, at the theta evaluated last.
+  double lengthSlope(int s) const;
   /// By how many of its standard deviations the unknown that moves most moves, at the theta evaluated last.
   double largestMove() const;
   /// Whether S is exact, and not a mean over random signs.
@@ -50,6 +58,7 @@ class VarianceModel {
  private:
   void makeStructure();
   void addRows();
+  void addSharedRows();
   void addDatum();
   int componentOf(std::size_t group, int m) const;
   void weigh(const Eigen::VectorXd& theta);

@@ -46,28 +46,32 @@ struct Levelling {
     const slom::StandardDeviation sigma(stated);
     if (to < 0) {
       est.insertMeasurement(height, points[a], slom::measured(z), sigma, slom::named(name),
-                            slom::group("day", on_day));
+                            slom::group("day", on_day), slom::group("hour", hourOf(y.size())));
     } else {
       est.insertMeasurement(rise, points[a], points[b], slom::measured(z), sigma, slom::named(name),
-                            slom::group("day", on_day));
+                            slom::group("day", on_day), slom::group("hour", hourOf(y.size())));
     }
     rows.push_back(row);
     y.push_back(z / stated);
     kind.push_back(k);
     day.push_back(on_day);
   }
+  /// When measurement i of all was made; some at the same time.
+  static int hourOf(std::size_t i) { return static_cast<int>(i % 23); }
   double normal() { return std::normal_distribution<double>()(engine); }
   MatrixXd V(int k) const {
     MatrixXd result = MatrixXd::Zero(Index(y.size()), Index(y.size()));
     for (std::size_t i = 0; i < y.size(); ++i) result(Index(i), Index(i)) = kind[i] == k ? 1 : 0;
     return result;
   }
-  /// That of an error that kind k shares on each day.
-  MatrixXd sharedV(int k) const {
+  /// That of an error that kind k shares on each day, with a correlation that falls with the time between.
+  MatrixXd sharedV(int k, double length = 1e300) const {
     MatrixXd result = MatrixXd::Zero(Index(y.size()), Index(y.size()));
     for (std::size_t i = 0; i < y.size(); ++i) {
       for (std::size_t j = 0; j < y.size(); ++j)
-        result(Index(i), Index(j)) = kind[i] == k && kind[j] == k && day[i] == day[j] ? 1 : 0;
+        result(Index(i), Index(j)) = kind[i] == k && kind[j] == k && day[i] == day[j]
+                                         ? std::exp(-std::abs(hourOf(i) - hourOf(j)) / length)
+                                         : 0;
     }
     return result;
   }
@@ -195,6 +199,29 @@ TEST(VarianceComponents, WithASharedError) {
   EXPECT_GT(v.at("level, shared by day").factor, 1.5);
   // Without it the first level's own error takes the blame.
   EXPECT_GT(all.est.varianceComponents().at("level").factor, 1.5 * v.at("level").factor);
+}
+
+TEST(VarianceComponents, WithAnErrorThatChangesAlongGroups) {
+  const auto hour = [](const slom::ClusterItem& item) { return static_cast<double>(*item.key("hour")); };
+  for (const double length : {10.0, 60.0}) {
+    Levelling all;
+    level(all, {1, 1, 1}, 3);
+    const auto components = [&](double L) {
+      return all.est.varianceComponents(
+          {.shared = {{.kind = "level", .by = "day", .place = hour, .length = L}}});
+    };
+    const slom::VarianceComponents v = components(length);
+    expectMaximum(v, {all, {all.V(0), all.V(1), all.V(2), all.sharedV(1, length)}});
+    VectorXd at(4);
+    for (Index k = 0; k < 4; ++k) at[k] = 2 * std::log(v.components[static_cast<std::size_t>(k)].factor);
+    const auto likelihood = [&](double log_length) {
+      return DenseLikelihood(all, {all.V(0), all.V(1), all.V(2), all.sharedV(1, std::exp(log_length))})(at);
+    };
+    const double h = 1e-3, x = std::log(length), slope = (likelihood(x + h) - likelihood(x - h)) / (2 * h);
+    EXPECT_NEAR(v.components[3].length_slope, slope, 1e-5 * std::max(1.0, std::abs(slope)));
+    EXPECT_GT(std::abs(slope), 1e-3);
+    EXPECT_EQ(v.components[0].length_slope, 0);
+  }
 }
 
 TEST(VarianceComponents, OfSomeKindsWhileOthersAreAsStated) {
@@ -475,6 +502,14 @@ TEST(VarianceComponents, Errors) {
                                                               return std::optional<std::int64_t>();
                                                             })}}}),
       "[slom.no-groups] no measurement of the kind gps is in a group by odd; pass slom::group to insertMeasurement");
+  const auto nowhere = [](const slom::ClusterItem&) { return std::nan(""); };
+  EXPECT_EQ(
+      message({.shared = {{.kind = "gps", .by = "day", .place = nowhere, .length = 1}}}),
+      "[slom.bad-option] the place of measurement gps #1 is nan; let SharedError::place return a finite time or distance");
+  EXPECT_EQ(
+      message({.shared = {{.kind = "gps", .by = "day", .place = nowhere}}}),
+      "[slom.bad-option] an error of measurements gps changes along groups with the correlation length 0; pass a positive "
+      "length in the units of SharedError::place");
   const slom::VarianceComponents v = all.est.varianceComponents();
   EXPECT_EQ(messageOf([&] { v.at("tape"); }),
             "[slom.no-component] there is no variance component tape; there are gps and level");

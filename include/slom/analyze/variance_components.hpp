@@ -14,6 +14,7 @@
 /// docs/decisions/variance_components.md has the formulas.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +31,10 @@ namespace slom {
 struct SharedError {
   std::string kind;  ///< whose error it is: the name of a kind, such as the label of the measurements
   ClusterBy by;      ///< which of them share it
+  /// Where a measurement is in its group, a time or a distance: then the error changes along the group, and its correlation between places t and
+  /// u is exp(-|t - u| / length). Without it the error is the same in the whole group.
+  std::function<double(const ClusterItem&)> place{};
+  double length = 0;  ///< in the units of `place`; positive where there is one
 };
 
 /// Which components are estimated, and how.
@@ -50,7 +55,7 @@ struct VarianceOptions {
 struct VarianceComponent {
   std::string name;        ///< `tape`, or `tape, shared by day`
   bool is_shared = false;  ///< an error of SharedError
-  int measurements = 0;    ///< or groups, for a shared error
+  int measurements = 0;    ///< or groups, for a shared error (places in them, where it changes along groups)
   int residuals = 0;       ///< scalar ones; for a shared error its unknowns in all groups
   double redundancy =
       0;  ///< of these residuals, at the variances found: the part that the fit does not absorb
@@ -62,6 +67,9 @@ struct VarianceComponent {
   double factor = 1;
   /// Of the factor, from the restricted likelihood's information; NaN where the factor is 0 or not estimated.
   double standard_deviation = 0;
+  /// With SharedError::length: derivative of the restricted log-likelihood by the logarithm of that length. Where it is above 0 a longer one
+  /// fits better, and at the best one it is 0.
+  double length_slope = 0;
   /// Degrees of freedom of factor^2, 2 factor^4 / Var(factor^2): the redundancy where the kind is alone.
   double dof = 0;
 
