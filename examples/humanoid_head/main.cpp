@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include <slom/analyze/variance_components.hpp>
 #include <slom/slom.hpp>
 
 using SO3 = mtk::SO3<>;
@@ -144,6 +145,7 @@ int main(int argc, char** argv) try {
   for (const slom::GroupSummary& group : summary.groups) {
     std::cout << "  " << group.name << ": RMS " << std::sqrt(group.final_rss / group.residuals) << " standard deviations\n";
   }
+  std::cout << est.varianceComponents().report();  // how large their errors are, over what is stated
   std::cout.precision(4);
   const slom::Marginals marginals = est.marginals();
   const auto show = [&](const auto& id) {
