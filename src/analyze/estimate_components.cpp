@@ -238,7 +238,7 @@ class ComponentEstimation {
     VectorXd theta = VectorXd::Constant(model.components(), commonVariance());
     result_.converged = false;
     for (int i = 0; i < options_.max_iterations; ++i) {
-      const VarianceModel::Evaluation now = model.evaluate(theta);
+      VarianceModel::Evaluation now = model.evaluate(theta, i > 0);
       ++result_.iterations;
       if (i == 0 && (!haveRedundancy(model, now, true) || !canBeToldApart(model, now.S))) return false;
       if (i > 0 && i % kLookAtZero == 0 && dropsToZero(model, theta)) return false;
@@ -246,6 +246,7 @@ class ComponentEstimation {
       const double change = (x.array() - 1).abs().maxCoeff();
       result_.converged = change <= options_.tolerance;
       if (result_.converged || i + 1 == options_.max_iterations) {
+        if (i > 0 && !model.isExact()) now = model.evaluate(theta);
         if (!haveRedundancy(model, now, false) || !canBeToldApart(model, now.S)) return false;
         result_.message = result_.converged
                               ? "the variances changed by less than the tolerance"

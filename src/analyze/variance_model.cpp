@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "analyze/free_network.hpp"
 #include "base/index.hpp"
@@ -18,8 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostExactUnknowns = 400;     // for S: dense matrices of that size, one for each component
-constexpr int kSigns = 64;                  // probes of Hutchinson's estimator beyond
 constexpr double kLeverageAccuracy = 1e-6;  // of the sum of all leverages, which is the number of unknowns
 constexpr int kRowsPerTask = 256;
 
@@ -217,7 +214,7 @@ double VarianceModel::addLeverages(Evaluation& result) const {
   return sum;
 }
 
-VarianceModel::Evaluation VarianceModel::evaluate(const VectorXd& theta) {
+VarianceModel::Evaluation VarianceModel::evaluate(const VectorXd& theta, bool is_rough) {
   weigh(theta);
   Evaluation result;
   const double unknowns = structure_.unknowns();
@@ -233,78 +230,8 @@ VarianceModel::Evaluation VarianceModel::evaluate(const VectorXd& theta) {
     if (!is_solved) throw linearized_.undetermined(SolveStatus{false, 0, 0, 0});
     is_accurate_ = is_accurate();
   }
-  addInformation(result);
+  addInformation(result, is_rough);
   return result;
-}
-
-bool VarianceModel::isExact() const { return structure_.unknowns() <= kMostExactUnknowns; }
-
-/// |(I - H)_kl|^2 = delta_kl (n_k - 2 tr H_kk) + |H_kl|^2.
-void VarianceModel::addInformation(Evaluation& result) {
-  result.S = isExact() ? squaredLeverages() : squaredLeveragesByProbes();
-  result.S.diagonal() += 2 * result.redundancy - residuals_;
-}
-
-/// |H_kl|^2 = tr(N_k C N_l C), N_k the part of component k of J^T J.
-MatrixXd VarianceModel::squaredLeverages() {
-  const int unknowns = structure_.unknowns(), n = components();
-  std::vector<MatrixXd> NC(at(n), MatrixXd::Zero(unknowns, unknowns));
-  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
-    for (int m = 0; m < rows_.size(g); ++m) {
-      const int c = componentOf(g, m);
-      if (c < 0) continue;
-      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& Ja) {
-        rows_.forEachPart(g, m, [&](int b, const JacobianRows::Part& Jb) {
-          NC[at(c)]
-              .block(structure_.offset[at(a)], structure_.offset[at(b)], Ja.cols(), Jb.cols())
-              .noalias() += Ja.transpose() * Jb;
-        });
-      });
-    }
-  }
-  MatrixXd C;
-  static_cast<void>(solver_->solveFor(MatrixXd::Identity(unknowns, unknowns), C));
-  for (MatrixXd& N : NC) N = (N * C).eval();
-  MatrixXd result(n, n);
-  for (int k = 0; k < n; ++k) {
-    for (int l = 0; l <= k; ++l)
-      result(k, l) = result(l, k) = NC[at(k)].cwiseProduct(NC[at(l)].transpose()).sum();
-  }
-  return result;
-}
-
-/// The mean of |J_k C J_l^T w|^2 over random signs w.
-///   source   Hutchinson, "A stochastic estimator of the trace of the influence matrix for Laplacian smoothing splines", 1990
-MatrixXd VarianceModel::squaredLeveragesByProbes() {
-  const int unknowns = structure_.unknowns(), n = components();
-  std::mt19937 engine(1);
-  MatrixXd B = MatrixXd::Zero(unknowns, Index{n} * kSigns), X;
-  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
-    for (int m = 0; m < rows_.size(g); ++m) {
-      const int c = componentOf(g, m);
-      if (c < 0) continue;
-      MatrixXd signs(rows_.residual(g, m).size(), kSigns);
-      for (Index i = 0; i < signs.size(); ++i) signs.data()[i] = (engine() & 1U) != 0 ? 1 : -1;
-      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& J) {
-        B.block(structure_.offset[at(a)], Index{c} * kSigns, J.cols(), kSigns).noalias() +=
-            J.transpose() * signs;
-      });
-    }
-  }
-  static_cast<void>(solver_->solveFor(B, X));
-  MatrixXd result = MatrixXd::Zero(n, n), image;
-  for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
-    for (int m = 0; m < rows_.size(g); ++m) {
-      const int c = componentOf(g, m);
-      if (c < 0) continue;
-      image = MatrixXd::Zero(rows_.residual(g, m).size(), X.cols());
-      rows_.forEachPart(g, m, [&](int a, const JacobianRows::Part& J) {
-        image.noalias() += J * X.middleRows(structure_.offset[at(a)], J.cols());
-      });
-      for (int l = 0; l < n; ++l) result(c, l) += image.middleCols(Index{l} * kSigns, kSigns).squaredNorm();
-    }
-  }
-  return (result + result.transpose()) / (2 * kSigns);
 }
 
 /// The mean, over b given the data, of the derivative of the log-density of b: with u = b - a b', w = 1 - a^2 and a' = a t, t the distance over the

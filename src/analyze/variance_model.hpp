@@ -44,8 +44,8 @@ class VarianceModel {
   int components() const { return kinds_ + static_cast<int>(shared_.size()); }
   /// Number of scalar residuals of each component.
   const Eigen::VectorXd& residuals() const { return residuals_; }
-  /// Weighs rows by theta, solves, and evaluates. Throws what covariances throw.
-  Evaluation evaluate(const Eigen::VectorXd& theta);
+  /// Weighs rows by theta, solves, and evaluates; `is_rough`: S need not be more than good enough for a step. Throws what covariances throw.
+  Evaluation evaluate(const Eigen::VectorXd& theta, bool is_rough = false);
   /// Derivative of the restricted log-likelihood by the logarithm of the correlation length of shared error s, at the theta evaluated last.
   double lengthSlope(int s) const;
   /// By how many of its standard deviations the unknown that moves most moves, at the theta evaluated last.
@@ -64,9 +64,18 @@ class VarianceModel {
   void weigh(const Eigen::VectorXd& theta);
   bool solve();
   double addLeverages(Evaluation& result) const;
-  void addInformation(Evaluation& result);
+  void addInformation(Evaluation& result, bool is_rough);
   Eigen::MatrixXd squaredLeverages();
-  Eigen::MatrixXd squaredLeveragesByProbes();
+  Eigen::MatrixXd squaredLeveragesByProbes(int count);
+  /// f(group, measurement, component) for all rows whose variance is estimated.
+  template <class F>
+  void forEachOfComponents(const F& f) const {
+    for (std::size_t g = 0; g < structure_.groups.size(); ++g) {
+      for (int m = 0; m < rows_.size(g); ++m) {
+        if (const int c = componentOf(g, m); c >= 0) f(g, m, c);
+      }
+    }
+  }
 
   const LinearizedProblem& linearized_;
   FreeGauge gauge_;
