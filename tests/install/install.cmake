@@ -5,7 +5,8 @@ step("install" "${CMAKE_COMMAND}" --install "${BUILD}" --prefix "${PREFIX}" --co
 
 foreach(file IN ITEMS include/mtk/mtk.hpp include/slom/slom.hpp bin/slom share/bash-completion/completions/slom
                       share/man/man1/slom.1 share/man/man1/slom-calibrate.1 share/doc/slom/README.md
-                      share/doc/slom/docs/calibrate.md share/doc/slom/LICENSE share/doc/slom/LICENSE.uPlot)
+                      share/slom/opencv_stereo/left_corners.csv share/doc/slom/docs/calibrate.md share/doc/slom/LICENSE
+                      share/doc/slom/LICENSE.uPlot)
   if(NOT EXISTS "${PREFIX}/${file}")
     message(FATAL_ERROR "not installed: ${file}")
   endif()
