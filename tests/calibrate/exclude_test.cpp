@@ -1,4 +1,5 @@
 // `--exclude`: what is left out, where it is recorded, and what cannot be left out; and the clustered standard deviations in the JSON.
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -102,7 +103,7 @@ TEST(Exclude, SaysWhatIsExcludedTwice) {
     try {
       exclude(data, exclusions);
     } catch (const DataError& error) {
-      return error.sentence();
+      return std::string(error.sentence());
     }
     return "no error";
   };
