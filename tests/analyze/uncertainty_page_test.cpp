@@ -108,9 +108,11 @@ TEST(UncertaintyPage, HowLargeErrorsAre) {
         est.insertMeasurement(distance, points[i], points[j], slom::measured(distance(truth[i], truth[j]) + zero + 0.015 * normal(engine)),
                               slom::StandardDeviation(0.01), slom::named("tape"), slom::group("day", day));
       }
-      if (day % 3 == 0)
-        est.insertMeasurement(position, points[i], slom::measured(vec2(truth[i] + 0.03 * vec2(normal(engine), normal(engine)))),
+      if (day % 3 == 0) {
+        const double y = 0.03 * normal(engine), x = 0.03 * normal(engine);
+        est.insertMeasurement(position, points[i], slom::measured(vec2(truth[i] + vec2(x, y))),
                               slom::StandardDeviation(0.05), slom::named("receiver"));
+      }
     }
   }
   ASSERT_TRUE(est.optimize().converged);

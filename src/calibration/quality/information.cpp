@@ -155,16 +155,28 @@ ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& ob
   return J;
 }
 
-ImageEquations equationsOf(const FittedRig& rig, const Observation& observation) {
-  const int n = rig.columns.size + (rig.board ? rig.board->unknowns() : 0);
+namespace {
+
+ImageEquations equationsFor(const FittedRig& rig, const Observation& observation, int of_board) {
+  const int n = rig.columns.size + of_board;
   ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}, {}};
   addEquations(rig, observation, all.H);
-  for (std::size_t c = 0; rig.board && c < observation.points.size(); ++c)
+  for (std::size_t c = 0; of_board > 0 && c < observation.points.size(); ++c)
     addBoard(rig, c, observation, all.H);
   const Eigen::LDLT<Matrix6> pose(all.H.bottomRightCorner<6, 6>());
   all.pose_by_shared = pose.solve(all.H.bottomRows<6>().leftCols(n));
   all.pose_inverse = pose.solve(Matrix6::Identity());
   return all;
+}
+
+}  // namespace
+
+ImageEquations equationsOf(const FittedRig& rig, const Observation& observation) {
+  return equationsFor(rig, observation, 0);
+}
+
+ImageEquations equationsWithBoard(const FittedRig& rig, const Observation& observation) {
+  return equationsFor(rig, observation, rig.board ? rig.board->unknowns() : 0);
 }
 
 Information::Information(const SharedColumns& columns) : free_(columns.free), all_(columns.size) {

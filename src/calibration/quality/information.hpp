@@ -81,13 +81,16 @@ struct Observation {
   std::optional<vec3> acc;
 };
 
-/// The normal equations of one image: by all shared parameters, then the unknowns of the board, and by its pose, which is eliminated.
+/// The normal equations of one image: by all shared parameters, then, where they are asked for, the unknowns of the board, and by its pose, which is
+/// eliminated.
 struct ImageEquations {
   Eigen::MatrixXd H;                                        ///< lower triangle; the pose last
-  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs, of the board's unknowns, too
+  Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
   Matrix6 pose_inverse;                                     ///< H_ff^-1
 };
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);
+/// With those of the board, where it has some.
+ImageEquations equationsWithBoard(const FittedRig& rig, const Observation& observation);
 
 /// By what a reading changes: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z.
 struct ReadingJacobian {

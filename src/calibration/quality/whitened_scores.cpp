@@ -82,7 +82,7 @@ WhitenedScores::WhitenedScores(const Dataset& data, const FittedRig& rig) : shar
   };
   std::vector<Pose> poses;
   for (const auto& [image, observation] : observations) {
-    const ImageEquations equations = equationsOf(rig, observation);
+    const ImageEquations equations = equationsWithBoard(rig, observation);
     sum.triangularView<Eigen::Lower>() += equations.H.topLeftCorner(n, n);
     sum.triangularView<Eigen::Lower>() -=
         equations.H.bottomRows<6>().leftCols(n).transpose() * equations.pose_by_shared;
