@@ -229,7 +229,8 @@ TEST(BoardShape, StatedDeviationsAreThoseOfTheEstimator) {
   }
 }
 
-/// The clustered covariance against that of the library, whose leverages are those of the whole problem.
+/// The clustered covariance against that of the library. Its correction is made of each measurement's leverage, ours of that of a group's score: both are
+/// unbiased where errors are independent, but they are not the same matrix.
 TEST(BoardShape, ClusteredDeviationsAreThoseOfTheLibrary) {
   std::mt19937_64 random(2);
   const Simulation simulation = simulate(rigOf(1, 30), scattered(3e-4, random), 9);
@@ -261,7 +262,7 @@ TEST(BoardShape, ClusteredDeviationsAreThoseOfTheLibrary) {
   EXPECT_TRUE(est.checkDerivatives().ok());
   const MatrixXd expected = est.clustered({.by = {"image"}}).covariance(camera);
   const MatrixXd K = scores.root(), V = K * scores.byBlocks(1).V * K.transpose();
-  for (int i = 0; i < 9; ++i) EXPECT_NEAR(V(i, i), expected(i, i), 0.01 * expected(i, i)) << i;
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(V(i, i), expected(i, i), 0.05 * expected(i, i)) << i;
 }
 
 TEST(BoardShape, TheRestOfTheAssessmentIsOnTheFittedBoard) {
