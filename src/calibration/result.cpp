@@ -27,6 +27,9 @@ void Result::declareUndetermined(std::string why) {
     camera.translation_std = camera.rotation_std = camera.rotation_vector_std =
         vec3(unknown, unknown, unknown);
   }
+  if (board) {
+    for (MovedCorner& corner : board->corners) corner.std = vec3(unknown, unknown, unknown);
+  }
   if (!imu) return;
   imu->rotation_std = imu->rotation_vector_std = imu->acc_bias_std = vec3(unknown, unknown, unknown);
   imu->gravity_std = unknown;

@@ -5,12 +5,6 @@
 #include <Eigen/QR>
 
 namespace slom::calibration {
-namespace {
-
-std::array<double, 3> keyOf(const vec3& p) { return {p.x(), p.y(), p.z()}; }
-
-}  // namespace
-
 const char* toString(BoardShape shape) {
   return shape == BoardShape::flat ? "flat" : shape == BoardShape::bent ? "bent" : "free";
 }

@@ -1,10 +1,10 @@
 // The unknowns of a board's shape: which of them move which corner, and how.
 #pragma once
 
-#include <array>
 #include <map>
 #include <vector>
 
+#include "calibration/data/point_key.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/dataset.hpp"
@@ -43,7 +43,7 @@ class BoardBasis {
 
   BoardShape shape_;
   std::vector<Corner> points_;
-  std::map<std::array<double, 3>, int> index_;
+  std::map<PointKey, int> index_;
   BoardPlane plane_;
   std::vector<Eigen::Matrix3d> maps_;
 };

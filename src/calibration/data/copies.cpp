@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/data/point_key.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "slom/calibration/dataset.hpp"
@@ -101,11 +101,10 @@ class ViewIndex {
 
 /// How many corners of `a` are points of the board that `b` has, too.
 std::size_t commonCorners(const View& a, const View& b) {
-  std::set<std::array<double, 3>> points;
-  for (const Corner& corner : a.corners)
-    points.insert({corner.world.x(), corner.world.y(), corner.world.z()});
+  std::set<PointKey> points;
+  for (const Corner& corner : a.corners) points.insert(keyOf(corner.world));
   return std::size_t(std::count_if(b.corners.begin(), b.corners.end(), [&](const Corner& corner) {
-    return points.contains({corner.world.x(), corner.world.y(), corner.world.z()});
+    return points.contains(keyOf(corner.world));
   }));
 }
 

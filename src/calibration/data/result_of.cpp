@@ -1,10 +1,11 @@
 #include "calibration/data/result_of.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include <fmt/format.h>
+
+#include "calibration/data/point_key.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -64,13 +65,12 @@ std::string differenceOfImu(const Dataset& data, const Result& result) {
 
 std::string differenceOfBoard(const Dataset& data, const Result& result) {
   if (!result.board) return "";
-  std::set<std::array<double, 3>> known;
-  for (const MovedCorner& corner : result.board->corners)
-    known.insert({corner.world.x(), corner.world.y(), corner.world.z()});
+  std::set<PointKey> known;
+  for (const MovedCorner& corner : result.board->corners) known.insert(keyOf(corner.world));
   for (const CameraData& camera : data.cameras) {
     for (const View& view : camera.views) {
       for (const Corner& corner : view.corners) {
-        if (known.contains({corner.world.x(), corner.world.y(), corner.world.z()})) continue;
+        if (known.contains(keyOf(corner.world))) continue;
         return fmt::format("corner {} of image {} of {} is not on the board of the result", corner.number,
                            view.image, camera.name);
       }

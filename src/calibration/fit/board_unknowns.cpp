@@ -69,26 +69,14 @@ Summary BoardUnknowns::optimize(const Options& options) {
   return summary;
 }
 
-FittedBoard BoardUnknowns::result() {
+FittedBoard BoardUnknowns::board() const {
   FittedBoard board;
   board.shape = basis_.shape();
   board.sigma = sigma_;
   const Eigen::Vector3d normal = basis_.plane().plane2world.orient.toRotationMatrix().col(2);
-  std::vector<Eigen::MatrixXd> covariances;
-  try {
-    const Marginals marginals = est_->marginals();
-    for (const VarID<vec3>& block : blocks_) covariances.push_back(marginals.covariance(block));
-  } catch (const slom::Error&) {  // undetermined, which the other standard deviations say
-    covariances.clear();
-  }
   double square = 0, square_off_plane = 0;
   for (int i = 0; i < basis_.points(); ++i) {
-    MovedCorner corner{basis_.point(i).number, basis_.point(i).world, displacement(i)};
-    if (!covariances.empty()) {
-      const Eigen::Matrix3d& map = basis_.map(i);
-      const Eigen::Matrix3d C = covariances[std::size_t(basis_.block(i))];
-      corner.std = vec3(Eigen::Vector3d((map * C * map.transpose()).diagonal().cwiseSqrt()));
-    }
+    const MovedCorner corner{basis_.point(i).number, basis_.point(i).world, displacement(i)};
     square += corner.displacement.squaredNorm();
     square_off_plane += std::pow(normal.dot(corner.displacement), 2);
     board.corners.push_back(corner);
@@ -96,6 +84,16 @@ FittedBoard BoardUnknowns::result() {
   board.off_plane = std::sqrt(square_off_plane / basis_.points());
   board.within_plane = std::sqrt(std::max(0.0, square - square_off_plane) / (2.0 * basis_.points()));
   return board;
+}
+
+void BoardUnknowns::addStandardDeviations(FittedBoard& board) const {
+  const Marginals marginals = est_->marginals();
+  for (int i = 0; i < basis_.points(); ++i) {
+    const Eigen::Matrix3d& map = basis_.map(i);
+    const Eigen::Matrix3d C = marginals.covariance(blocks_[std::size_t(basis_.block(i))]);
+    board.corners[std::size_t(i)].std =
+        vec3(Eigen::Vector3d((map * C * map.transpose()).diagonal().cwiseSqrt()));
+  }
 }
 
 }  // namespace slom::calibration

@@ -31,7 +31,10 @@ class BoardUnknowns {
   /// Optimises; then, unless the standard deviation of a free board is given, once more with the one that the displacements show: with few images,
   /// corners follow the noise by no more than the board is wrong.
   Summary optimize(const Options& options);
-  FittedBoard result();
+  /// As it is fitted now, without standard deviations.
+  FittedBoard board() const;
+  /// Fills in those of its corners. Throws as Estimator::marginals.
+  void addStandardDeviations(FittedBoard& board) const;
 
  private:
   vec3 displacement(int point) const;

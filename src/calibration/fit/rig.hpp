@@ -36,7 +36,7 @@ class RigProblem {
   /// As they are fitted now.
   std::vector<Camera> cameras() const;
   RigStart rig() const;
-  std::optional<FittedBoard> board();
+  std::optional<FittedBoard> board() const;
   /// The RMS distance of all projected corners from their measured pixels [px].
   double rmsOfAll() const;
 
@@ -114,8 +114,8 @@ RigStart RigProblem<Camera>::rig() const {
 }
 
 template <class Camera>
-std::optional<FittedBoard> RigProblem<Camera>::board() {
-  return board_ ? std::optional(board_->result()) : std::nullopt;
+std::optional<FittedBoard> RigProblem<Camera>::board() const {
+  return board_ ? std::optional(board_->board()) : std::nullopt;
 }
 
 template <class Camera>
@@ -305,6 +305,7 @@ void RigProblem<Camera>::addStandardDeviations(Result& result) {
     camera.rotation_vector_std = rotationVectorStd(camera.left2camera.orient, pose.bottomRightCorner<3, 3>());
   }
   if (result.imu) addImuStandardDeviations(*result.imu);
+  if (result.board) board_->addStandardDeviations(*result.board);
 }
 
 template <class Camera>

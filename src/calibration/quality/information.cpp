@@ -122,12 +122,12 @@ BoardColumns::BoardColumns(const FittedBoard& board)
       sigma_(board.sigma) {
   for (const MovedCorner& corner : board.corners) {
     const vec3 at(corner.world + corner.displacement);
-    fitted_.emplace(std::array{at.x(), at.y(), at.z()}, basis_.find(corner.world));
+    fitted_.emplace(keyOf(at), basis_.find(corner.world));
   }
 }
 
 std::pair<int, const Eigen::Matrix3d*> BoardColumns::of(const vec3& world) const {
-  const int point = fitted_.at({world.x(), world.y(), world.z()});
+  const int point = fitted_.at(keyOf(world));
   return {3 * basis_.block(point), &basis_.map(point)};
 }
 

@@ -15,7 +15,6 @@
 // with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +25,7 @@
 #include <Eigen/Cholesky>
 
 #include "calibration/data/board_basis.hpp"
+#include "calibration/data/point_key.hpp"
 #include "calibration/quality/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/result.hpp"
@@ -56,7 +56,7 @@ class BoardColumns {
 
  private:
   BoardBasis basis_;
-  std::map<std::array<double, 3>, int> fitted_;  // points of the basis
+  std::map<PointKey, int> fitted_;  // points of the basis
   double sigma_;
 };
 

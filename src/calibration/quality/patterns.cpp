@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibration/cross_matrix.hpp"
+#include "calibration/data/point_key.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/flip_test.hpp"
@@ -31,8 +32,7 @@ constexpr double near = 1.2;                      // distance of a neighbour ove
 class BoardPoints {
  public:
   int of(const Corner& corner) {
-    const std::array<double, 3> place{corner.world.x(), corner.world.y(), corner.world.z()};
-    const auto [at, is_new] = index_.emplace(place, int(all_.size()));
+    const auto [at, is_new] = index_.emplace(keyOf(corner.world), int(all_.size()));
     if (is_new) all_.push_back({corner.number, corner.world, vec3()});
     return at->second;
   }
@@ -60,7 +60,7 @@ class BoardPoints {
     return (all_[std::size_t(a)].world - all_[std::size_t(b)].world).norm();
   }
 
-  std::map<std::array<double, 3>, int> index_;
+  std::map<PointKey, int> index_;
   std::vector<MovedCorner> all_;
 };
 

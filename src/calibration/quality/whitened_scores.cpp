@@ -172,8 +172,7 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     const VectorXd score = weight * weight * (rows * residual);
     images_.back().leverage.noalias() += weight * weight * (rows * rows.transpose());
     images_.back().score += score;
-    const std::array<double, 3> place{corner.world.x(), corner.world.y(), corner.world.z()};
-    const int point = points_.emplace(place, int(points_.size())).first->second;
+    const int point = points_.emplace(keyOf(corner.world), int(points_.size())).first->second;
     corners_.push_back({point, images() - 1, weight * weight * rows.squaredNorm(), score});
   }
 }

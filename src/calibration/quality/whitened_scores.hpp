@@ -9,7 +9,6 @@
 //   source   Bell and McCaffrey 2002; docs/decisions/clustered_uncertainty.md, which has the literature
 #pragma once
 
-#include <array>
 #include <map>
 #include <vector>
 
@@ -87,7 +86,7 @@ class WhitenedScores {
   std::vector<Image> images_;
   std::vector<CornerScore> corners_;
   std::vector<CornerTest> tests_;
-  std::map<std::array<double, 3>, int> points_;
+  std::map<PointKey, int> points_;
 };
 
 }  // namespace slom::calibration
