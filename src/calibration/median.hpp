@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace slom::calibration {
@@ -13,6 +15,11 @@ inline double medianOf(std::vector<double> numbers) {
   const auto middle = numbers.begin() + std::ptrdiff_t(numbers.size() / 2);
   std::nth_element(numbers.begin(), middle, numbers.end());
   return *middle;
+}
+
+/// The standard deviation of u and of v that distances of normal noise show: their median over that of a Rayleigh distribution.
+inline double noiseOfDistances(std::vector<double> distances) {
+  return medianOf(std::move(distances)) / std::sqrt(2 * std::log(2.0));
 }
 
 }  // namespace slom::calibration

@@ -140,6 +140,14 @@ std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings
   return comparison;
 }
 
+/// The models once more, with the shape of the board that was chosen: what the board makes of the residuals of a flat one can look like a lens.
+void compareAgain(const Dataset& data, CommandSettings& settings, std::optional<Comparison>& comparison) {
+  const bool is_flat = settings.board_shape == BoardShape::flat;
+  if (settings.board_shape_is_given || is_flat || settings.compared.size() < 2) return;
+  if (!settings.quiet) say(fmt::format("\nwith a {} board:", toString(settings.board_shape)));
+  comparison = compare(data, settings);
+}
+
 /// The shapes of the board for the model of the calibration, where --compare is given and --board-shape is not.
 std::optional<Comparison> compareShapes(const Dataset& data, CommandSettings& settings) {
   if (settings.board_shape_is_given) return {};
@@ -148,6 +156,16 @@ std::optional<Comparison> compareShapes(const Dataset& data, CommandSettings& se
   if (!settings.quiet) say(boardShapesText(comparison));
   if (comparison.chosen) settings.board_shape = comparison.chosenTrial().board_shape;
   return comparison;
+}
+
+/// What the noise grows with, likewise; the fit is made again where it grows.
+void compareNoise(const Dataset& data, CommandSettings& settings, Result& result) {
+  if (settings.sigma_by_is_given || !result.success()) return;
+  const NoiseComparison comparison = compareNoise(data, result);
+  if (!settings.quiet) say(noiseText(comparison, result));
+  settings.sigma_by = comparison.chosen;
+  if (comparison.chosen != SigmaBy::constant) result = calibrate(data, settings);
+  result.noise_comparison = comparison;
 }
 
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
@@ -195,12 +213,15 @@ void run(const RawOptions& raw) {
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
     say(fmt::format("written: {}\n", oneLine(file)));
-  const std::optional<Comparison> comparison = compare(data, settings);
+  std::optional<Comparison> comparison = compare(data, settings);
   requireModelOf(settings);
   const std::optional<Comparison> board_comparison = compareShapes(data, settings);
+  compareAgain(data, settings, comparison);
+  requireModelOf(settings);
   if (!settings.quiet) say(aloneHeader(settings));
   Result result = inWordsOfOptions(
       settings, [&] { return calibrate(data, settings, settings.quiet ? Progress{} : printedProgress()); });
+  compareNoise(data, settings, result);
   result.comparison = comparison;
   result.board_comparison = board_comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty())
@@ -300,9 +321,17 @@ void addCalibrateCommand(CLI::App& app) {
       .add_option(
           "--robust", raw->robust,
           "what becomes of gross corners, which the others contradict: reject leaves them out of the\n"
-          "fit and lists them; none keeps them")
-      ->type_name("none|reject")
+          "fit and lists them; none keeps them; by huber and cauchy all corners count the less the\n"
+          "farther off they are")
+      ->type_name("none|reject|huber|cauchy")
       ->capture_default_str();
+  command
+      .add_option("--sigma-by", raw->sigma_by,
+                  "what --sigma-px grows with, by as much as the residuals say: motion of the corners\n"
+                  "from image to image, slant of the board or its distance. --compare tries all of them,\n"
+                  "unless it is given")
+      ->type_name("constant|speed|slant|distance")
+      ->default_str("constant");
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();

@@ -241,7 +241,23 @@ std::vector<Exclusion> parseExclusions(const std::vector<std::string>& texts,
 Robust parseRobust(const std::string& text) {
   if (text == "none") return Robust::none;
   if (text == "reject") return Robust::reject;
-  throw UserError(fmt::format("--robust {}: what becomes of gross corners is none or reject", text));
+  if (text == "huber") return Robust::huber;
+  if (text == "cauchy") return Robust::cauchy;
+  throw UserError(
+      fmt::format("--robust {}: what becomes of gross corners is none, reject, huber or cauchy", text));
+}
+
+/// What the noise grows with, which --compare tries where it is not given.
+void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
+  settings.sigma_by_is_given = !raw.sigma_by.empty() || !raw.compare;
+  if (raw.sigma_by.empty()) return;
+  for (const SigmaBy by : {SigmaBy::constant, SigmaBy::speed, SigmaBy::slant, SigmaBy::distance}) {
+    settings.sigma_by = by;
+    if (raw.sigma_by == toString(by)) return;
+  }
+  throw UserError(fmt::format(
+      "--sigma-by {}: the standard deviation of corners is constant, or grows with speed, slant or distance",
+      raw.sigma_by));
 }
 
 /// The shape of the board, which --compare tries where it is not given.
@@ -313,6 +329,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   parseSources(raw, settings);
   settings.robust = parseRobust(raw.robust);
+  parseSigmaBy(raw, settings);
   parseBoardShape(raw, settings);
   settings.exclusions = parseExclusions(raw.excluded, settings.cameras);
   settings.fixed = parseFixed(raw.fixed, settings.lens_options);

@@ -36,6 +36,7 @@ struct CommandSettings : Settings {
   std::vector<Model> compared;           ///< models of --compare; empty: none
   bool model_is_given = true;            ///< otherwise it is the one that the comparison chooses
   bool board_shape_is_given = true;      ///< likewise
+  bool sigma_by_is_given = true;         ///< likewise
   std::string json_file;                 ///< empty: none
   std::string yaml_file;                 ///< empty: none
   std::string report_file;               ///< empty: none
@@ -53,6 +54,7 @@ struct RawOptions {
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
   std::string robust = "reject";
+  std::string sigma_by;               ///< empty: constant, or what the comparison chooses
   std::string board_shape;            ///< empty: flat, or what the comparison chooses
   std::optional<double> sigma_board;  ///< [m]
   std::string model;                  ///< empty: opencv5, or what the comparison chooses

@@ -8,7 +8,8 @@
 ///   views     at most one for each camera and image number, in any order: the result is that of views sorted by image number, to
 ///             the last bit. A view has at least four corners that lie in a plane and not, or all but one, on a line.
 ///   corners   finite coordinates, of magnitude most_corner_px and most_corner_m at most; no point of the board is in a view
-///             twice. Corner::number is a name for messages and reports alone.
+///             twice. Corner::number is a name for messages and reports alone, and Corner::sigma lies from
+///             least_corner_sigma to most_corner_sigma.
 ///   readings  finite, of magnitude most_reading_m_s2 at most; at most one for each image, and of an image that some camera has.
 ///             An ImuData without readings is an error; without an IMU, Dataset::imu stays empty.
 #pragma once
@@ -25,6 +26,8 @@ namespace slom::calibration {
 
 /// Magnitudes beyond which a coordinate or a reading is taken for a mistake.
 inline constexpr double most_corner_px = 1e6, most_corner_m = 1e6, most_reading_m_s2 = 1e6;
+/// What Corner::sigma can be.
+inline constexpr double least_corner_sigma = 1e-3, most_corner_sigma = 1e3;
 
 /// A corner of the board, found in an image.
 struct Corner {
@@ -32,6 +35,8 @@ struct Corner {
   vec3 world;      ///< [m], world z vertical
   vec2 pixel;      ///< [px]; the principal point comes out in the same count, from 0 or from 1
   int line = 0;    ///< line in CameraData::file, for messages; 0: it has none
+  double sigma =
+      1;  ///< standard deviation over Settings::sigma_px: 2 where a detector says that it is twice as uncertain
 };
 
 /// What one camera saw in one image.

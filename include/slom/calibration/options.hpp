@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "slom/calibration/board_shape.hpp"
+#include "slom/calibration/corner_noise.hpp"
 #include "slom/calibration/models.hpp"
 #include "slom/calibration/types.hpp"
 
@@ -43,6 +44,8 @@ struct Limits {
 enum class Robust {
   none,    ///< they count as all others
   reject,  ///< the fit is made again without them, until there are none; good data are not touched. Result::rejected lists them.
+  huber,  ///< all corners count by Huber's loss of their distance, except those that are far off before there is a fit (Result::rejected)
+  cauchy,  ///< likewise by Cauchy's loss, under which a gross corner hardly counts
 };
 
 /// Sigmas lie from 1e-6 to 1e6 (sigma_board from 1e-9 to 1e6 m), Fixed::gravity from 1e-3 to 1e6 m/s^2, components of Fixed::acc_bias within 1e6 m/s^2. A constraint leaves
@@ -53,6 +56,7 @@ struct Settings {
   double sigma_px = 0.25;          ///< standard deviation of a corner's u and of its v [px]
   double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
   Robust robust = Robust::reject;
+  SigmaBy sigma_by = SigmaBy::constant;  ///< what sigma_px grows with; by how much is estimated (CornerNoise)
   BoardShape board_shape = BoardShape::flat;
   /// Of a free board: standard deviation of each coordinate of a corner from where it is stated [m]. Without a value it is estimated.
   std::optional<double> sigma_board;

@@ -80,6 +80,7 @@ struct CameraResult {
   std::vector<UnusedPhoto> unused;  ///< photographs that show no board, cannot be read, or have another size
   std::vector<Copy> copies;         ///< views that repeat others
   std::vector<Exclusion> excluded;  ///< CameraData::excluded
+  CornerNoise noise;                ///< of its corners (Settings::sigma_by)
 
   /// The pixel of a point in this camera's frame [m]; NaN where it has none.
   vec2 project(const vec3& point) const;
@@ -176,11 +177,13 @@ struct Result {
   std::vector<Stray> strays;
   /// Corners that the fit does without (Settings::robust), and where it puts them; the worst first.
   std::vector<GrossCorner> rejected;
-  std::vector<GrossCorner> gross;              ///< of a calibration that succeeded, the worst first
-  std::vector<ImageResult> images;             ///< by rising number
-  std::optional<Comparison> comparison;        ///< where it was asked for
-  std::optional<Comparison> board_comparison;  ///< of shapes of the board, likewise
-  std::optional<Quality> quality;              ///< where it was asked for
+  std::optional<Downweighted> downweighted;         ///< what a loss made of the corners
+  std::vector<GrossCorner> gross;                   ///< of a calibration that succeeded, the worst first
+  std::vector<ImageResult> images;                  ///< by rising number
+  std::optional<Comparison> comparison;             ///< where it was asked for
+  std::optional<Comparison> board_comparison;       ///< of shapes of the board, likewise
+  std::optional<NoiseComparison> noise_comparison;  ///< of what the noise grows with, likewise
+  std::optional<Quality> quality;                   ///< where it was asked for
 
   /// RSS / redundancy: near 1 where the stated sigmas are right. NaN without redundancy.
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }

@@ -96,6 +96,12 @@ void requireCorners(const CameraData& camera, const View& view) {
       refuse(camera, view, corner, fmt::format("is at {} m in the world", textOf(corner.world)),
              most_corner_m, "m");
     }
+    if (corner.sigma >= least_corner_sigma && corner.sigma <= most_corner_sigma) continue;
+    throw DataError(
+        "slom.calibration.bad-corner",
+        fmt::format("the sigma of {} is {:g} times Settings::sigma_px; give a number from {:g} to {:g}",
+                    nameOf(camera, view, corner), corner.sigma, least_corner_sigma, most_corner_sigma),
+        camera.name);
   }
 }
 

@@ -1,6 +1,8 @@
 #include "slom/calibration/calibrate.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "calibration/data/check.hpp"
@@ -8,6 +10,7 @@
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/fit/corner_noise.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/initialization/far_off.hpp"
 #include "calibration/limits.hpp"
@@ -44,28 +47,68 @@ void predictRejected(const Dataset& of_flat_board, Result& result) {
       [](const GrossCorner& a, const GrossCorner& b) { return a.error_without_px > b.error_without_px; });
 }
 
+/// Another fit, of the same images and from the values of the first one, which also says what only a fit from the beginning can say.
+Result fittedAgain(const Dataset& data, const Settings& settings, const Result& first) {
+  const auto& model = settings.model.definition();
+  Result next = data.imu ? model.calibrate(data, settings, {}) : model.calibrate_from(first, data, settings);
+  next.rejected = first.rejected;
+  next.strays = first.strays;
+  next.sigma_denominator = first.sigma_denominator;
+  for (std::size_t c = 0; c < next.cameras.size(); ++c) {
+    next.cameras[c].rms_px_single = first.cameras[c].rms_px_single;
+    next.cameras[c].noise = first.cameras[c].noise;
+  }
+  next.downweighted = first.downweighted;
+  return next;
+}
+
 /// Fits again without the worst gross corners, as long as there are some. Images that contradict each other are another matter.
 Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 10;
+  std::optional<Clustering> clustering(std::in_place, withoutRejected(data, result), result);
+  clustering->addGrossCorners(result);
   for (int round = 0; round < most_rounds && result.success() && result.strays.empty(); ++round) {
     const std::vector<GrossCorner> worst = rejectable(data, result);
     if (worst.empty() || !reasonToEnd(settings.limits).empty()) break;
-    Result next = result;
-    next.rejected.insert(next.rejected.end(), worst.begin(), worst.end());
-    const std::vector<GrossCorner> rejected = next.rejected;
-    const Dataset rest = withoutRejected(data, next);
-    const auto& model = settings.model.definition();
-    next = data.imu ? model.calibrate(rest, settings, {}) : model.calibrate_from(result, rest, settings);
+    Result without = result;
+    without.rejected.insert(without.rejected.end(), worst.begin(), worst.end());
+    const Dataset rest = withoutRejected(data, without);
+    Result next = fittedAgain(rest, settings, without);
     if (!next.success()) break;  // the values with all corners are better than none
-    addClustered(rest, next);
-    next.rejected = rejected;
-    next.strays = result.strays;
-    next.sigma_denominator = result.sigma_denominator;
-    for (std::size_t c = 0; c < next.cameras.size(); ++c)
-      next.cameras[c].rms_px_single = result.cameras[c].rms_px_single;
     result = std::move(next);
+    clustering.emplace(rest, result);
+    clustering->addGrossCorners(result);
   }
-  predictRejected(data, result);
+  clustering->addClustered(result);
+  return result;
+}
+
+/// The largest change of a lens parameter, in its standard deviations.
+double changeBetween(const Result& a, const Result& b) {
+  double most = 0;
+  for (std::size_t c = 0; c < a.cameras.size(); ++c) {
+    for (std::size_t i = 0; i < a.cameras[c].parameters.size(); ++i) {
+      const Parameter &p = a.cameras[c].parameters[i], &q = b.cameras[c].parameters[i];
+      if (p.std > 0) most = std::max(most, std::abs(p.value - q.value) / p.std);
+    }
+  }
+  return most;
+}
+
+/// Fits and estimates of the noise in turn, until the parameters stay where they are. A result that did not succeed is not fitted again.
+Result withEstimatedNoise(const Dataset& data, const Settings& settings, Result result) {
+  constexpr int most_rounds = 50;
+  constexpr double least_change = 1e-3;
+  for (int round = 0; round < most_rounds && result.success(); ++round) {
+    if (!reasonToEnd(settings.limits).empty()) break;
+    estimateNoise(data, settings, result);
+    Result next = fittedAgain(withNoiseOf(result, data), settings, result);
+    if (!next.success()) break;  // the values of the last round are better than none
+    const double change = changeBetween(result, next);
+    result = std::move(next);
+    if (change < least_change) break;
+  }
+  addClustered(withNoiseOf(result, data), result);
   return result;
 }
 
@@ -82,9 +125,12 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
     };
   }
   Result result = settings.model.definition().calibrate(rest, settings, of_data);
-  addClustered(rest, result);
   result.rejected = std::move(without.rejected);
-  return withoutGrossCorners(data, settings, std::move(result));
+  if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
+  if (estimatesNoise(settings))
+    result = withEstimatedNoise(withoutRejected(data, result), settings, std::move(result));
+  predictRejected(data, result);
+  return result;
 }
 
 }  // namespace
@@ -102,8 +148,9 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
     };
   }
   const Settings from_now = started(settings);
-  if (settings.robust == Robust::reject) return withoutFarOffCorners(*sorted, from_now, of_caller);
+  if (settings.robust != Robust::none) return withoutFarOffCorners(*sorted, from_now, of_caller);
   Result result = settings.model.definition().calibrate(*sorted, from_now, of_caller);
+  if (estimatesNoise(settings)) return withEstimatedNoise(*sorted, from_now, std::move(result));
   addClustered(*sorted, result);
   return result;
 }

@@ -50,7 +50,7 @@ void differentiatePixels(const Camera& camera, const SE3& left2camera, const SE3
 }
 
 /// What a camera sees of the board in one image, as one measurement: differences of its corners from where
-/// they were found [px]. The corners, which must live as long, are all of a view's or every `step`-th.
+/// they were found, over Corner::sigma [px]. The corners, which must live as long, are all of a view's or every `step`-th.
 class CornersOfView {
  public:
   explicit CornersOfView(const View& view, std::size_t first = 0, std::size_t step = 1)
@@ -62,7 +62,8 @@ class CornersOfView {
     Eigen::VectorXd difference(2 * Eigen::Index(count()));
     for (std::size_t i = 0; i < count(); ++i) {
       const vec3 point(R * corner(i).world + offset);
-      difference.segment<2>(2 * Eigen::Index(i)) = camera.project(point) - corner(i).pixel;
+      difference.segment<2>(2 * Eigen::Index(i)) =
+          (camera.project(point) - corner(i).pixel) / corner(i).sigma;
     }
     return difference;
   }
@@ -73,6 +74,15 @@ class CornersOfView {
     differentiatePixels(
         camera, left2camera, left2world, count(), [&](std::size_t i) { return corner(i).world; }, by_camera,
         by_left2camera, by_left2world);
+    for (std::size_t i = 0; i < count(); ++i) {
+      if (corner(i).sigma == 1) continue;
+      const auto row = 2 * Eigen::Index(i);
+      const auto divide = [&](auto block) {
+        if constexpr (!std::is_null_pointer_v<decltype(block)>)
+          block->template middleRows<2>(row) /= corner(i).sigma;
+      };
+      divide(by_camera), divide(by_left2camera), divide(by_left2world);
+    }
   }
 
  private:

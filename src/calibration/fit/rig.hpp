@@ -147,12 +147,12 @@ void RigProblem<Camera>::insertCorners() {
 
 template <class Camera>
 void RigProblem<Camera>::insertCornersOfShape() {
-  const StandardDeviation noise(settings_.sigma_px);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
       const auto pose = left2world_.at(view.image);
       for (const Corner& corner : view.corners) {
         const auto shape = board_->of(corner);
+        const StandardDeviation noise(settings_.sigma_px * corner.sigma);
         if (c == 0) {
           est_.insertMeasurement(CornerOfShapeInLeft(corner, board_->basis()), cameras_[c], pose, shape,
                                  noise);
@@ -244,16 +244,17 @@ ImageResult RigProblem<Camera>::imageResult(int image) const {
     const View* view = data_.cameras[c].find(image);
     result.rms_px.emplace_back();
     if (!view) continue;
-    double square = 0;
+    double square = 0, weighted = 0;
     for (const Corner& corner : view->corners) {
       const double error = residual(c, image, corner).norm();
       square += error * error;
+      weighted += error * error / (corner.sigma * corner.sigma);
       if (error > result.worst_corner.error_px) {
         result.worst_corner = {c, corner.number, corner.line, error, data_.cameras[c].place(*view, corner)};
       }
     }
     result.rms_px.back() = std::sqrt(square / double(view->corners.size()));
-    result.chi2 += square / (settings_.sigma_px * settings_.sigma_px);
+    result.chi2 += weighted / (settings_.sigma_px * settings_.sigma_px);
     result.measurements += 2 * int(view->corners.size());
   }
   if (!data_.imu) return result;

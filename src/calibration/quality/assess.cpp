@@ -12,6 +12,7 @@
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/fit/corner_noise.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/correlations.hpp"
@@ -177,7 +178,8 @@ Quality assess(const Dataset& all, const Settings& settings, const Result& resul
   checkImuImages(all);
   const Dataset data = withoutRejected(all, result);
   requireResultOf(data, settings, result);
-  return assessSorted(*SortedDataset(data), settings, result);
+  const SortedDataset sorted(data);
+  return assessSorted(withNoiseOf(result, *sorted), settings, result);
 }
 
 }  // namespace slom::calibration

@@ -139,18 +139,13 @@ constexpr double gross = 6;
 /// Fewer residuals than this beyond the unknowns do not say what the noise is.
 constexpr int fewest_redundant = 100;
 
-/// The median of the sizes over that of a Rayleigh distribution: the noise of u and of v that most of these corners show.
-double noiseOf(std::vector<double> sizes) {
-  return medianOf(std::move(sizes)) / std::sqrt(2 * std::log(2.0));
-}
-
 /// Corners that are gross beside those of all images and beside those of their own: in a blurred or slanted one all are worse.
 void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& result) {
   constexpr std::size_t fewest_of_image = 12;  // corners that say what its noise is
   const auto& tests = scores.cornerTests();
   std::vector<double> sizes;
   for (const auto& test : tests) sizes.push_back(test.weighted);
-  const double noise_of_all = noiseOf(sizes);
+  const double noise_of_all = noiseOfDistances(sizes);
   if (result.redundancy < fewest_redundant || !(noise_of_all > 0)) return;
   std::size_t first = 0;
   for (const ImageResult& image : result.images) {
@@ -161,7 +156,7 @@ void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& 
       double noise = noise_of_all;
       if (count >= fewest_of_image) {
         const auto begin = sizes.begin() + std::ptrdiff_t(first);
-        noise = std::max(noise, noiseOf({begin, begin + std::ptrdiff_t(count)}));
+        noise = std::max(noise, noiseOfDistances({begin, begin + std::ptrdiff_t(count)}));
       }
       for (std::size_t i = 0; i < count; ++i) {
         const auto [without, weighted] = tests[first + i];
@@ -183,15 +178,24 @@ void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& 
 
 }  // namespace
 
-void addClustered(const Dataset& of_flat_board, Result& result) {
+Clustering::Clustering(const Dataset& data, const Result& result) {
   if (!result.success() || result.images.size() < std::size_t(fewest_groups)) return;
-  const DataOnBoard on_board(of_flat_board, result.board);
-  const Dataset& data = *on_board;
   const FittedRig rig(result);
   if (rig.columns.free.empty()) return;
-  const WhitenedScores scores(data, rig);
-  if (!scores.root().allFinite()) return;
-  addGrossCorners(data, scores, result);
+  on_board_ = *DataOnBoard(data, result.board);
+  scores_ = std::make_unique<const WhitenedScores>(*on_board_, rig);
+  if (!scores_->root().allFinite()) scores_.reset();
+}
+
+Clustering::~Clustering() = default;
+
+void Clustering::addGrossCorners(Result& result) const {
+  if (scores_) calibration::addGrossCorners(*on_board_, *scores_, result);
+}
+
+void Clustering::addClustered(Result& result) const {
+  if (!scores_) return;
+  const WhitenedScores& scores = *scores_;
   const BlockChoice blocks = chooseBlocks(scores);
   ClusteredUncertainty clustered;
   clustered.images = scores.images();
@@ -201,22 +205,31 @@ void addClustered(const Dataset& of_flat_board, Result& result) {
   clustered.extrapolation = std::sqrt(blocks.extrapolation);
   clustered.ratio_by_image = std::sqrt(blocks.by_image);
   clustered.ratio_by_block = std::sqrt(ratioOf(blocks.sums.V));
-  MatrixXd V = blocks.sums.V;
+  const double over_curvature = result.downweighted ? result.downweighted->over_curvature : 1;
+  const MatrixXd by_blocks = over_curvature * over_curvature * blocks.sums.V;
+  MatrixXd V = by_blocks;
   Columns columns{VectorXd(), blocks.sums.dof};
   const BoardPointSums points = scores.byBoardPoints(blocks.length);
   if (points.points >= fewest_board_points) {
     clustered.board_points = points.points;
-    V = semidefinite(V + points.by_point - points.by_both);
+    V = semidefinite(V + over_curvature * over_curvature * (points.by_point - points.by_both));
     columns.dof = columns.dof.cwiseMin(points.dof);
   }
   clustered.ratio = std::sqrt(ratioOf(V));
   const MatrixXd K = scores.root();
-  const MatrixXd covariance = K * V * K.transpose(), by_block = K * blocks.sums.V * K.transpose();
+  const MatrixXd covariance = K * V * K.transpose(), by_block = K * by_blocks * K.transpose();
   // With few groups the difference of two ways may say less than one of them.
   columns.std = covariance.diagonal().cwiseMax(by_block.diagonal()).cwiseSqrt();
   clustered.covariance.assign(covariance.data(), covariance.data() + covariance.size());
-  writeStandardDeviations(rig.columns, covariance, columns, result);
+  writeStandardDeviations(FittedRig(result).columns, covariance, columns, result);
   result.clustered = std::move(clustered);
+}
+
+void addClustered(const Dataset& data, Result& result) {
+  const Clustering clustering(data, result);
+  result.gross.clear();
+  clustering.addGrossCorners(result);
+  clustering.addClustered(result);
 }
 
 MatrixXd covarianceOf(const ClusteredUncertainty& clustered) {

@@ -52,7 +52,9 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& observat
   pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
   const double weight = 1 / (rig.sigma_px * rig.sigma_px);
   const Lens::Square square =
-      weight * rig.lenses[c]->square(rig.left2camera[c], observation.left2world, observation.points[c]);
+      weight *
+      rig.lenses[c]->square(rig.left2camera[c], observation.left2world, observation.points[c],
+                            observation.sigmas.empty() ? std::vector<double>() : observation.sigmas[c]);
   const int n = rig.lenses[c]->parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
   const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
   H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
@@ -79,9 +81,11 @@ void addBoard(const FittedRig& rig, std::size_t c, const Observation& observatio
   const Eigen::Matrix3d world2left = observation.left2world.orient.toRotationMatrix().transpose();
   const Lens& lens = *rig.lenses[c];
   const int n = lens.parameters(), left2camera = rig.columns.pose[c];
-  const double weight = 1 / (rig.sigma_px * rig.sigma_px);
   Eigen::Matrix<double, 2, 6> pose;
-  for (const vec3& point : observation.points[c]) {
+  for (std::size_t k = 0; k < observation.points[c].size(); ++k) {
+    const vec3& point = observation.points[c][k];
+    const double sigma = rig.sigma_px * (observation.sigmas.empty() ? 1 : observation.sigmas[c][k]);
+    const double weight = 1 / (sigma * sigma);
     const Eigen::Vector3d in_left = world2left * (point - observation.left2world.pos);
     const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig.left2camera[c].pos));
     const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
@@ -292,10 +296,14 @@ std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& 
   std::map<int, Observation> observations;
   for (const auto& [image, pose] : rig.left2world) {
     Observation observation{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
+    observation.sigmas.resize(data.cameras.size());
     for (std::size_t c = 0; c < data.cameras.size(); ++c) {
       const View* view = data.cameras[c].find(image);
       if (!view) continue;
-      for (const Corner& corner : view->corners) observation.points[c].push_back(corner.world);
+      for (const Corner& corner : view->corners) {
+        observation.points[c].push_back(corner.world);
+        observation.sigmas[c].push_back(corner.sigma);
+      }
     }
     observations.emplace(image, std::move(observation));
   }

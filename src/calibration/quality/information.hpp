@@ -79,6 +79,7 @@ struct Observation {
   SE3 left2world;
   std::vector<std::vector<vec3>> points;
   std::optional<vec3> acc;
+  std::vector<std::vector<double>> sigmas{};  ///< Corner::sigma, as points; empty: 1 each
 };
 
 /// The normal equations of one image: by all shared parameters, then, where they are asked for, the unknowns of the board, and by its pose, which is

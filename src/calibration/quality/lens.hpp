@@ -28,10 +28,10 @@ class Lens {
   virtual Projection differentiate(const vec3& point) const = 0;
   virtual PointProjection differentiateByPoint(const vec3& point) const = 0;
   /// J^T J of the pixels of points in the world, J by the parameters and by left2camera (translation,
-  /// rotation) [px].
+  /// rotation) [px]; its rows over the sigma of their points, where these are given.
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 18, 18>;
-  virtual Square square(const SE3& left2camera, const SE3& left2world,
-                        const std::vector<vec3>& points) const = 0;
+  virtual Square square(const SE3& left2camera, const SE3& left2world, const std::vector<vec3>& points,
+                        const std::vector<double>& sigmas) const = 0;
 
   /// The direction, of length 1, that is projected to a pixel. Found by walking there from a ray whose pixel
   /// is known to have one, the optical axis; nothing where the model folds over on the way, as distortion

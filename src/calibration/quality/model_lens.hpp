@@ -84,21 +84,22 @@ class ModelLens : public Lens {
     return {vec2(d.pixel), d.by_point};
   }
 
-  Square square(const SE3& left2camera, const SE3& left2world,
-                const std::vector<vec3>& points) const override {
+  Square square(const SE3& left2camera, const SE3& left2world, const std::vector<vec3>& points,
+                const std::vector<double>& sigmas) const override {
     const Eigen::Matrix3d R = left2camera.orient.toRotationMatrix();
     const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
     const Eigen::Vector3d origin = left2world.pos, offset = left2camera.pos;
     SumOfSquares<n + 6> sum;
-    for (const vec3& point : points) {
-      const Eigen::Vector3d in_left = world2left * (Eigen::Vector3d(point) - origin);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double weight = sigmas.empty() ? 1 : 1 / sigmas[k];
+      const Eigen::Vector3d in_left = world2left * (Eigen::Vector3d(points[k]) - origin);
       const auto d = derivativesOf(camera_, Eigen::Vector3d(R * in_left) + offset);
       typename SumOfSquares<n + 6>::Row rows[2];
       for (int row = 0; row < 2; ++row) {
-        const Eigen::Vector3d by_point = d.by_point.row(row), by_left = R.transpose() * by_point,
+        const Eigen::Vector3d by_point = weight * d.by_point.row(row), by_left = R.transpose() * by_point,
                               by_turn = in_left.cross(by_left);
         double* const J = rows[row].data();
-        for (int i = 0; i < n; ++i) J[i] = d.by_parameters(row, i);
+        for (int i = 0; i < n; ++i) J[i] = weight * d.by_parameters(row, i);
         for (int i = 0; i < 3; ++i) J[n + i] = by_point[i], J[n + 3 + i] = by_turn[i];
       }
       sum.add(rows[0], rows[1]);

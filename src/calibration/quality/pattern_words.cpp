@@ -16,7 +16,8 @@ using Kind = ResidualPattern::Kind;
 constexpr double by_chance = 0.005;  // probability
 // What matters less is found in many images, too.
 constexpr double correlated = 0.1;
-constexpr double part_of_squares = 0.01;       // of places and points, of which there are many
+constexpr double part_of_points = 0.01;        // of points of the board, of which there are many
+constexpr double part_of_places = 0.002;       // what a lens cannot follow moves its parameters, too
 constexpr double part_of_one_unknown = 0.001;  // moves a calibration by many of its standard deviations
 constexpr double much_larger = 1.25;
 
@@ -30,8 +31,9 @@ bool ResidualPattern::isFound() const {
     case Kind::neighbours:
       return value >= correlated;
     case Kind::board_shape:
+      return share >= part_of_points;
     case Kind::image_place:
-      return share >= part_of_squares;
+      return share >= part_of_places;
     case Kind::drift:
     case Kind::row_readout:
     case Kind::time_offset:
@@ -73,8 +75,8 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
           camera, twoDigits(1e3 * value), twoDigits(1e3 * pattern.second), percent(pattern.share));
     case Kind::image_place:
       return fmt::format(
-          "residuals of {} depend on the place in the image, by {} px (RMS), {} of the squared residuals: the lens model is too "
-          "simple; try one with more parameters (--intrinsics, --compare)",
+          "residuals of {} depend on the place in the image, by {} px (RMS), {} of the squared residuals: the lens model does not "
+          "fit, which moves its parameters, too; try another one (--compare)",
           camera, twoDigits(value), percent(pattern.share));
     case Kind::drift:
       return fmt::format(

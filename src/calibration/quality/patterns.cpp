@@ -10,6 +10,7 @@
 
 #include "calibration/cross_matrix.hpp"
 #include "calibration/data/point_key.hpp"
+#include "calibration/data/view_facts.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/flip_test.hpp"
@@ -69,48 +70,8 @@ struct ViewFacts {
   std::vector<int> points;       // of its corners
   std::vector<Vector2d> motion;  // of its corners, from one image number to the next [px]; NaN: unknown
   double speed = 0, slant = 0, distance = 0;
-  double squares = 0;  // sum of squared residuals [px^2]
+  double squares = 0;  // sum of squared residuals over Corner::sigma [px^2]
 };
-
-/// Motion of corners, from the views before and after, where these are not much farther away than usual.
-void addMotion(const CameraData& camera, int points, std::vector<ViewFacts>& facts) {
-  const std::size_t views = camera.views.size();
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < views; ++i) gaps.push_back(camera.views[i].image - camera.views[i - 1].image);
-  const double most = 2 * medianOf(gaps);
-  std::vector<std::pair<std::size_t, Vector2d>> seen_at(std::size_t(points), {views, Vector2d::Zero()});
-  struct End {
-    Vector2d pixel = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-    double image = 0;
-  };
-  std::vector<std::vector<End>> before(views), after(views);
-  const auto look = [&](std::size_t i, std::size_t neighbour, std::vector<End>& ends) {
-    const View& view = camera.views[i];
-    ends.resize(view.corners.size());
-    const bool is_near = neighbour < views && std::abs(view.image - camera.views[neighbour].image) <= most;
-    for (std::size_t k = 0; k < view.corners.size() && is_near; ++k) {
-      const auto& [seen, pixel] = seen_at[std::size_t(facts[i].points[k])];
-      if (seen == neighbour) ends[k] = {pixel, double(camera.views[neighbour].image)};
-    }
-    for (std::size_t k = 0; k < view.corners.size(); ++k)
-      seen_at[std::size_t(facts[i].points[k])] = {i, view.corners[k].pixel};
-  };
-  for (std::size_t i = 0; i < views; ++i) look(i, i == 0 ? views : i - 1, before[i]);
-  for (auto& seen : seen_at) seen.first = views;
-  for (std::size_t i = views; i-- > 0;) look(i, i + 1, after[i]);
-  for (std::size_t i = 0; i < views; ++i) {
-    const View& view = camera.views[i];
-    std::vector<double> speeds;
-    for (std::size_t k = 0; k < view.corners.size(); ++k) {
-      const End here{view.corners[k].pixel, double(view.image)};
-      const End& first = before[i][k].pixel.allFinite() ? before[i][k] : here;
-      const End& last = after[i][k].pixel.allFinite() ? after[i][k] : here;
-      facts[i].motion.emplace_back((last.pixel - first.pixel) / (last.image - first.image));
-      if (facts[i].motion.back().allFinite()) speeds.push_back(facts[i].motion.back().norm());
-    }
-    facts[i].speed = speeds.empty() ? std::numeric_limits<double>::quiet_NaN() : medianOf(speeds);
-  }
-}
 
 /// A test of one sum per block. Errors that neighbours share have one sign, and the fit itself leaves the other one between independent ones.
 ResidualPattern ofSums(Kind kind, double value, const VectorXd& sums) {
@@ -171,7 +132,11 @@ class CameraPatterns {
       block_of_.push_back(int(i * std::size_t(blocks_) / views.size()));
       for (const Corner& corner : views[i].corners) facts_[i].points.push_back(points_.of(corner));
     }
-    addMotion(data.cameras[c], points_.size(), facts_);
+    const std::vector<ViewMotion> motions = motionsOf(data.cameras[c]);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      facts_[i].motion = motions[i].of_corners;
+      facts_[i].speed = motions[i].speed;
+    }
   }
   std::vector<ResidualPattern> all(const MatrixXd& covariance, const Limits& limits);
 
@@ -196,7 +161,7 @@ class CameraPatterns {
   BoardPoints points_;
   std::vector<ViewFacts> facts_;
   std::vector<int> block_of_;
-  std::vector<std::vector<Vector2d>> residuals_;  // by view
+  std::vector<std::vector<Vector2d>> residuals_;  // by view, over Corner::sigma
   MatrixXd scores_;                               // of the shared parameters, by block
   Eigen::Matrix3d board2world_;                   // its z axis along the normal
   std::vector<int> free_;                         // lens parameters that are estimated
@@ -214,19 +179,16 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
   const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
   const Eigen::Matrix3d R = rig_.left2camera[c_].orient.toRotationMatrix();
   const Lens& lens = *rig_.lenses[c_];
-  const double weight = 1 / (rig_.sigma_px * rig_.sigma_px);
   const double time = 2.0 * double(i) / double(facts_.size() - 1) - 1;
   const ImageEquations equations = equationsOf(rig_, observations_.at(view.image));
   Eigen::Matrix<double, 2, 6> pose, by_left2camera;
   Eigen::Matrix<double, Eigen::Dynamic, 2> by_shared(rig_.columns.size, 2);
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   std::vector<Vector2d>& residuals = residuals_.emplace_back();
   for (std::size_t k = 0; k < view.corners.size(); ++k) {
     const Corner& corner = view.corners[k];
     const Eigen::Vector3d in_left = world2left * (corner.world - left2world.pos);
-    const Eigen::Vector3d in_camera = R * in_left + rig_.left2camera[c_].pos;
-    centre += in_camera / double(view.corners.size());
-    const Lens::Projection q = lens.differentiate(vec3(in_camera));
+    const double sigma = rig_.sigma_px * corner.sigma, weight = 1 / (sigma * sigma);
+    const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig_.left2camera[c_].pos));
     const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
     pose << -by_left * world2left, by_turn;
     by_shared.noalias() = -equations.pose_by_shared.transpose() * pose.transpose();
@@ -236,8 +198,8 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
       by_shared.middleRows<6>(rig_.columns.pose[c_]) += by_left2camera.transpose();
     }
     const Vector2d e = corner.pixel - q.pixel;
-    residuals.push_back(e);
-    facts_[i].squares += e.squaredNorm();
+    residuals.push_back(e / corner.sigma);
+    facts_[i].squares += residuals.back().squaredNorm();
     scores_.col(block).noalias() += by_shared * (weight * e);
     const auto add = [&]<int D>(PatternScores& to, int cell, const PatternRows<D>& F) {
       to.add<D>(cell, block, weight, e, F, pose, by_shared);
@@ -260,9 +222,9 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
        {&scores.board, &scores.place, &scores.drift, &scores.readout, &scores.offset})
     own->endView(equations.pose_inverse);
   squares_ += facts_[i].squares, corners_ += double(view.corners.size());
-  facts_[i].distance = centre.norm();
-  const Eigen::Vector3d normal = R * world2left * board2world_.col(2);
-  facts_[i].slant = std::acos(std::min(1.0, std::abs(normal.dot(centre)) / centre.norm()));
+  const ViewGeometry seen =
+      geometryOf(view, rig_.left2camera[c_] * left2world.inverse(), board2world_.col(2));
+  facts_[i].slant = seen.slant, facts_[i].distance = seen.distance;
 }
 
 void CameraPatterns::addNeighbours(std::size_t i) {

@@ -10,7 +10,9 @@
 #include "calibration/data/fitted_board.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/result_of.hpp"
+#include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/fit/corner_noise.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
 #include "calibration/quality/whitened_scores.hpp"
@@ -68,7 +70,9 @@ PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {
   checkImuImages(all);
   const Dataset data = withoutRejected(all, result);
   requirePixelsOf(data, result);
-  impl_ = std::make_shared<const Implementation>(*DataOnBoard(data, result.board), result);
+  const SortedDataset sorted(data);
+  const Dataset weighted = withNoiseOf(result, *sorted);
+  impl_ = std::make_shared<const Implementation>(*DataOnBoard(weighted, result.board), result);
 }
 
 std::optional<PixelCovariance> PixelUncertainty::at(std::size_t camera, const vec2& pixel,

@@ -139,10 +139,10 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
   const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], n).transpose();
   const MatrixXd by_left2camera =
       c == 0 ? MatrixXd() : MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose());
-  const double weight = 1 / rig.sigma_px;
   Eigen::Matrix<double, 2, 6> pose;
   Eigen::Matrix<double, Eigen::Dynamic, 2> rows(K_.cols(), 2);
   for (const Corner& corner : view.corners) {
+    const double weight = 1 / (rig.sigma_px * corner.sigma);
     const Eigen::Vector3d in_left = world2left * (corner.world - left2world.pos);
     const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig.left2camera[c].pos));
     const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);

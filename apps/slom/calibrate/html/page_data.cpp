@@ -248,6 +248,31 @@ Json viewsJson(const Result& result) {
   return list;
 }
 
+/// The fitted board as seen from the first image's side [mm]: places in the plane from one of its corners, displacements and their standard deviations,
+/// the third one towards the camera.
+Json fittedBoardJson(const Dataset& data, const Result& result) {
+  if (!result.board) return {};
+  constexpr double mm = 1000;
+  const BoardOutline outline = outlineOf(fullestView(data));
+  const SE3 world2board = outline.board2world.inverse();
+  const bool is_behind = (world2board * result.images.front().left2world.pos).z() < 0;
+  const double towards = is_behind ? -1 : 1;
+  Json corners = Json::array();
+  for (const MovedCorner& corner : result.board->corners) {
+    const vec3 at = world2board * corner.world, moved = world2board.orient * corner.displacement;
+    corners.push_back({corner.number, rounded(mm * (at.x() + outline.width / 2), 4),
+                       rounded(mm * (at.y() + outline.height / 2), 4), rounded(mm * moved.x(), 3),
+                       rounded(mm * moved.y(), 3), rounded(towards * mm * moved.z(), 3),
+                       rounded(mm * corner.std.maxCoeff(), 2)});
+  }
+  return {{"shape", toString(result.board->shape)},
+          {"width", mm * outline.width},
+          {"height", mm * outline.height},
+          {"off_plane", mm * result.board->off_plane},
+          {"within_plane", mm * result.board->within_plane},
+          {"corners", std::move(corners)}};
+}
+
 }  // namespace
 
 std::string pageData(const Dataset& data, const Result& result) {
@@ -277,6 +302,7 @@ std::string pageData(const Dataset& data, const Result& result) {
        {"imu", result.imu ? imuJson(*result.imu) : Json()},
        {"images", imagesJson(result)},
        {"board", boardJson(data)},
+       {"fitted_board", fittedBoardJson(data, result)},
        {"board_distance", quality.board_distance_m},
        {"split_why_not", quality.split_half.why_not},
        {"worst", worstJson(data, result)},

@@ -66,7 +66,8 @@ function plot(place, label, options, data, height) {
 
 /// A plot over an image of a camera, pixels square, v downwards. draw(pen, x, y, scale): x(u), y(v) in pixels of the canvas,
 /// `scale` of those in one of the page. `probe(u, v)`: what to say about a place.
-function imagePlot(place, label, camera, draw, probe) {
+/// `labels`: of the axes, where it is no image.
+function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px]"]) {
   const hook = u => {
     const pen = u.ctx;
     pen.save();
@@ -78,7 +79,7 @@ function imagePlot(place, label, camera, draw, probe) {
   };
   const drawn = plot(place, label, {
     scales: {x: {time: false, range: () => [0, camera.width]}, y: {range: () => [0, camera.height], dir: -1}},
-    axes: [axis("u [px]", {size: bottom_size, space: 60}), axis("v [px]", {size: left_size, space: 40})],
+    axes: [axis(labels[0], {size: bottom_size, space: 60}), axis(labels[1], {size: left_size, space: 40})],
     series: [{}, {paths: () => null, points: {show: false}}],
     hooks: {draw: [hook]},
   }, [[0, camera.width], [0, camera.height]], width => {

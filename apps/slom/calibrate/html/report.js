@@ -191,6 +191,44 @@ function space() {
     placed.map(image => [image.image, ...image.pose.slice(9).map(x => x.toFixed(3))]))));
 }
 
+// ---- board
+
+function board() {
+  const fitted = data.fitted_board;
+  if (!fitted) return;
+  const corners = fitted.corners.map(([id, x, y, dx, dy, dz, std]) => ({id, x, y, dx, dy, dz, std}));
+  const side = Math.sqrt(fitted.width * fitted.height / corners.length), margin = side;
+  const frame = {width: fitted.width + 2 * margin, height: fitted.height + 2 * margin};
+  const largest = Math.max(1e-9, ...corners.map(c => Math.hypot(c.dx, c.dy))), highest = Math.max(1e-9, ...corners.map(c => Math.abs(c.dz)));
+  const magnified = niceNumber(Math.max(1, 0.8 * side / largest));
+  const made = section("board", "Shape of the board", el("p", {},
+    fitted.shape === "bent" ? `The board was fitted with a bend. Its corners are ${number(fitted.off_plane)} mm off the plane (RMS).` :
+      `Each corner was fitted. They are ${number(fitted.off_plane)} mm off the plane and ${number(fitted.within_plane)} mm within it along each axis from where they are stated (RMS).`));
+  figure(made, "", `Discs: height over the plane, the larger the farther, up to ${number(highest)} mm. Lines: from where a corner is stated to where it is, ${magnified} times as long.`,
+    place => imagePlot(place, `Corners of the board, and how far they are from where they are stated`, frame, (pen, x, y, scale) => {
+      const disc = 0.42 * Math.abs(x(side) - x(0));
+      for (const c of corners) {
+        pen.beginPath();
+        pen.fillStyle = css(c.dz > 0 ? "--orange" : "--blue");
+        pen.globalAlpha = 0.75;
+        pen.arc(x(c.x + margin), y(c.y + margin), Math.max(1.2 * scale, disc * Math.sqrt(Math.abs(c.dz) / highest)), 0, 2 * Math.PI);
+        pen.fill();
+      }
+      pen.globalAlpha = 1;
+      pen.strokeStyle = css("--ink");
+      pen.lineWidth = 1.6 * scale;
+      pen.beginPath();
+      for (const c of corners) {
+        pen.moveTo(x(c.x + margin), y(c.y + margin));
+        pen.lineTo(x(c.x + margin + magnified * c.dx), y(c.y + margin + magnified * c.dy));
+      }
+      pen.stroke();
+    }, null, ["along one side [mm]", "along the other [mm]"]),
+    legendOf(key("--orange", "towards the camera"), key("--blue", "away from it"), key("--ink", `displacement within the plane, ${magnified} times`, "line")));
+  made.append(folded("Table of corners", table("Displacements of the corners [mm]", ["corner", "along one side", "along the other", "towards the camera", "known to"],
+    corners.map(c => [c.id, number(c.dx, 2), number(c.dy, 2), number(c.dz, 2), number(c.std, 2)]))));
+}
+
 // ---- corners
 
 function worstCorners() {
@@ -217,6 +255,7 @@ parameters();
 fit();
 residuals();
 space();
+board();
 if (data.is_assessed) {
   projection();
   crossValidation();

@@ -80,4 +80,26 @@ std::string boardShapesText(const Comparison& comparison) {
   return text + bulleted(verdictOnShape(comparison));
 }
 
+std::string noiseText(const NoiseComparison& comparison, const Result& result) {
+  std::string text = fmt::format("\nnoise of corners compared\n  {:<20}{:>12}{:>8}   {}\n", "grows with",
+                                 "log. gain", "[se]", "sigma in the lower and upper quarter of views");
+  for (const NoiseComparison::Trial& trial : comparison.trials) {
+    text += fmt::format("  {:<20}{:>12.1f}{:>8.1f}", toString(trial.by), trial.gain, trial.standard_errors);
+    for (std::size_t c = 0; c < trial.noise.size() && trial.by != SigmaBy::constant; ++c) {
+      text += fmt::format(
+          "{}{}{} and {}", c == 0 ? "   " : ", ", trial.noise.size() > 1 ? result.cameras[c].name + " " : "",
+          fixedDecimals(trial.noise[c].lower_quarter, 2), fixedDecimals(trial.noise[c].upper_quarter, 2));
+    }
+    text += "\n";
+  }
+  return text +
+         bulleted(
+             comparison.chosen == SigmaBy::constant
+                 ? "The residuals of some images do not say how large those of others are: the noise is constant."
+                 : fmt::format(
+                       "The noise grows with {}: residuals of some images say how large those of others are, "
+                       "by more than two standard errors.",
+                       toString(comparison.chosen)));
+}
+
 }  // namespace slom::app::calib

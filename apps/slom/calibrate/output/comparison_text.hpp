@@ -11,5 +11,7 @@ namespace slom::app::calib {
 std::string comparisonText(const Comparison& comparison);
 /// The same of the shapes of the board.
 std::string boardShapesText(const Comparison& comparison);
+/// The same of what the noise grows with.
+std::string noiseText(const NoiseComparison& comparison, const Result& result);
 
 }  // namespace slom::app::calib

@@ -47,6 +47,15 @@ Json clusteredJson(const ClusteredUncertainty& clustered) {
           {"covariance", std::move(covariance)}};
 }
 
+Json noiseJson(const CornerNoise& noise) {
+  return {{"by", toString(noise.by)},
+          {"typical", noise.typical},
+          {"growth", noise.growth},
+          {"factor", noise.factor},
+          {"lower_quarter", noise.lower_quarter},
+          {"upper_quarter", noise.upper_quarter}};
+}
+
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
   Json unused = Json::array();
@@ -87,6 +96,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"unused", std::move(unused)},
       {"copies", std::move(copies)},
       {"excluded", std::move(excluded)},
+      {"noise", noiseJson(camera.noise)},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
       {"rms_px_alone", camera.rms_px_single}};
@@ -191,6 +201,24 @@ Json comparisonJson(const Comparison& comparison) {
            comparison.chosen ? Json(toString(comparison.chosenTrial().board_shape)) : Json()}};
 }
 
+Json noiseJson(const NoiseComparison& comparison) {
+  Json trials = Json::array();
+  for (const NoiseComparison::Trial& trial : comparison.trials) {
+    Json noise = Json::array();
+    for (const CornerNoise& one : trial.noise) noise.push_back(noiseJson(one));
+    trials.push_back({{"by", toString(trial.by)},
+                      {"log_gain", trial.gain},
+                      {"standard_errors", trial.standard_errors},
+                      {"cameras", std::move(noise)}});
+  }
+  return {{"trials", std::move(trials)}, {"chosen", toString(comparison.chosen)}};
+}
+
+Json downweightedJson(const Downweighted& down) {
+  return {{"loss", down.loss},          {"noise_px", down.noise_px}, {"corners", down.corners},
+          {"least_weight", down.least}, {"mean_weight", down.mean},  {"over_curvature", down.over_curvature}};
+}
+
 }  // namespace
 
 std::string toJson(const Result& result) {
@@ -226,6 +254,8 @@ std::string toJson(const Result& result) {
       {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
       {"board", result.board ? boardJson(*result.board) : Json()},
       {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
+      {"downweighted", result.downweighted ? downweightedJson(*result.downweighted) : Json()},
+      {"noise_comparison", result.noise_comparison ? noiseJson(*result.noise_comparison) : Json()},
       {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
       {"board_comparison", result.board_comparison ? comparisonJson(*result.board_comparison) : Json()},
       {"worst_images", std::move(worst)},

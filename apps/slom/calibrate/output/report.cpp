@@ -66,6 +66,12 @@ std::string cameraLines(const Result& result, const CameraResult& camera) {
   text += columnTitles(result);
   for (const Parameter& p : camera.parameters)
     text += valueLine(p.name, p.value, p.std, p.std_clustered, unitOf(p.name));
+  if (camera.noise.growth > 0) {
+    text += fmt::format(
+        "  sigma of the corners, by {}: {} and {} times the stated one in the lower and upper quarter of images\n",
+        toString(camera.noise.by), fixedDecimals(camera.noise.lower_quarter, 2),
+        fixedDecimals(camera.noise.upper_quarter, 2));
+  }
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
   text += vectorLines("translation", camera.left2camera.pos, camera.translation_std,
@@ -115,6 +121,12 @@ std::string boardLines(const FittedBoard& board) {
   return text + fmt::format("\n  the farthest is corner {}, by {} mm, known to {} mm in each coordinate\n",
                             largest->number, twoDigits(mm * largest->displacement.norm()),
                             twoDigits(mm * largest->std.maxCoeff()));
+}
+
+std::string downweightedLines(const Downweighted& down) {
+  return fmt::format("\nrobust loss {}: {} with less than half the weight, the least {}; noise {} px\n",
+                     down.loss, plural(down.corners, "corner"), twoDigits(down.least),
+                     twoDigits(down.noise_px));
 }
 
 Outcome outcomeOf(const Result& r) {
@@ -194,6 +206,7 @@ std::string reportText(const Result& result) {
   for (const CameraResult& camera : result.cameras) text += cameraLines(result, camera);
   if (result.imu) text += imuLines(result, *result.imu);
   if (result.board) text += boardLines(*result.board);
+  if (result.downweighted) text += downweightedLines(*result.downweighted);
   text += worstLines(result);
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";

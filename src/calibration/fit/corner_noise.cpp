@@ -1,0 +1,351 @@
+#include "calibration/fit/corner_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "calibration/data/fitted_board.hpp"
+#include "calibration/data/rejected.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/view_facts.hpp"
+#include "calibration/median.hpp"
+#include "slom/calibration/board.hpp"
+#include "slom/model/loss.hpp"
+
+namespace slom::calibration {
+
+const char* toString(SigmaBy by) {
+  switch (by) {
+    case SigmaBy::constant:
+      break;
+    case SigmaBy::speed:
+      return "speed";
+    case SigmaBy::slant:
+      return "slant";
+    case SigmaBy::distance:
+      return "distance";
+  }
+  return "constant";
+}
+
+double CornerNoise::at(double x) const {
+  const double ratio = std::isfinite(x) ? x / typical : 1;
+  return factor * std::sqrt(1 + growth * ratio * ratio);
+}
+
+namespace {
+
+constexpr std::size_t fewest_views = 4;  // that a growth is estimated from
+
+/// Of two coordinates, with 95 % efficiency on normal noise; for their distance over its standard deviation in each.
+constexpr double huber_scale = 1.5, cauchy_scale = 2.55;
+
+Loss lossOf(Robust robust) {
+  if (robust == Robust::huber) return Huber(huber_scale);
+  if (robust == Robust::cauchy) return Cauchy(cauchy_scale);
+  return {};
+}
+
+Loss lossOf(const Downweighted& down) {
+  return down.loss == Huber(huber_scale).text() ? Loss(Huber(huber_scale)) : Loss(Cauchy(cauchy_scale));
+}
+
+/// The residuals of one view.
+struct ViewResiduals {
+  double x = 0;        // what the noise may grow with
+  double squares = 0;  // over Corner::sigma, with the weights of a loss [px^2]
+  double dof = 0;      // numbers measured, less what the pose takes
+};
+
+/// Where the noise of a view is asked for.
+std::vector<double> quantityOf(SigmaBy by, const CameraData& camera, const CameraResult& fitted,
+                               const std::map<int, SE3>& left2world, const Eigen::Vector3d& normal) {
+  std::vector<double> x;
+  if (by == SigmaBy::speed) {
+    for (const ViewMotion& motion : motionsOf(camera)) x.push_back(motion.speed);
+    return x;
+  }
+  for (const View& view : camera.views) {
+    const auto pose = left2world.find(view.image);
+    if (by == SigmaBy::constant || pose == left2world.end()) {
+      x.push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const ViewGeometry seen = geometryOf(view, fitted.left2camera * pose->second.inverse(), normal);
+    x.push_back(by == SigmaBy::slant ? seen.slant : seen.distance);
+  }
+  return x;
+}
+
+std::map<int, SE3> posesOf(const Result& result) {
+  std::map<int, SE3> poses;
+  for (const ImageResult& image : result.images) poses.emplace(image.image, image.left2world);
+  return poses;
+}
+
+Eigen::Vector3d normalOf(const Dataset& data) {
+  return fitPlane(fullestView(data).corners).plane2world.orient.toRotationMatrix().col(2);
+}
+
+/// Distances of the corners of a view from where the fit puts them [px].
+std::vector<double> distancesOf(const View& view, const CameraResult& camera, const SE3& left2world) {
+  const SE3 world2camera = camera.left2camera * left2world.inverse();
+  std::vector<double> distances;
+  for (const Corner& corner : view.corners)
+    distances.push_back((camera.project(vec3(world2camera * corner.world)) - corner.pixel).norm());
+  return distances;
+}
+
+/// What is left of the numbers of each view beside its pose, which all cameras that see the image share.
+std::vector<std::vector<ViewResiduals>> residualsOf(const Dataset& on_board, const Result& result) {
+  const std::map<int, SE3> poses = posesOf(result);
+  std::map<int, int> seen_by;
+  for (const CameraData& camera : on_board.cameras) {
+    for (const View& view : camera.views) ++seen_by[view.image];
+  }
+  std::vector<std::vector<ViewResiduals>> all;
+  for (std::size_t c = 0; c < on_board.cameras.size(); ++c) {
+    all.emplace_back();
+    for (const View& view : on_board.cameras[c].views) {
+      const std::vector<double> distances = distancesOf(view, result.cameras[c], poses.at(view.image));
+      ViewResiduals& own = all.back().emplace_back();
+      for (std::size_t k = 0; k < distances.size(); ++k)
+        own.squares += std::pow(distances[k] / view.corners[k].sigma, 2);
+      const double count = 2 * double(view.corners.size());
+      own.dof = std::max(0.1 * count, count - 6.0 / seen_by[view.image]);
+    }
+  }
+  return all;
+}
+
+/// Minus twice the logarithm of the restricted likelihood of a growth, but for a constant, with the best common sigma; its square goes to `common`.
+double unlikelihood(const std::vector<ViewResiduals>& views, double typical, double growth,
+                    double* common = nullptr) {
+  double squares = 0, dof = 0, logarithms = 0;
+  for (const ViewResiduals& view : views) {
+    const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
+    const double variance = 1 + growth * ratio * ratio;
+    squares += view.squares / variance;
+    dof += view.dof;
+    logarithms += view.dof * std::log(variance);
+  }
+  if (common) *common = squares / dof;
+  return dof * std::log(squares / dof) + logarithms;
+}
+
+double medianOfKnown(const std::vector<ViewResiduals>& views) {
+  std::vector<double> known;
+  for (const ViewResiduals& view : views) {
+    if (std::isfinite(view.x)) known.push_back(view.x);
+  }
+  return known.size() < fewest_views ? 0 : medianOf(known);
+}
+
+/// The most likely growth from 0 to 1e6, by a table of its logarithm and then between the neighbours of the best.
+double bestGrowth(const std::vector<ViewResiduals>& views, double typical) {
+  constexpr double lowest = -4, highest = 6, step = 0.5;  // powers of ten
+  const auto of = [&](double power) { return unlikelihood(views, typical, std::pow(10, power)); };
+  double best = lowest;
+  for (double power = lowest; power <= highest; power += step) {
+    if (of(power) < of(best)) best = power;
+  }
+  double lower = best - step, upper = best + step;
+  constexpr double golden = 0.381966;
+  while (upper - lower > 1e-4) {
+    const double a = lower + golden * (upper - lower), b = upper - golden * (upper - lower);
+    of(a) < of(b) ? upper = b : lower = a;
+  }
+  const double power = (lower + upper) / 2;
+  return of(power) < unlikelihood(views, typical, 0) ? std::pow(10, power) : 0;
+}
+
+/// The noise that residuals of views show, with `corners` in each.
+CornerNoise noiseFrom(SigmaBy by, const std::vector<ViewResiduals>& views) {
+  CornerNoise noise{by};
+  const double typical = medianOfKnown(views);
+  const bool is_known = std::any_of(views.begin(), views.end(), [](const auto& v) { return v.squares > 0; });
+  if (by == SigmaBy::constant || !(typical > 0) || !is_known) return noise;
+  noise.typical = typical;
+  noise.growth = bestGrowth(views, typical);
+  double logarithms = 0, dof = 0;
+  std::vector<double> known;
+  for (const ViewResiduals& view : views) {
+    logarithms += view.dof * std::log(noise.at(view.x)), dof += view.dof;
+    if (std::isfinite(view.x)) known.push_back(view.x);
+  }
+  noise.factor = std::exp(-logarithms / dof);
+  std::sort(known.begin(), known.end());
+  noise.lower_quarter = noise.at(known[known.size() / 4]);
+  noise.upper_quarter = noise.at(known[(3 * known.size()) / 4]);
+  return noise;
+}
+
+void setQuantity(SigmaBy by, const Dataset& on_board, const Result& result, std::size_t c,
+                 std::vector<ViewResiduals>& views) {
+  const std::vector<double> x =
+      quantityOf(by, on_board.cameras[c], result.cameras[c], posesOf(result), normalOf(on_board));
+  for (std::size_t i = 0; i < x.size(); ++i) views[i].x = x[i];
+}
+
+/// Multiplies Corner::sigma by what grows.
+void applyGrowth(const Result& result, const Dataset& on_board, Dataset& data) {
+  const std::map<int, SE3> poses = posesOf(result);
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    const CornerNoise& noise = result.cameras[c].noise;
+    if (noise.growth == 0) continue;
+    const std::vector<double> x =
+        quantityOf(noise.by, on_board.cameras[c], result.cameras[c], poses, normalOf(on_board));
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      for (Corner& corner : data.cameras[c].views[i].corners) corner.sigma *= noise.at(x[i]);
+    }
+  }
+}
+
+/// Divides Corner::sigma by the roots of the weights of a loss, and sums these up.
+void applyLoss(const Loss& loss, const Result& result, const Dataset& on_board, Dataset& data,
+               Downweighted& down) {
+  const std::map<int, SE3> poses = posesOf(result);
+  double weights = 0, curvatures = 0, count = 0;
+  down.corners = 0, down.least = 1;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
+      const View& view = on_board.cameras[c].views[v];
+      const auto pose = poses.find(view.image);
+      if (pose == poses.end()) continue;  // of a fit that failed early
+      const std::vector<double> distances = distancesOf(view, result.cameras[c], pose->second);
+      for (std::size_t k = 0; k < distances.size(); ++k) {
+        Corner& corner = data.cameras[c].views[v].corners[k];
+        const double length = distances[k] / (down.noise_px * corner.sigma), s = length * length;
+        if (!std::isfinite(s)) continue;
+        const LossValue value = loss.evaluate(s);
+        corner.sigma /= std::sqrt(value.first);
+        weights += value.first, count += 1;
+        curvatures += value.first + value.second * s;  // half the trace of the second derivative
+        down.corners += value.first < 0.5 ? 1 : 0;
+        down.least = std::min(down.least, value.first);
+      }
+    }
+  }
+  if (!(count > 0)) return;
+  down.mean = weights / count;
+  down.over_curvature = curvatures > 0 ? std::max(1.0, weights / curvatures) : 1;
+}
+
+/// What u and v of most corners show.
+double noisePx(const Result& result, const Dataset& on_board, const Dataset& data) {
+  const std::map<int, SE3> poses = posesOf(result);
+  std::vector<double> sizes;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
+      const View& view = on_board.cameras[c].views[v];
+      const std::vector<double> distances = distancesOf(view, result.cameras[c], poses.at(view.image));
+      for (std::size_t k = 0; k < distances.size(); ++k)
+        sizes.push_back(distances[k] / data.cameras[c].views[v].corners[k].sigma);
+    }
+  }
+  return noiseOfDistances(std::move(sizes));
+}
+
+}  // namespace
+
+bool estimatesNoise(const Settings& settings) {
+  return settings.sigma_by != SigmaBy::constant || lossOf(settings.robust).kind() != nullptr;
+}
+
+void estimateNoise(const Dataset& data, const Settings& settings, Result& result) {
+  for (CameraResult& camera : result.cameras) camera.noise = {};
+  // A loss lets gross corners count little in what the noise grows with, too.
+  const DataOnBoard before(data, result.board);
+  const Dataset weighted = withNoiseOf(result, data);
+  result.downweighted.reset();
+  const DataOnBoard on_board(weighted, result.board);
+  if (settings.sigma_by != SigmaBy::constant) {
+    auto residuals = residualsOf(*on_board, result);
+    for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+      setQuantity(settings.sigma_by, *on_board, result, c, residuals[c]);
+      result.cameras[c].noise = noiseFrom(settings.sigma_by, residuals[c]);
+    }
+  }
+  const Loss loss = lossOf(settings.robust);
+  if (!loss.kind()) return;
+  Dataset grown = data;
+  applyGrowth(result, *before, grown);
+  Downweighted down{loss.text(), noisePx(result, *before, grown)};
+  if (!(down.noise_px > 0)) return;
+  applyLoss(loss, result, *before, grown, down);
+  result.downweighted = std::move(down);
+}
+
+Dataset withNoiseOf(const Result& result, const Dataset& data) {
+  Dataset weighted = data;
+  const DataOnBoard on_board(data, result.board);
+  applyGrowth(result, *on_board, weighted);
+  if (!result.downweighted) return weighted;
+  Downweighted again = *result.downweighted;
+  applyLoss(lossOf(again), result, *on_board, weighted, again);
+  return weighted;
+}
+
+NoiseComparison compareNoise(const Dataset& all, const Result& result) {
+  constexpr double clear = 2;  // standard errors
+  constexpr std::size_t most_blocks = 12;
+  NoiseComparison comparison;
+  comparison.trials.push_back({SigmaBy::constant, 0, 0, std::vector<CornerNoise>(result.cameras.size())});
+  if (!result.success()) return comparison;
+  const Dataset data = withoutRejected(all, result);
+  const SortedDataset sorted(data);
+  const Dataset weighted = withNoiseOf(result, *sorted);
+  const DataOnBoard on_board(weighted, result.board);
+  const auto residuals = residualsOf(*on_board, result);
+  for (const SigmaBy by : {SigmaBy::speed, SigmaBy::slant, SigmaBy::distance}) {
+    NoiseComparison::Trial trial{by};
+    std::vector<double> gains;  // by block
+    for (std::size_t c = 0; c < residuals.size(); ++c) {
+      std::vector<ViewResiduals> views = residuals[c];
+      setQuantity(by, *on_board, result, c, views);
+      trial.noise.push_back(noiseFrom(by, views));
+      const std::size_t blocks = std::min(most_blocks, views.size());
+      for (std::size_t b = 0; b < blocks; ++b) {
+        const auto first = std::ptrdiff_t(b * views.size() / blocks),
+                   last = std::ptrdiff_t((b + 1) * views.size() / blocks);
+        const std::vector<ViewResiduals> own(views.begin() + first, views.begin() + last);
+        std::vector<ViewResiduals> others(views.begin(), views.begin() + first);
+        others.insert(others.end(), views.begin() + last, views.end());
+        const double typical = medianOfKnown(others);
+        double gain = 0, common = 0, common_of_constant = 0;
+        if (typical > 0) {
+          const double growth = bestGrowth(others, typical);
+          unlikelihood(others, typical, growth, &common);
+          unlikelihood(others, typical, 0, &common_of_constant);
+          for (const ViewResiduals& view : own) {
+            const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
+            const double variance = common * (1 + growth * ratio * ratio);
+            gain += (view.dof * std::log(common_of_constant / variance) +
+                     view.squares * (1 / common_of_constant - 1 / variance)) /
+                    2;
+          }
+        }
+        gains.push_back(gain);
+      }
+    }
+    const double count = double(gains.size());
+    trial.gain = std::accumulate(gains.begin(), gains.end(), 0.0);
+    double square = 0;
+    for (const double gain : gains) square += std::pow(gain - trial.gain / count, 2);
+    const double error = std::sqrt(square / std::max(1.0, count - 1) * count);
+    trial.standard_errors = error > 0 ? trial.gain / error : 0;
+    comparison.trials.push_back(std::move(trial));
+  }
+  double most = 0;
+  for (const NoiseComparison::Trial& trial : comparison.trials) {
+    if (!(trial.standard_errors > clear && trial.gain > most)) continue;
+    most = trial.gain;
+    comparison.chosen = trial.by;
+  }
+  return comparison;
+}
+
+}  // namespace slom::calibration
