@@ -36,6 +36,11 @@ std::string nothingToExclude(const CommandSettings&, const DataError::Parts& par
   return fmt::format("--exclude {}: {}; {}", what, parts.fault, parts.remedy);
 }
 
+std::string noStart(const CommandSettings&, const DataError::Parts& parts) {
+  return fmt::format("{}: {}; look for corners that are far off, or leave out such ones by --robust reject",
+                     parts.place, parts.fault);
+}
+
 }  // namespace
 
 std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error) {
@@ -44,6 +49,7 @@ std::string inWordsOfOptions(const CommandSettings& settings, const DataError& e
       {"slom.calibration.too-few-data", &tooFewData},
       {"slom.calibration.nothing-to-exclude", &nothingToExclude},
       {"slom.calibration.imu-open", &imuOpen},
+      {"slom.calibration.no-start", &noStart},
       {"slom.calibration.imu-images", &imuImages}};
   const auto found = sentences.find(error.id());
   return found == sentences.end() ? std::string(error.sentence()) : found->second(settings, error.parts());

@@ -63,7 +63,7 @@ struct Settings {
   Fixed fixed;
   std::vector<LensConstraint> lens;
   /// Standard deviation of a prior at 0 on the parameters that a model can trade against others (Model::heldNearZero). Without a value
-  /// there is no such prior, unless a fit without it fails.
+  /// there is no such prior, unless a fit without it fails; with a board that is not flat it is 1.
   std::optional<double> sigma_denominator;
   int max_iterations = 100;  ///< iteration limit of a fit
   Limits limits;

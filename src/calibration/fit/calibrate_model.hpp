@@ -105,6 +105,21 @@ ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes,
   return start;
 }
 
+/// Where the lens of the start values does not see a corner, that is the fault of a corner which drew them there.
+template <class Camera>
+Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, const Dataset& data) {
+  try {
+    return problem.optimize(options);
+  } catch (const slom::Error& error) {
+    if (error.id() != "slom.not-finite" && error.id() != "slom.overflow") throw;
+    throw DataError(
+        "slom.calibration.no-start",
+        {.place = nameOf(data.cameras.front()),
+         .fault = "no start values were found at which the lens sees all corners",
+         .remedy = "look for corners that are far off, or leave out such ones by Settings::robust"});
+  }
+}
+
 /// From start values to the result. Boards that are all `parallel` (the sentence says so) rarely allow a fit: it is not tried
 /// for long.
 template <class Camera>
@@ -128,7 +143,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   options.deviation_tolerance = enough_deviations;
   applyLimits(settings.limits, options);
   options.observer = progress.iteration;
-  Result result = problem.result(problem.optimize(options));
+  Result result = problem.result(optimizeFromStart(problem, options, data));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_single = rms_px_single[c];
   result.strays = findStrays(data, cameras, rig);
@@ -143,21 +158,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
 /// nowhere: then a prior keeps them near 0.
 inline constexpr double sigma_of_denominator = 1;
 
-/// Whether the images know some of these parameters less well than the prior would.
-template <class Camera>
-bool leavesDenominatorOpen(const Result& result) {
-  if constexpr (has_prior<Camera>) {
-    for (const CameraResult& camera : result.cameras) {
-      for (const int i : Camera::held_near_zero) {
-        if (!(camera.parameters[std::size_t(i)].std <= sigma_of_denominator)) return true;
-      }
-    }
-  }
-  return false;
-}
-
-/// For a model that may need its prior: first with a flat board and without the prior, which says whether it does. Where the board is unknown, too, it
-/// does as soon as the images know less than the prior.
+/// For a model that may need its prior: first without, which says whether it does.
 template <class Camera>
 Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& planes,
                                   const std::string& parallel, Settings settings, const Progress& progress) {
@@ -165,13 +166,8 @@ Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& pla
   std::vector<IterationRecord> iterations;
   const Progress kept{[&](const SingleCameraReport& report) { alone.push_back(report); },
                       [&](const IterationRecord& record) { iterations.push_back(record); }};
-  Settings first = settings;
-  first.board_shape = BoardShape::flat;
-  const Result result = calibrateOnce<Camera>(data, planes, parallel, first, kept);
-  const bool is_flat = settings.board_shape == BoardShape::flat;
-  const bool is_open = !result.success() || (!is_flat && leavesDenominatorOpen<Camera>(result));
-  const bool must_end = !parallel.empty() || !reasonToEnd(settings.limits).empty();
-  if (must_end || (!is_open && is_flat)) {
+  const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
+  if (result.success() || !parallel.empty() || !reasonToEnd(settings.limits).empty()) {
     for (const SingleCameraReport& report : alone) {
       if (progress.single_camera) progress.single_camera(report);
     }
@@ -180,12 +176,22 @@ Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& pla
     }
     return result;
   }
-  if (is_open) settings.sigma_denominator = sigma_of_denominator;
+  settings.sigma_denominator = sigma_of_denominator;
   return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
 }
 
+/// Where the board is unknown, too, the prior is there from the beginning: numerator, denominator and board can do the same, and steps towards what
+/// is all but open are long and careful ones, of minutes each in long recordings.
 template <class Camera>
-Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress) {
+Settings withPriorForBoard(Settings settings) {
+  if (has_prior<Camera> && settings.board_shape != BoardShape::flat && !settings.sigma_denominator)
+    settings.sigma_denominator = sigma_of_denominator;
+  return settings;
+}
+
+template <class Camera>
+Result calibrateModel(const Dataset& data, const Settings& given, const Progress& progress) {
+  const Settings settings = withPriorForBoard<Camera>(given);
   const PlanesByCamera planes = planesOf(data);
   const std::string parallel = parallelViews(planes, data.images().size());
   if (has_prior<Camera> && !settings.sigma_denominator)
@@ -221,10 +227,8 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   return problem.result(problem.optimize(options));
 }
 
-/// `is_open` becomes whether the images know less than the prior of the model; there is no cross-validation then.
 template <class Camera>
-ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
-                        bool* is_open = nullptr) {
+ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
   ModelTrial trial{settings.model, settings.board_shape};
   try {
     const auto start = startModel<Camera>(data, planes, settings, {});
@@ -240,10 +244,6 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     trial.rss = summary.final_rss;
     trial.rms_px = problem.rmsOfAll();
     if (!summary.converged) return trial.failure = summary.message, trial;
-    if (is_open) {
-      *is_open = leavesDenominatorOpen<Camera>(problem.result(summary));
-      if (*is_open) return trial;
-    }
     const std::optional<FittedBoard> board = problem.board();
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig(), board);
     if (!std::isfinite(trial.heldOutRms()))
@@ -258,19 +258,15 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
 }
 
 template <class Camera>
-ModelTrial tryModel(const Dataset& data, const Settings& settings) {
+ModelTrial tryModel(const Dataset& data, const Settings& given) {
   const PlanesByCamera planes = planesOf(data);
-  if (!has_prior<Camera> || settings.sigma_denominator) return tryModelOnce<Camera>(data, planes, settings);
-  Settings next = settings;
-  next.board_shape = BoardShape::flat;
-  bool is_open = false;
-  ModelTrial trial = tryModelOnce<Camera>(data, planes, next, &is_open);
-  is_open = is_open || !trial.failure.empty();
-  if (!reasonToEnd(settings.limits).empty() || (!is_open && settings.board_shape == BoardShape::flat))
+  Settings settings = withPriorForBoard<Camera>(given);
+  ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
+  if (!has_prior<Camera> || settings.sigma_denominator || trial.failure.empty() ||
+      !reasonToEnd(settings.limits).empty())
     return trial;
-  next.board_shape = settings.board_shape;
-  if (is_open) next.sigma_denominator = sigma_of_denominator;
-  return tryModelOnce<Camera>(data, planes, next);
+  settings.sigma_denominator = sigma_of_denominator;
+  return tryModelOnce<Camera>(data, planes, settings);
 }
 
 }  // namespace slom::calibration

@@ -62,6 +62,7 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
   }
   const std::string& camera = result.cameras[pattern.camera].name;
   const double value = pattern.value;
+  const bool is_free = result.board && result.board->shape == BoardShape::free;
   switch (pattern.kind) {
     case Kind::neighbours:
       return fmt::format(
@@ -70,9 +71,14 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
           camera, fixedDecimals(value, 2));
     case Kind::board_shape:
       return fmt::format(
-          "in the images of {}, corners of the board are elsewhere than stated, the same in all images: by at least {} mm off its plane and {} mm within it "
-          "(RMS), {} of the squared residuals; have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed",
-          camera, twoDigits(1e3 * value), twoDigits(1e3 * pattern.second), percent(pattern.share));
+          "in the images of {}, corners of the board are elsewhere than {}, the same in all images: by at least {} mm off its plane and {} mm within it "
+          "(RMS), {} of the squared residuals; {}",
+          camera, result.board ? "fitted" : "stated", twoDigits(1e3 * value), twoDigits(1e3 * pattern.second),
+          percent(pattern.share),
+          is_free
+              ? "what is known beforehand holds the free board back: state the noise that the residuals show (--sigma-px), or more for the board "
+                "(--sigma-board)"
+              : "have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed");
     case Kind::image_place:
       return fmt::format(
           "residuals of {} depend on the place in the image, by {} px (RMS), {} of the squared residuals: the lens model does not "

@@ -73,6 +73,13 @@ void noteCopies(const Result& result, std::vector<std::string>& notes) {
 void noteDenominator(const Result& result, std::vector<std::string>& notes) {
   if (!result.sigma_denominator) return;
   const Model model(result.cameras.front().model);
+  if (result.board) {
+    notes.push_back(fmt::format(
+        "Numerator and denominator of {} can do the same, and so can a board whose shape is unknown. {} were therefore held at 0 +- {:g} each, and the "
+        "standard deviations hold on that condition.",
+        model.name(), fmt::join(model.heldNearZero(), ", "), *result.sigma_denominator));
+    return;
+  }
   notes.push_back(fmt::format(
       "The images leave open what {} are, because numerator and denominator of {} do the same on them. "
       "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
