@@ -140,10 +140,15 @@ std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings
   return comparison;
 }
 
-/// The models once more, with the shape of the board that was chosen: what the board makes of the residuals of a flat one can look like a lens.
+/// The models once more, with the shape of the board that was chosen: what the board makes of the residuals of a flat one can look like a lens. Models
+/// with a prior are tried again only where they were chosen: with an unknown board they take long, and all that they add is hardly determined.
 void compareAgain(const Dataset& data, CommandSettings& settings, std::optional<Comparison>& comparison) {
   const bool is_flat = settings.board_shape == BoardShape::flat;
   if (settings.board_shape_is_given || is_flat || settings.compared.size() < 2) return;
+  std::erase_if(settings.compared, [&](const Model& model) {
+    return !model.heldNearZero().empty() && !(model == settings.model);
+  });
+  if (settings.compared.size() < 2) return;
   if (!settings.quiet) say(fmt::format("\nwith a {} board:", toString(settings.board_shape)));
   comparison = compare(data, settings);
 }
