@@ -25,7 +25,7 @@ BY_HAND = {  # whose tests compare the text in parts
     "slom.undetermined-start": ("the linear systems of chordal relaxation cannot be solved, as the weights of the edges differ too much",
                                 "start along a spanning tree"),
     "slom.unmeasured-variable": ("no measurement depends on variable lonely, so nothing determines it",
-                                 "add measurements or fix it with optimizeRV(id, false)"),
+                                 "add measurements or fix it with fix(id)"),
 }
 LITERAL = r'"(?:[^"\\\n]|\\.)*"'
 LITERALS = re.compile(rf"{LITERAL}(?:\s*{LITERAL}|\s*\+\s*[a-z_]+\s*\+\s*{LITERAL})*")  # with names of variables between them

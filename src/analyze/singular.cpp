@@ -7,7 +7,7 @@ namespace slom {
 
 std::string unmeasured(const std::string& name) {
   return "no measurement depends on variable " + name +
-         ", so nothing determines it; add measurements or fix it with optimizeRV(id, false)";
+         ", so nothing determines it; add measurements or fix it with fix(id)";
 }
 
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
@@ -35,9 +35,8 @@ Error singularError(const Problem& problem, const ProblemStructure& structure, c
       "slom.rank-deficient",
       "the measurements do not determine " + name + ": " + limit +
           "it can move, alone or together with others, without changing any residual; add measurements or a "
-          "prior, fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the "
-          "many "
-          "solutions" +
+          "prior, fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use "
+          "LevenbergMarquardt to get one of the many solutions" +
           (status.least > BlockQR::kPivotTolerance
                ? ", or BlockQR, which needs " + number(BlockQR::kPivotTolerance)
                : ""),

@@ -190,7 +190,7 @@ TEST(Diagnosis, AComponentThatNothingMeasures) {
       (Texts{
           "no residual changes with antenna.z, to first order: add measurements that do or a prior, or fix it",
           "no measurement depends on variable clock, so nothing determines it; add measurements or fix it with "
-          "optimizeRV(id, false)"}));
+          "fix(id)"}));
   EXPECT_EQ(est.diagnose().rank, 2);
   est.optimizeRV(unused, false);
   EXPECT_EQ(est.diagnose().rank, 2);

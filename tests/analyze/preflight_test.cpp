@@ -67,7 +67,7 @@ TEST(Preflight, FindsWrongDerivativesAndMissingMeasurements) {
   est.insertRV(0.0, "idle");
   EXPECT_EQ(
       est.preflight().faults[0],
-      "no measurement depends on variable idle, so nothing determines it; add measurements or fix it with optimizeRV(id, false)");
+      "no measurement depends on variable idle, so nothing determines it; add measurements or fix it with fix(id)");
 }
 
 TEST(Preflight, ChecksTheUsersDerivatives) {

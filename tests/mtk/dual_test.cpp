@@ -358,6 +358,16 @@ TEST(DerivativesOfManifolds, AgreeWithLongDoubleAtHardPoints) {
         [](const auto& x) { return mtk::SO3<std::remove_cvref_t<decltype(x[0])>>::exp(x) * Vec3(1, 2, 3); },
         v);
     expectExact(
+        "exp by the name of plain rotations" + at,
+        [](const auto& angle, const auto& axis) {
+          return mtk::SO3<>::exp(angle * axis.vector()) * Vec3(1, 2, 3);
+        },
+        v.norm(), mtk::S2<>(v.norm() > 0 ? v : Vec3(1, 0, 0)));
+    expectExact(
+        "log by the name of plain rotations" + at,
+        [](const auto& a, const auto& b) { return mtk::SO3<>::log(a.inverse() * b); },
+        mtk::SO3<>::exp(Vec3(0.1, 0.2, 0.3)), mtk::SO3<>::exp(Vec3(0.1, 0.2, 0.3)) * R);
+    expectExact(
         "log" + at,
         [](const auto& a, const auto& b) {
           const auto relative = a.inverse() * b;

@@ -231,7 +231,7 @@ TEST(RankDeficiency, StopsGaussNewtonWithNamesAndNothingLost) {
   const std::string expected =
       "[slom.rank-deficient] the measurements do not determine a: the others leave less than 1e-08 of its column of the "
       "Jacobian, so it can move, alone or together with others, without changing any residual; add measurements or a prior, "
-      "fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many solutions, or BlockQR, which "
+      "fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one of the many solutions, or BlockQR, which "
       "needs 1e-12";
   const std::string expected_b = [&] {
     std::string t = expected;
@@ -322,7 +322,7 @@ TEST(RankDeficiency, OfAFreeGaugeNeedsNoLimit) {
   EXPECT_EQ(
       summary.message.substr(unknown.size()),
       ": it can move, alone or together with others, without changing any residual; add measurements or a prior, "
-      "fix a variable with optimizeRV(id, false), or use LevenbergMarquardt to get one of the many solutions");
+      "fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one of the many solutions");
 }
 
 /// A negative base has a derivative by its exponent nowhere; one that is fixed needs none.
@@ -343,7 +343,7 @@ TEST(FixedComponents, NeedNoDerivative) {
 TEST(RankDeficiency, OfAnUnmeasuredVariableIsAWarningAndAnError) {
   const std::string sentence =
       "no measurement depends on variable bias, so nothing determines it; add measurements or fix "
-      "it with optimizeRV(id, false)";
+      "it with fix(id)";
   slom::Estimator est;
   const auto x = est.insertRV(1.0), bias = est.insertRV(5.0, "bias");
   est.insertMeasurement([](double v) { return v; }, x);

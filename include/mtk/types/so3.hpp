@@ -98,8 +98,23 @@ class SO3 {
     result.q_ << factor * x, factor * y, factor * z, w;
     return result;
   }
+  /// The same for a vector of numbers that carry derivatives or are packs: SO3<>::exp(angle * axis.vector()) holds in a
+  /// measurement function, whatever numbers it is called with.
+  template <class D>
+    requires(!std::is_same_v<typename D::Scalar, S> &&
+             std::is_same_v<promote_t<S, typename D::Scalar>, typename D::Scalar>)
+  static SO3<typename D::Scalar> exp(const Eigen::MatrixBase<D>& d) {
+    EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(D, 3)
+    return SO3<typename D::Scalar>::exp(vect<3, typename D::Scalar>(d));
+  }
   /// The rotation vector with |.| <= pi whose exponential is R.
   static Vector log(const SO3& R) { return logFactor(R) * Vector(R.q_.template head<3>()); }
+  /// The same for a rotation of such numbers.
+  template <class T>
+    requires(!std::is_same_v<T, S> && std::is_same_v<promote_t<S, T>, T>)
+  static typename SO3<T>::Vector log(const SO3<T>& R) {
+    return SO3<T>::log(R);
+  }
   /// log(R) = logFactor(R) * (x, y, z)
   static S logFactor(const SO3& R) {
     const S sign = select(R.w() < S(0), S(-1), S(1));

@@ -1,0 +1,22 @@
+# Configures the project CONSUMER with several build types: the package says what it costs to have none, and nothing otherwise.
+set(note "slom: without a build type the program is compiled without optimisation, and its fits take many times as long; pass -DCMAKE_BUILD_TYPE=Release")
+unset(ENV{CMAKE_BUILD_TYPE})
+unset(ENV{CXXFLAGS})
+function(expect_note expected)
+  file(REMOVE_RECURSE "${BUILD}")
+  execute_process(COMMAND "${CMAKE_COMMAND}" -S "${CONSUMER}" -B "${BUILD}" "-DCMAKE_CXX_COMPILER=${COMPILER}" "-DCMAKE_PREFIX_PATH=${PREFIX}"
+                          "-DSLOM_EXPECTED_VERSION=${VERSION}" ${ARGN}
+                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "configuring failed with ${status}\n${output}\n${errors}")
+  endif()
+  string(FIND "${output}" "${note}" place)
+  if(expected AND place EQUAL -1)
+    message(FATAL_ERROR "no note with '${ARGN}':\n${output}")
+  elseif(NOT expected AND NOT place EQUAL -1)
+    message(FATAL_ERROR "a note with '${ARGN}':\n${output}")
+  endif()
+endfunction()
+expect_note(YES)
+expect_note(NO -DCMAKE_BUILD_TYPE=Release)
+expect_note(NO -DCMAKE_CXX_FLAGS=-O2)
