@@ -3,6 +3,8 @@
 #include "support/documentation.hpp"
 
 #include <filesystem>
+#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,37 @@ TEST(Documentation, ShowsWhatTheProgramOfTheTutorialPrints) {
   const auto printed = blocks(readFile(slom::testing::sourcePath("docs/tutorial.md")), "text");
   ASSERT_EQ(printed.size(), 1u);
   EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/landmark_slam_2d/expected.txt")));
+}
+
+/// What the program of docs/background prints, by page.
+std::map<std::string, std::string> backgroundSections() {
+  std::map<std::string, std::string> sections;
+  std::istringstream printed(readFile(slom::testing::sourcePath("examples/background/expected.txt")));
+  std::string page;
+  for (std::string line; std::getline(printed, line);) {
+    if (line.rfind("== ", 0) == 0) {
+      page = line.substr(3);
+    } else {
+      sections[page] += line + "\n";
+    }
+  }
+  return sections;
+}
+
+TEST(Documentation, ShowsWhatTheProgramOfTheBackgroundPrints) {
+  const std::map<std::string, std::string> sections = backgroundSections();
+  EXPECT_EQ(sections.size(), 10u);
+  for (const auto& [name, printed] : sections) {
+    const std::string page = readFile(slom::testing::sourcePath("docs/background/" + name + ".md"));
+    EXPECT_NE(page.find("](" + name + ".svg)"), std::string::npos) << name << " does not show its picture";
+    const auto shown = blocks(page, "text");
+    EXPECT_FALSE(shown.empty()) << name;
+    for (const std::string& block : shown) {
+      const auto at = printed.find(block);
+      EXPECT_TRUE(at != std::string::npos && (at == 0 || printed[at - 1] == '\n')) << name << " shows\n"
+                                                                                   << block;
+    }
+  }
 }
 
 TEST(Documentation, ShowsWhatTheCalibrationPrints) {
