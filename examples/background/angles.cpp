@@ -20,11 +20,11 @@ using Vec3 = Eigen::Vector3d;
 /// Readings of a compass [degree].
 const std::vector<double> kHeadings{350, 5, 12, 358, 340};
 
-template <class Value>
-Value meanOf(const std::vector<Value>& samples, const Value& start) {
+template <class M>
+M meanOf(const std::vector<M>& samples, const M& start) {
   slom::Estimator est;
   auto mean = est.insertRV(start, "mean");
-  for (const Value& sample : samples) est.insertMeasurement(slom::Prior(), mean, slom::measured(sample));
+  for (const M& sample : samples) est.insertMeasurement(slom::Prior(), mean, slom::measured(sample));
   est.optimize();
   return *mean;
 }

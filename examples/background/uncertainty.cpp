@@ -81,7 +81,7 @@ void printUncertainty(std::ostream& os) {
 std::string drawUncertainty() {
   Plot plot(740, 400);
   const auto panel = [&](double x_px, const char* title, double day_sigma) {
-    plot.diagram({x_px, 30, 300, 300, 19.5, 20.5, 0.43, 0.57}, title);
+    plot.diagram({x_px, 30, 280, 300, 19.5, 20.5, 0.43, 0.57}, title);
     plot.ticks(0.25, 0.05, "rest length [mm]", "rate [mm/N]");
     mtk::testing::Random noise(2);
     for (int i = 0; i < 400; ++i) plot.dot(Simulation(noise, day_sigma).at(), "#9db4c8", 2);
@@ -90,7 +90,7 @@ std::string drawUncertainty() {
     plot.dot(kTruth, kBlack);
   };
   panel(70, "independent errors", 0);
-  panel(435, "errors partly shared by a day", kDaySigma);
+  panel(430, "errors partly shared by a day", kDaySigma);
   return plot.svg();
 }
 
