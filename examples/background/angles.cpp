@@ -46,7 +46,8 @@ std::vector<mtk::S2<>> directions() {
   std::vector<mtk::S2<>> samples;
   for (int i = 0; i < 24; ++i) {
     mtk::S2<> v(0.3, -0.5, 0.8);
-    v.boxplus(Vec2(0.35 * noise.normal(), 0.35 * noise.normal()));
+    const double along = 0.35 * noise.normal(), across = 0.35 * noise.normal();
+    v.boxplus(Vec2(along, across));
     samples.push_back(v);
   }
   return samples;

@@ -40,7 +40,8 @@ std::vector<Pose> ends(int count) {
   for (int i = 0; i < count; ++i) {
     Pose pose;
     for (int k = 0; k < kSteps; ++k) {
-      const Vec3 error(noise.normal(), noise.normal(), noise.normal());
+      Vec3 error;
+      for (double& e : error) e = noise.normal();
       pose = pose * mtk::moved(Pose(mtk::vect<2>(1, 0)), Vec3(kStepSigma.cwiseProduct(error)));
     }
     result.push_back(pose);

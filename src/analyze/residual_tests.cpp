@@ -69,6 +69,7 @@ class GroupExamination {
     Result result;
     MeasurementCheck& check = result.check;
     check.measurement = pool_.measurementName(i);
+    check.number = pool_.serial(i);
     const double squared = w.squaredNorm();
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
     if (w.size() == 0) return result;

@@ -43,7 +43,14 @@ TEST(HandlesPage, NumbersOfMeasurements) {
   const slom::OutlierReport report = est.outliers();
   const slom::GroupCheck& tape = report.groups[1];
   EXPECT_EQ(tape.name, "tape");
-  EXPECT_EQ(tape.worst[0].measurement, "tape #5");  // lengths[4]: each label counts from 1
+  EXPECT_EQ(tape.worst[0].measurement, "tape #5");
+  EXPECT_EQ(tape.worst[0].number, 5);
+  EXPECT_EQ(report.groups[0].worst[0].number, 1);  // each label counts by itself
+  std::vector<double> suspects;
+  for (const slom::MeasurementCheck& check : report.groups[1].worst)
+    if (check.is_suspect) suspects.push_back(lengths[std::size_t(check.number - 1)]);
+  ASSERT_FALSE(suspects.empty());
+  EXPECT_EQ(suspects.front(), 4.0);
 }
 
 TEST(HandlesPage, NumbersStayWhenOthersAreRemoved) {

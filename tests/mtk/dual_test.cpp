@@ -364,6 +364,13 @@ TEST(DerivativesOfManifolds, AgreeWithLongDoubleAtHardPoints) {
         },
         v.norm(), mtk::S2<>(v.norm() > 0 ? v : Vec3(1, 0, 0)));
     expectExact(
+        "exp of an expression" + at,
+        [](const auto& angle) {
+          const Eigen::Matrix<std::remove_cvref_t<decltype(angle)>, 3, 1> axis(0, 0.6, 0.8);
+          return mtk::SO3<>::exp(angle * axis) * Vec3(1, 2, 3);
+        },
+        v.norm());
+    expectExact(
         "log by the name of plain rotations" + at,
         [](const auto& a, const auto& b) { return mtk::SO3<>::log(a.inverse() * b); },
         mtk::SO3<>::exp(Vec3(0.1, 0.2, 0.3)), mtk::SO3<>::exp(Vec3(0.1, 0.2, 0.3)) * R);

@@ -98,11 +98,11 @@ class SO3 {
     result.q_ << factor * x, factor * y, factor * z, w;
     return result;
   }
-  /// The same for a vector of numbers that carry derivatives or are packs: SO3<>::exp(angle * axis.vector()) holds in a
-  /// measurement function, whatever numbers it is called with.
+  /// The same for any expression of Eigen, and for numbers that carry derivatives or are packs: SO3<>::exp(angle * axis.vector()) holds
+  /// in a measurement function, whatever numbers it is called with.
   template <class D>
-    requires(!std::is_same_v<typename D::Scalar, S> &&
-             std::is_same_v<promote_t<S, typename D::Scalar>, typename D::Scalar>)
+    requires(std::is_same_v<promote_t<S, typename D::Scalar>, typename D::Scalar> &&
+             !std::is_convertible_v<const D&, vectview<const S, 3>>)
   static SO3<typename D::Scalar> exp(const Eigen::MatrixBase<D>& d) {
     EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(D, 3)
     return SO3<typename D::Scalar>::exp(vect<3, typename D::Scalar>(d));

@@ -39,6 +39,8 @@ struct MeasurementCheck {
   double effect =
       0;  ///< root of Cook's distance (not divided by the unknowns): how far the fit moves without it, sqrt(d^T C^-1 d), C as Sigma says
   bool is_suspect = false;
+  /// The number in `measurement`: 1 for the first that was inserted with this label or of this type; 0 for a group of measurements.
+  long number = 0;
 };
 
 /// The test of all measurements with one label or of one type.
