@@ -18,9 +18,9 @@ TEST(HandlesPage, ValuesAndNames) {
   slom::Estimator est;
   const auto tower = est.insertRV(Vec3(60, 80, 12), "tower");
   const auto unnamed = est.insertRV(Vec3(1, 2, 3));
-  est.reinitRV(tower, Vec3(60, 81, 12));          // another start
-  const std::string name = est.nameOf(tower);     // "tower"
-  const Texts parts = est.componentNames(tower);  // "tower.x", "tower.y", "tower.z"
+  est.reinitRV(tower, Vec3(60, 81, 12));                             // another start
+  const std::string name = est.nameOf(tower);                        // "tower"
+  const std::vector<std::string> parts = est.componentNames(tower);  // "tower.x", "tower.y", "tower.z"
   est.fix(tower, "z");
   EXPECT_EQ((*tower)[1], 81);
   EXPECT_EQ(name, "tower");
