@@ -39,25 +39,6 @@ Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 
 Problem& Estimator::problem() const { return state_->problem; }
 
-double Estimator::optimizeStep() {
-  state_->current.reset();
-  const StepOutcome outcome =
-      state_->run([&] { return state_->algorithm->step(state_->evaluator, Options{}); });
-  switch (outcome.kind) {
-    case StepOutcome::Kind::singular:
-      throw singularError(problem(), state_->evaluator.structure(), outcome.status);
-    case StepOutcome::Kind::not_finite:
-      throw Error("slom.not-finite",
-                  "the step of " + state_->algorithm->name() +
-                      " led to values at which a residual is not finite, and was taken back; start "
-                      "nearer to the solution, or use LevenbergMarquardt",
-                  state_->algorithm->name());
-    default:
-      break;
-  }
-  return outcome.rss_before > 0 ? (outcome.rss_before - outcome.rss_after) / outcome.rss_before : 0.0;
-}
-
 Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
 
 Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
@@ -225,6 +206,13 @@ bool Estimator::State::isAtMinimum(double variance_factor) {
     const Evaluator::Promise promise =
         evaluator.promise();  // residuals that are rounding errors have any direction
     return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * variance_factor;
+  });
+}
+
+void Estimator::addParametersTo(Summary& summary) const {
+  const double factor = state_->varianceFactor();
+  state_->analyze([&](const LinearizedProblem& linearized) {
+    addParameters(linearized, state_->gauge, factor, summary);
   });
 }
 

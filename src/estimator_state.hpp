@@ -55,6 +55,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   bool isAtMinimum(double variance_factor);
   /// How far values move without each group of the first way; they come back.
   GroupRefits refitGroups(const ClusterOptions& options);
+  /// StepRecord::free_directions.
+  int freeDirectionsAfterStep();
   /// Completes what the optimisation has filled. `singular_at`: where the rank ran out, if it did.
   void complete(Summary& summary, const Options& options, const SolveStatus& singular_at);
 

@@ -81,6 +81,7 @@ void Estimator::State::countFreeDirections(Summary& summary, const Options& opti
 
 void Estimator::State::fillTables(Summary& summary, const Options& options) {
   summary.active_bounds = activeBounds(problem);
+  if (summary.unknowns > options.most_parameters) summary.parameters_not_shown = summary.unknowns;
   if (summary.unknowns == 0 || summary.unknowns > options.most_parameters ||
       summary.stop_reason == StopReason::rank_deficient)
     return;

@@ -126,6 +126,8 @@ template <class M>
 constexpr bool allMembersAreManifolds() {
   if constexpr (memberCount<M>() == 0) {
     return false;
+  } else if constexpr (hasArrayMember<M>()) {
+    return false;
   } else {
     return []<class... P>(std::type_identity<std::tuple<P...>>) {
       return (Manifold<std::remove_cvref_t<P>> && ...);

@@ -216,15 +216,56 @@ struct ManifoldTraits<std::array<M, N>> {
 template <AggregateOfManifolds M>
 struct ManifoldTraits<M> : detail::CompoundTraits<M, detail::AggregateParts<M>> {};
 
+namespace detail {
+// Eigen/Core declares the names of Eigen's rotations and transforms.
+template <class M>
+inline constexpr bool is_eigens_rotation = false;
+template <class S, int Options>
+inline constexpr bool is_eigens_rotation<Eigen::Quaternion<S, Options>> = true;
+template <class S>
+inline constexpr bool is_eigens_rotation<Eigen::AngleAxis<S>> = true;
+template <class S>
+inline constexpr bool is_eigens_rotation<Eigen::Rotation2D<S>> = true;
+template <class M>
+inline constexpr bool is_eigens_transform = false;
+template <class S, int Dim, int Mode, int Options>
+inline constexpr bool is_eigens_transform<Eigen::Transform<S, Dim, Mode, Options>> = true;
+template <class M>
+constexpr bool hasArrayMemberOf() {
+  if constexpr (std::is_class_v<M> && std::is_aggregate_v<M> && !Manifold<M>) {
+    return hasArrayMember<M>();
+  } else {
+    return false;
+  }
+}
+}  // namespace detail
+
 /// Fails to compile with one sentence that says what M lacks. Functions that take a manifold call it first.
 template <class M>
 constexpr void requireManifold() {
   constexpr bool ok = Manifold<M>;
-  constexpr bool partly = detail::HasScalar<M> || detail::HasDof<M>;
+  constexpr bool has_array = detail::hasArrayMemberOf<M>();
+  constexpr bool partly = has_array || detail::HasScalar<M> || detail::HasDof<M> ||
+                          detail::is_eigens_rotation<M> || detail::is_eigens_transform<M> ||
+                          std::is_array_v<M> || std::is_pointer_v<M>;
+  static_assert(!detail::is_eigens_rotation<M>,
+                "mtk: Eigen's rotations are not manifolds: take mtk::SO3<>(q) for an Eigen::Quaterniond or "
+                "Eigen::AngleAxisd, mtk::SO2<>(r.angle()) for an Eigen::Rotation2Dd");
   static_assert(
-      ok || !partly || detail::HasScalar<M>,
+      !detail::is_eigens_transform<M>,
+      "mtk: Eigen's transforms are not manifolds: take mtk::trafo<mtk::SO3<>>(mtk::SO3<>(T.linear()), "
+      "T.translation()) for an Eigen::Isometry3d, mtk::SO2<> for one in the plane");
+  static_assert(
+      !std::is_array_v<M> && !std::is_pointer_v<M>,
+      "mtk: arrays T[N] and pointers are not manifolds: take std::array<T, N> or, for numbers, mtk::vect<N>");
+  static_assert(
+      !has_array,
+      "mtk: this struct has a member T[N], which is not a manifold: take std::array<T, N> or, for numbers, "
+      "mtk::vect<N>");
+  static_assert(
+      ok || !detail::HasDof<M> || detail::HasScalar<M>,
       "mtk: this type has DOF but is not a manifold: it lacks the member type `scalar` (float or double)");
-  static_assert(ok || !partly || detail::HasDof<M>,
+  static_assert(ok || !detail::HasScalar<M> || detail::HasDof<M>,
                 "mtk: this type has `scalar` but is not a manifold: it lacks the constant `DOF`");
   static_assert(ok || !(detail::HasScalar<M> && detail::HasDof<M>) || detail::HasBoxplus<M>,
                 "mtk: this type is not a manifold: it lacks "
@@ -234,9 +275,11 @@ constexpr void requireManifold() {
                 "`void boxminus(mtk::vectview<scalar, DOF> delta_out, const M& y) const`");
   static_assert(ok || !(detail::HasBoxplus<M> && detail::HasBoxminus<M>),
                 "mtk: this type has DOF = Dynamic but is not a manifold: it lacks `int dof() const`");
-  static_assert(ok || partly,
-                "mtk: this type is not a manifold: give it `scalar`, `DOF`, `boxplus` and `boxminus`, "
-                "or make it a struct without constructors whose members are all manifolds");
+  static_assert(
+      ok || partly,
+      "mtk: this type is not a manifold: give it `scalar`, `DOF`, `boxplus` and `boxminus`, "
+      "or make it a struct without constructors whose members are all manifolds (mtk::SO3<> in place of "
+      "Eigen::Quaterniond)");
 }
 
 }  // namespace mtk

@@ -31,12 +31,14 @@
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
 #include "slom/model/callable.hpp"
+#include "slom/model/component_prior.hpp"
 #include "slom/model/insertion.hpp"
 #include "slom/model/pimpl.hpp"
 #include "slom/model/prior.hpp"
 #include "slom/model/runtime_measurement.hpp"
 #include "slom/online/update.hpp"
 #include "slom/optimize/algorithm.hpp"
+#include "slom/optimize/step_record.hpp"
 #include "slom/problem/problem.hpp"
 
 namespace slom {
@@ -50,23 +52,6 @@ struct ProfiledFit;
 struct VarianceOptions;
 
 namespace detail {
-
-/// What is stored for an argument: the value of an Eigen expression, a double for other numbers.
-template <class T>
-auto plainValue(const T& x) {
-  if constexpr (requires { typename T::PlainObject; }) {
-    // Types derived from Eigen's vectors stay what they are, expressions become what they evaluate to.
-    if constexpr (requires { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); }) {
-      return x;
-    } else {
-      return typename T::PlainObject(x);
-    }
-  } else {
-    return x;
-  }
-}
-template <class T>
-using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
 
 [[noreturn]] void raiseMovedFrom();
 
@@ -184,6 +169,19 @@ class Estimator {
       return insert(StandardDeviation(uncertainty));
     }
   }
+  /// The same of a component that is a coordinate, by its path: `est.prior(pose, "pos.z", 1.2, 0.05)`; or, with a vector, of all below a
+  /// path: `est.prior(pose, "pos", Eigen::Vector3d(0, 0, 1.2), 0.05)`. Throws [slom.no-component], which lists the paths that there are,
+  /// and for parts of rotations and the like, which have no coordinates; [slom.wrong-length] or [slom.prior-not-finite].
+  template <class T, class Noise>
+  MeasID<ComponentPrior<T>> prior(const VarID<T>& id, const std::string& path, double value,
+                                  const Noise& uncertainty) {
+    return insertComponentPrior(id, path, &value, 1, uncertainty);
+  }
+  template <class T, class Noise>
+  MeasID<ComponentPrior<T>> prior(const VarID<T>& id, const std::string& path, const Eigen::VectorXd& values,
+                                  const Noise& uncertainty) {
+    return insertComponentPrior(id, path, values.data(), static_cast<int>(values.size()), uncertainty);
+  }
 
   /// Removes a variable. Throws [slom.variable-in-use], saying by how many measurements, while there are any.
   template <class T>
@@ -292,10 +290,10 @@ class Estimator {
 
   // Optimisation.
 
-  /// One step of the algorithm. Returns the relative gain (old RSS - new RSS) / old RSS; negative when a Gauss-Newton
-  /// step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or [slom.not-finite] with the values
+  /// One step of the algorithm. What it returns converts to the relative gain (old RSS - new RSS) / old RSS; negative when a
+  /// Gauss-Newton step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or [slom.not-finite] with the values
   /// unchanged.
-  double optimizeStep();
+  StepRecord optimizeStep();
   /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
   /// exception: look at `converged`, `stop_reason` and `message`. Where the fit has not converged the values are the best that it has
   /// seen; after `rank_deficient` they are those at which an unknown has no influence. Throws [slom.not-finite] or [slom.measurement-threw] where a
@@ -439,6 +437,10 @@ class Estimator {
   /// tolerance / 2 of it. 0: each is computed that has changed. Throws [slom.not-updated] and [slom.rank-deficient]. Not const: it keeps parts of
   /// the inverse for the next call.
   Marginals updatedMarginals(double tolerance = 1e-3);
+  /// Fills in the table of parameters of a fit with more than Options::most_parameters unknowns, so that report() and json() show all of
+  /// them; without correlations. The values are the current ones, the summary that of the last fit. Does nothing where the table is
+  /// there. Throws [slom.no-parameters] for a summary of another number of unknowns, and what covariance throws.
+  void addParametersTo(Summary& summary) const;
   /// f(values of the variables) and its covariance to first order. f gets a const T& for each and returns a number, an
   /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
   template <class F, class... T>
@@ -546,8 +548,24 @@ class Estimator {
   template <class T>
   auto insertVariable(const T& value, bool optimize, std::string_view name) {
     using V = detail::VariableType<T>;
-    mtk::requireManifold<V>();
-    return problem().template insertVariable<V>(V(value), optimize, name);
+    static_assert((mtk::requireManifold<V>(), true));
+    if constexpr (mtk::Manifold<V>) {
+      return problem().template insertVariable<V>(V(value), optimize, name);
+    } else {
+      return VarID<V>();  // so that the message of requireManifold is the only one
+    }
+  }
+  template <class T, class Noise>
+  MeasID<ComponentPrior<T>> insertComponentPrior(const VarID<T>& id, const std::string& path,
+                                                 const double* values, int count, const Noise& uncertainty) {
+    std::vector<int> components =
+        problem().coordinatesAt(problem().indexOf(id), path, values, static_cast<std::size_t>(count));
+    ComponentPrior<T> prior(id, std::move(components), {values, values + count});
+    if constexpr (detail::is_option<Noise>) {
+      return insertMeasurement(std::move(prior), uncertainty, named("prior"));
+    } else {
+      return insertMeasurement(std::move(prior), StandardDeviation(uncertainty), named("prior"));
+    }
   }
   template <class F, class Arguments, std::size_t... I>
   auto insertCallable(F f, const Arguments& args, std::index_sequence<I...>, const NoiseView& noise,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "analyze/residual_tests.hpp"
 #include "base/words.hpp"
@@ -28,30 +29,67 @@ void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary&
   }
 }
 
-void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
-                    Summary& summary) {
-  constexpr double strong = 0.95;
-  constexpr std::size_t most = 5;
-  const Problem& problem = linearized.problem();
+namespace {
+
+/// Writes values of rotations and directions into the rows of their variable.
+class OrientationRows final : public OrientationSink {
+ public:
+  OrientationRows(std::vector<ParameterSummary>& rows, bool& has_rotations)
+      : rows_(rows), has_rotations_(has_rotations) {}
+  void take(Kind kind, int component, const double* numbers) override {
+    const auto first = static_cast<std::size_t>(component);
+    if (kind == Kind::direction) {
+      rows_[first].text =
+          "(" + number(numbers[0], 4) + " " + number(numbers[1], 4) + " " + number(numbers[2], 4) + ")";
+      return;
+    }
+    const std::size_t count = kind == Kind::angle ? 1 : 3;
+    has_rotations_ = has_rotations_ || count == 3;
+    for (std::size_t i = 0; i < count; ++i) rows_[first + i].value = numbers[i];
+  }
+
+ private:
+  std::vector<ParameterSummary>& rows_;
+  bool& has_rotations_;
+};
+
+/// A row for each component of the variable.
+std::vector<ParameterSummary> rowsOf(const Problem& problem, int variable, bool& has_rotations) {
+  const VariableRecord& record = problem.variables()[static_cast<std::size_t>(variable)];
+  std::vector<ParameterSummary> rows(static_cast<std::size_t>(record.dof));
+  const std::vector<std::string> names = problem.componentNames(variable);
+  std::vector<double> x(rows.size());
+  const void* const value = record.store->valueAt(record.slot);
+  record.store->coordinates(value, x.data());
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    rows[c].name = names[c];
+    rows[c].value = x[c];
+  }
+  OrientationRows orientations(rows, has_rotations);
+  record.store->visitOrientations(value, orientations);
+  return rows;
+}
+
+/// Adds the rows of all unknowns; deviation(variable, component, unknown) is the standard deviation of one.
+template <class Deviation>
+void addRows(const LinearizedProblem& linearized, Summary& summary, const Deviation& deviation) {
   const ProblemStructure& structure = linearized.structure();
-  const Eigen::MatrixXd C =
-      variance_factor * linearized.covarianceColumns(gauge, 0, structure.system.unknowns());
-  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, gauge);
-  std::vector<int> unknowns;
   for (int v = 0; v < structure.system.blockCount(); ++v) {
     if (structure.system.isEmpty(v)) continue;
-    const VariableRecord& record = problem.variables()[static_cast<std::size_t>(v)];
-    const std::vector<std::string> names = problem.componentNames(v);
-    std::vector<double> x(static_cast<std::size_t>(record.dof));
-    record.store->coordinates(record.store->valueAt(record.slot), x.data());
-    for (int c = 0; c < record.dof; ++c) {
+    std::vector<ParameterSummary> rows = rowsOf(linearized.problem(), v, summary.has_rotations);
+    for (int c = 0; c < static_cast<int>(rows.size()); ++c) {
       if (linearized.activeSet().isFixedOrActive(v, c)) continue;
-      const int unknown = structure.offsetOf(v) + c;
-      unknowns.push_back(unknown);
-      summary.parameters.push_back({names[static_cast<std::size_t>(c)], x[static_cast<std::size_t>(c)],
-                                    std::sqrt(C(unknown, unknown))});
+      ParameterSummary& row = rows[static_cast<std::size_t>(c)];
+      row.standard_deviation = deviation(v, c, structure.offsetOf(v) + c);
+      summary.parameters.push_back(std::move(row));
     }
   }
+}
+
+/// The strongest correlations of these unknowns.
+void fillCorrelations(const Eigen::MatrixXd& C, const std::vector<int>& unknowns, Summary& summary) {
+  constexpr double strong = 0.95;
+  constexpr std::size_t most = 5;
   for (std::size_t j = 0; j < unknowns.size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {
       const auto& [a, b] = std::tie(summary.parameters[i], summary.parameters[j]);
@@ -62,7 +100,24 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
   std::stable_sort(
       summary.correlations.begin(), summary.correlations.end(),
       [](const auto& a, const auto& b) { return std::abs(a.correlation) > std::abs(b.correlation); });
-  if (summary.correlations.size() > most) summary.correlations.resize(most);
+  if (summary.correlations.size() <= most) return;
+  summary.correlations_not_shown = static_cast<int>(summary.correlations.size() - most);
+  summary.correlations.resize(most);
+}
+
+}  // namespace
+
+void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
+                    Summary& summary) {
+  const Eigen::MatrixXd C =
+      variance_factor * linearized.covarianceColumns(gauge, 0, linearized.structure().system.unknowns());
+  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, gauge);
+  std::vector<int> unknowns;
+  addRows(linearized, summary, [&](int, int, int unknown) {
+    unknowns.push_back(unknown);
+    return std::sqrt(C(unknown, unknown));
+  });
+  fillCorrelations(C, unknowns, summary);
   // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
   double sum = 0;
   for (const GroupCheck& check : checks.groups) sum += check.redundancy;
@@ -72,6 +127,30 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
       if (check.name == group.name) group.redundancy = check.redundancy;
     }
   }
+}
+
+void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
+                   Summary& summary) {
+  if (!summary.parameters.empty()) return;
+  const int unknowns = linearized.freeUnknowns();
+  if (summary.unknowns != unknowns) {
+    throw Error("slom.no-parameters",
+                "the summary is that of a fit of " + counted(summary.unknowns, "unknown") +
+                    ", and there are " + std::to_string(unknowns) + " now; take the summary of the last fit",
+                "Summary");
+  }
+  const InverseBlocks& inverse = linearized.inverse(gauge);
+  int last = -1;
+  Eigen::MatrixXd C;
+  addRows(linearized, summary, [&](int variable, int component, int) {
+    if (variable != std::exchange(last, variable)) {
+      const int dof = linearized.structure().system.dof(variable);
+      C.resize(dof, dof);
+      inverse.block(variable, variable, C.data());
+    }
+    return std::sqrt(variance_factor * C(component, component));
+  });
+  summary.parameters_not_shown = 0;
 }
 
 std::vector<std::string> activeBounds(const Problem& problem) {

@@ -18,6 +18,11 @@ void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary&
 void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                     Summary& summary);
 
+/// The table of parameters alone, where the summary has none: with standard deviations from the selected inverse. Throws
+/// [slom.no-parameters], and what covariances throw.
+void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
+                   Summary& summary);
+
 /// `camera.k3 is at its upper bound 0.5`
 std::vector<std::string> activeBounds(const Problem& problem);
 

@@ -7,6 +7,7 @@
 
 #include "base/classic_numbers.hpp"
 #include "base/words.hpp"
+#include "slom/analyze/uncertainty.hpp"
 
 namespace slom {
 
@@ -56,26 +57,46 @@ std::string lossLines(const GroupSummary& group) {
   return text;
 }
 
-std::string parameterTable(const Summary& summary) {
-  std::size_t width = 9;
-  for (const ParameterSummary& parameter : summary.parameters) width = std::max(width, parameter.name.size());
-  const int w = static_cast<int>(width);
+std::string valueText(const ParameterSummary& parameter) {
+  return !parameter.text.empty() || std::isnan(parameter.value) ? parameter.text
+                                                                : format("%.8g", parameter.value);
+}
+
+std::string parameterRows(const Summary& summary) {
+  std::size_t width = 9, value_width = 14;
+  for (const ParameterSummary& parameter : summary.parameters) {
+    width = std::max(width, parameter.name.size());
+    value_width = std::max(value_width, valueText(parameter).size());
+  }
+  const int w = static_cast<int>(width), v = static_cast<int>(value_width);
   const bool is_clustered =
       std::any_of(summary.parameters.begin(), summary.parameters.end(),
                   [](const auto& parameter) { return !std::isnan(parameter.clustered); });
-  std::string text = format("  %-*s %14s %20s%s\n", w, "parameter", "value", "standard deviation",
+  std::string text = format("  %-*s %*s %20s%s\n", w, "parameter", v, "value", "standard deviation",
                             is_clustered ? format(" %12s %8s", "clustered", "dof").c_str() : "");
   for (const ParameterSummary& parameter : summary.parameters) {
-    const std::string value = std::isnan(parameter.value) ? "" : format("%.8g", parameter.value);
-    text +=
-        format("  %-*s %14s %20.3g", w, parameter.name.c_str(), value.c_str(), parameter.standard_deviation);
+    text += format("  %-*s %*s %20.3g", w, parameter.name.c_str(), v, valueText(parameter).c_str(),
+                   parameter.standard_deviation);
     if (is_clustered) text += format(" %12.3g %8.3g", parameter.clustered, parameter.clustered_dof);
     text += "\n";
+  }
+  return text;
+}
+
+std::string parameterTable(const Summary& summary) {
+  std::string text = parameterRows(summary);
+  if (summary.has_rotations) {
+    text +=
+        "  note: rotations are rotation vectors [rad]; their standard deviations are those of small turns about the "
+        "axes of the rotated frame\n";
   }
   for (const std::string& note : summary.clustered_notes) text += "  note: " + note + "\n";
   for (const CorrelationSummary& pair : summary.correlations) {
     text += format("  correlation of %s and %s: %.4f\n", pair.a.c_str(), pair.b.c_str(), pair.correlation);
   }
+  if (summary.correlations_not_shown > 0)
+    text +=
+        "  " + counted(summary.correlations_not_shown, "further correlation") + " from 0.95 on, not shown\n";
   return text;
 }
 
@@ -119,6 +140,10 @@ std::string report(const Summary& summary) {
   }
   text += groupChiSquares(summary);
   if (!summary.parameters.empty()) text += parameterTable(summary);
+  if (summary.parameters_not_shown > 0) {
+    text += "  " + counted(summary.parameters_not_shown, "parameter") +
+            " not shown, more than Options::most_parameters; addParametersTo(summary) shows them\n";
+  }
   for (const std::string& bound : summary.active_bounds)
     text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
@@ -126,6 +151,11 @@ std::string report(const Summary& summary) {
 }
 
 std::ostream& operator<<(std::ostream& os, const Summary& summary) { return os << report(summary); }
+
+std::ostream& operator<<(std::ostream& os, const ProfileInterval& interval) {
+  return os << number(interval.value, 8) << " in [" << number(interval.lower, 8) << ", "
+            << number(interval.upper, 8) << "]";
+}
 
 Observer progressTable(std::ostream& os) {
   return [&os](const IterationRecord& line) {

@@ -30,6 +30,8 @@ void raiseStaleHandle(const std::string& handle, bool was_valid) {
 
 }  // namespace detail
 
+OrientationSink::~OrientationSink() = default;
+
 VariableStoreBase::VariableStoreBase(std::size_t value_size, std::size_t alignment)
     : value_size_(value_size),
       alignment_(alignment),

@@ -37,9 +37,10 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
       table_(table),
       active_(active),
       losses_(new Losses),
-      group_keys_(nullptr) {}
+      group_keys_(nullptr),
+      presence_(std::make_shared<PoolPresence>(PoolPresence{this})) {}
 
-MeasurementPool::~MeasurementPool() = default;
+MeasurementPool::~MeasurementPool() { presence_->pool = nullptr; }
 
 const RuntimeMeasurement* MeasurementPool::runtimeMeasurement(int) const { return nullptr; }
 

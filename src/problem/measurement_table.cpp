@@ -118,11 +118,15 @@ const std::vector<Problem::Use>& Problem::usesOf(int variable) const {
   return uses.all;
 }
 
-std::pair<MeasurementPool*, int> Problem::locate(const MeasurementPool* pool, SlotRef ref) const {
+MeasurementHandle Problem::handleOf(const MeasurementPool& pool, SlotRef ref) {
+  return {pool.presence(), ref};
+}
+
+std::pair<MeasurementPool*, int> Problem::locate(const MeasurementHandle& id) const {
   for (const auto& own : pools_) {
-    if (own.get() == pool) return {own.get(), own->indexOf(ref)};
+    if (own->presence() == id.presence_) return {own.get(), own->indexOf(id.ref_)};
   }
-  if (pool == nullptr) {
+  if (id.presence_ == nullptr) {
     throw Error("slom.stale-handle",
                 "the MeasID refers to no measurement; assign it the result of insertMeasurement", "MeasID");
   }

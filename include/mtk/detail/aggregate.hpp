@@ -37,6 +37,24 @@ constexpr std::size_t memberCount() {
   }
 }
 
+/// Whether T{Before members, {}, Behind members} compiles.
+template <class T, std::size_t... Before, std::size_t... Behind>
+constexpr bool emptyBracesFit(std::index_sequence<Before...>, std::index_sequence<Behind...>) {
+  return requires {
+    T{(static_cast<void>(Before), AnyMember<T>{})..., {}, (static_cast<void>(Behind), AnyMember<T>{})...};
+  };
+}
+/// Whether a member of the aggregate is an array T[N], N > 1, whose entries count as members: empty braces take the place of all of them.
+template <class T>
+constexpr bool hasArrayMember() {
+  constexpr std::size_t n = memberCount<T>();
+  return []<std::size_t... I>(std::index_sequence<I...>) {
+    return ((emptyBracesFit<T>(std::make_index_sequence<I>{}, std::index_sequence<>{}) &&
+             !emptyBracesFit<T>(std::make_index_sequence<I>{}, std::make_index_sequence<n - 1 - I>{})) ||
+            ...);
+  }(std::make_index_sequence<n>{});
+}
+
 /// References to the members of `x`, in order of declaration. T may be const.
 template <class T>
 constexpr auto tieMembers(T& x) {

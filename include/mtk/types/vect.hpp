@@ -12,6 +12,8 @@
 #include <initializer_list>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "mtk/detail/lanes.hpp"
 #include "mtk/manifold.hpp"
@@ -174,6 +176,20 @@ auto vector(const First& first, const Rest&... rest) {
 }
 
 namespace detail {
+template <int N, class S>
+  requires(N > 0)
+std::type_identity<vect<N, S>> vectOf(const vect<N, S>& x);
+template <class D>
+inline constexpr bool is_vect = false;
+template <int N, class S>
+inline constexpr bool is_vect<vect<N, S>> = true;
+template <class S, class... T>
+inline constexpr bool is_vect<MixedVector<S, T...>> = true;
+/// A class derived from a vect of fixed size, but not such a vect itself.
+template <class D>
+concept DerivesFromVect = std::is_class_v<D> && !std::is_const_v<D> && !std::is_volatile_v<D> &&
+                          !is_vect<D> && requires(const D& x) { vectOf(x); };
+
 inline constexpr std::array<std::string_view, 2> xy_names{"x", "y"};
 inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
 }  // namespace detail
@@ -188,6 +204,15 @@ template <std::size_t I, int N, class S>
 struct std::tuple_element<I, mtk::vect<N, S>> {
   using type = S;
 };
+// Those of types derived from it, as `struct Camera : mtk::vect<9> {}`.
+template <class D>
+  requires mtk::detail::DerivesFromVect<D>
+struct std::tuple_size<D>
+    : std::tuple_size<typename decltype(mtk::detail::vectOf(std::declval<const D&>()))::type> {};
+template <std::size_t I, class D>
+  requires mtk::detail::DerivesFromVect<D>
+struct std::tuple_element<I, D>
+    : std::tuple_element<I, typename decltype(mtk::detail::vectOf(std::declval<const D&>()))::type> {};
 template <class S, class... T>
 struct std::tuple_size<mtk::detail::MixedVector<S, T...>>
     : std::integral_constant<std::size_t, sizeof...(T)> {};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ enum class FreeGauge {
 struct ProfileInterval {
   double value, lower, upper;
 };
+
+/// `39.99 in [39.97, 40.01]`
+std::ostream& operator<<(std::ostream& os, const ProfileInterval& interval);
 
 namespace detail {
 /// The roots of the diagonal of C. Loops instead of expressions here and below: they cost less time of every compilation.

@@ -74,9 +74,9 @@ constexpr void requireArgument() {
       Number <= 6 || fits,
       "slom: an argument after the 6th of the measurement function is not of the type that it takes");
 }
-/// Fails to compile, naming the argument where the function is not a template.
+/// The same where the number of data is right, or both are too few.
 template <class F, class... Given>
-constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
+constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
     constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
     static_assert(
@@ -104,6 +104,49 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>>) {
   }
 }
 
+/// Whether F takes only the first `Left` of what it gets.
+template <class F, std::size_t Left, class... Given>
+constexpr bool acceptsFirst() {
+  return []<std::size_t... I>(std::index_sequence<I...>) {
+    return Call<F, std::tuple<std::tuple_element_t<I, std::tuple<Given...>>...>>::is_possible;
+  }(std::make_index_sequence<Left>{});
+}
+/// Whether F accepts what it gets without the last one or two, which are data: `Args` are all arguments of insertMeasurement but options.
+template <class F, class... Args, class... Given>
+constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
+  constexpr std::size_t count = sizeof...(Given);
+  constexpr bool is_datum[] = {(!is_var_id<Args> && !is_measured<Args>)...};
+  constexpr bool is_passed[] = {!is_measured<Args>...};
+  std::size_t last = 0, found = 0;  // data at the end of what is passed
+  for (std::size_t i = sizeof...(Args); i-- > 0;) {
+    if (!is_passed[i]) continue;
+    if (!is_datum[i] || found == 2) break;
+    ++found;
+  }
+  last = found;
+  bool accepts = false;
+  if constexpr (count > 1) accepts = accepts || (last >= 1 && acceptsFirst<F, count - 1, Given...>());
+  if constexpr (count > 2) accepts = accepts || (last >= 2 && acceptsFirst<F, count - 2, Given...>());
+  return accepts;
+}
+
+/// Fails to compile, naming the argument where the function is not a template.
+template <class F, class... Args, class... Given>
+constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
+  if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
+    constexpr bool has_too_many = getsTooManyData<F, Args...>(std::type_identity<std::tuple<Given...>>());
+    constexpr bool has_datum = (is_measured<Args> || ...);
+    static_assert(
+        !has_too_many || !has_datum,
+        "slom: the measurement function does not take the last argument, which is taken for data: write an uncertainty as "
+        "slom::StandardDeviation(s) or slom::Covariance(c)");
+    static_assert(
+        !has_too_many || has_datum,
+        "slom: the measurement function takes fewer data than it gets: mark the datum that it predicts by "
+        "slom::measured(z), and write an uncertainty as slom::StandardDeviation(s) or slom::Covariance(c)");
+    if constexpr (!has_too_many) requireAcceptedOne<F>(given);
+  }
+}
 /// Whether a parameter would round the value of a variable that is a number.
 template <class Arg, class Parameter>
 constexpr bool roundsVariable() {

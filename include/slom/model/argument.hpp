@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "slom/model/function.hpp"
 #include "slom/model/measurement.hpp"
@@ -12,17 +13,45 @@
 
 namespace slom {
 
-/// Marks the datum: the callable then predicts a Z, and the library forms the residual f(Y) [-] z.
+namespace detail {
+
+/// What is stored for an argument: the value of an Eigen expression, everything else as it is.
+template <class T>
+auto plainValue(const T& x) {
+  if constexpr (requires { typename T::PlainObject; }) {
+    // Types derived from Eigen's vectors stay what they are, expressions become what they evaluate to.
+    if constexpr (requires { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); }) {
+      return x;
+    } else {
+      return typename T::PlainObject(x);
+    }
+  } else {
+    return x;
+  }
+}
+template <class T>
+using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
+
+/// The type of the datum that is marked: a double for integers.
 template <class Z>
-Measured<Z> measured(const Z& z) {
-  mtk::requireManifold<Z>();
+using DatumType =
+    std::conditional_t<std::is_integral_v<Z> && !std::is_same_v<Z, bool>, double, PlainValue<Z>>;
+
+}  // namespace detail
+
+/// Marks the datum: the callable then predicts a Z, and the library forms the residual f(Y) [-] z. Integers become a double, expressions of
+/// Eigen their value.
+template <class Datum>
+auto measured(const Datum& z) {
+  using Z = detail::DatumType<Datum>;
+  static_assert((mtk::requireManifold<Z>(), true));
   if constexpr (requires { typename mtk::scalar_t<Z>; }) {
     static_assert(
         std::is_same_v<mtk::scalar_t<Z>, double>,
         "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
         "round the residual so that it has no derivatives");
   }
-  return {z};
+  return Measured<Z>{Z(z)};
 }
 
 namespace detail {

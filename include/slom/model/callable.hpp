@@ -43,7 +43,7 @@ class CallableMeasurement {
   static_assert(
       (int{detail::is_measured<Args>} + ... + 0) <= 1,
       "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
-  static_assert((detail::requireAccepted<Function>(std::type_identity<Passed>{}), true));
+  static_assert((detail::requireAccepted<Function, Args...>(std::type_identity<Passed>{}), true));
   static_assert(
       !detail::parametersRoundVariables<Function, Args...>(),
       "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "

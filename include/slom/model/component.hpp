@@ -55,4 +55,33 @@ void coordinates(const X& x, double* out) {
   });
 }
 
+/// The values of those components that have no coordinate, for tables.
+struct OrientationSink {
+  enum class Kind {
+    angle,            ///< of a rotation in the plane, 1 number [rad]
+    rotation_vector,  ///< of a rotation in space, 3 numbers [rad]
+    direction         ///< a unit vector, 3 numbers
+  };
+  virtual ~OrientationSink();
+  /// `component`: the first one of this part.
+  virtual void take(Kind kind, int component, const double* numbers) = 0;
+};
+
+/// Passes each rotation and direction among the parts of x to `sink`.
+template <class X>
+void visitOrientations(const X& x, OrientationSink& sink) {
+  mtk::detail::forEachBasicPart(x, x, 0, [&sink](const auto& part, const auto&, int at) {
+    using P = std::remove_cvref_t<decltype(part)>;
+    if constexpr (mtk::detail::is_rotation<P> && mtk::DOF_v<P> == 1) {
+      const double angle = part.angle();
+      sink.take(OrientationSink::Kind::angle, at, &angle);
+    } else if constexpr (mtk::detail::is_rotation<P>) {
+      const auto vector = P::log(part);
+      sink.take(OrientationSink::Kind::rotation_vector, at, vector.data());
+    } else if constexpr (mtk::DOF_v<P> == 2 && requires { part.vector().data(); }) {
+      sink.take(OrientationSink::Kind::direction, at, part.vector().data());
+    }
+  });
+}
+
 }  // namespace slom

@@ -1,29 +1,61 @@
 /// MeasID<M>: the user's handle to a measurement.
 #pragma once
 
+#include <memory>
+
 #include "slom/model/variable_store.hpp"
 
 namespace slom {
 
 class MeasurementPool;
+class Problem;
+
+/// Whether the pool that a handle refers to is there, which handles may outlive.
+struct PoolPresence {
+  const MeasurementPool* pool;  ///< null: it is gone
+};
+
+/// The part of a MeasID that does not depend on the type.
+class MeasurementHandle {
+ public:
+  /// Refers to nothing.
+  MeasurementHandle();
+  /// Of a measurement; made by the library.
+  MeasurementHandle(std::shared_ptr<const PoolPresence> presence, SlotRef ref);
+  MeasurementHandle(const MeasurementHandle&);
+  MeasurementHandle(MeasurementHandle&&) noexcept;
+  MeasurementHandle& operator=(const MeasurementHandle&);
+  MeasurementHandle& operator=(MeasurementHandle&&) noexcept;
+  ~MeasurementHandle();
+
+  /// Whether the measurement exists: not after removeMeasurement, nor once the estimator is gone.
+  bool isValid() const;
+
+ protected:
+  friend class Problem;
+
+  bool equals(const MeasurementHandle& other) const {
+    return presence_ == other.presence_ && ref_.slot == other.ref_.slot &&
+           ref_.generation == other.ref_.generation;
+  }
+
+  std::shared_ptr<const PoolPresence> presence_;
+  SlotRef ref_;
+};
 
 /// A cheap value type. It stays valid whatever else is inserted or removed; after removeMeasurement it is stale, and
 /// using it throws [slom.stale-handle].
 template <class M>
-class MeasID {
+class MeasID : public MeasurementHandle {
  public:
+  /// Refers to nothing; using it throws.
   MeasID() = default;
 
-  friend bool operator==(const MeasID& a, const MeasID& b) {
-    return a.pool_ == b.pool_ && a.ref_.slot == b.ref_.slot && a.ref_.generation == b.ref_.generation;
-  }
+  friend bool operator==(const MeasID& a, const MeasID& b) { return a.equals(b); }
 
  private:
   friend class Problem;
-  MeasID(const MeasurementPool* pool, SlotRef ref) : pool_(pool), ref_(ref) {}
-
-  const MeasurementPool* pool_ = nullptr;
-  SlotRef ref_;
+  explicit MeasID(MeasurementHandle handle) : MeasurementHandle(std::move(handle)) {}
 };
 
 }  // namespace slom

@@ -72,6 +72,8 @@ class VariableStoreBase {
   virtual void leftPerturbation(const void* value, double* A) const = 0;
   /// Writes the coordinate of each component, NaN where it has none, as rotations.
   virtual void coordinates(const void* value, double* out) const = 0;
+  /// Passes each rotation and direction among its parts to `sink`.
+  virtual void visitOrientations(const void* value, OrientationSink& sink) const = 0;
   /// Writes how the value moves with the world (dof x kGaugeGenerators, column-major).
   virtual void gaugeGenerators(const void* value, WorldRole role, double* out) const = 0;
   /// Of T [bytes].
@@ -148,6 +150,7 @@ class VariableStore final : public VariableStoreBase {
   void typicalSizesOf(const void* value, double* out) const override;
   void leftPerturbation(const void* value, double* A) const override;
   void coordinates(const void* value, double* out) const override;
+  void visitOrientations(const void* value, OrientationSink& sink) const override;
   void gaugeGenerators(const void* value, WorldRole role, double* out) const override;
 };
 
@@ -226,6 +229,10 @@ void VariableStore<T>::leftPerturbation(const void* value, double* A) const {
 template <class T>
 void VariableStore<T>::coordinates(const void* value, double* out) const {
   slom::coordinates(*static_cast<const T*>(value), out);
+}
+template <class T>
+void VariableStore<T>::visitOrientations(const void* value, OrientationSink& sink) const {
+  slom::visitOrientations(*static_cast<const T*>(value), sink);
 }
 template <class T>
 void VariableStore<T>::gaugeGenerators(const void* value, WorldRole role, double* out) const {

@@ -156,7 +156,9 @@ struct PhaseSeconds {
 /// A fitted component.
 struct ParameterSummary {
   std::string name;
-  double value = 0;               ///< its coordinate; NaN where it has none, as rotations
+  double value =
+      0;  ///< its coordinate; of a rotation an entry of its rotation vector, in the plane its angle [rad]; NaN where it has neither
+  std::string text;  ///< in place of a value, a direction's unit vector, with its first component
   double standard_deviation = 0;  ///< in the tangent space
   double clustered =
       std::numeric_limits<double>::quiet_NaN();  ///< the same by Clustered::addTo; NaN: not filled in
@@ -195,9 +197,12 @@ struct Summary {
   double seconds = 0;
   PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;
-  std::vector<ParameterSummary> parameters;      ///< when there are no more than Options::most_parameters
+  std::vector<ParameterSummary> parameters;  ///< when there are no more than Options::most_parameters
+  int parameters_not_shown = 0;  ///< when there are more; Estimator::addParametersTo fills them in
+  bool has_rotations = false;    ///< some of the parameters are components of rotations in space
   std::vector<std::string> clustered_notes;      ///< what limits the clustered standard deviations
   std::vector<CorrelationSummary> correlations;  ///< the strongest of these parameters, from 0.95 on
+  int correlations_not_shown = 0;                ///< further ones from 0.95 on
   std::vector<IterationRecord> trace;
 
   // Compiled once, not in every file that fits something.
@@ -215,6 +220,9 @@ struct Summary {
   bool hasLosses() const;
   /// What was fitted and how well, to be read at a glance.
   std::string report() const;
+  /// The same for programs: an object of JSON (RFC 8259) in one line, in UTF-8. Numbers have all their digits, null stands for those that
+  /// are not finite or not known. Keys: docs/fitting.md.
+  std::string json() const;
 };
 
 }  // namespace slom

@@ -12,6 +12,7 @@
 
 #include "slom/model/function.hpp"
 #include "slom/model/loss.hpp"
+#include "slom/model/meas_id.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/noise.hpp"
 #include "slom/model/pimpl.hpp"
@@ -168,6 +169,8 @@ class MeasurementPool {
   long serial(int i) const { return serial_[at(i)]; }
   /// The handle of measurement i.
   SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
+  /// What handles to its measurements hold.
+  const std::shared_ptr<PoolPresence>& presence() const { return presence_; }
   /// Removes measurement i; the last one takes its place.
   void remove(int i);
   /// The first estimates of the variables; without them there are none.
@@ -246,6 +249,7 @@ class MeasurementPool {
   std::vector<int> index_of_slot_;         // -1: free
   std::vector<std::uint32_t> generation_;  // generation of each slot
   std::vector<std::uint32_t> free_slots_;
+  std::shared_ptr<PoolPresence> presence_;
   int index_ = 0, group_ = 0;
   long own_inserted_ = 0;
   long* inserted_ = &own_inserted_;  // into the group: that of its first pool, which lives as long

@@ -58,6 +58,10 @@ class Problem {
   void setOptimized(int variable, bool optimize);
   /// The components whose names are `path` or begin with it: `pos.z`, `pos`. Throws [slom.no-component], which lists all names.
   std::vector<int> componentsAt(int variable, const std::string& path) const;
+  /// The same of components that are coordinates, to which [+] adds, for a prior with these values, one for each. Throws
+  /// [slom.no-component], [slom.wrong-length] or [slom.prior-not-finite].
+  std::vector<int> coordinatesAt(int variable, const std::string& path, const double* values,
+                                 std::size_t count) const;
   /// Fixes components at their current values, or releases them.
   void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
   /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
@@ -93,20 +97,17 @@ class Problem {
     const auto variables = measurement.variableArgs();
     const auto [pool, ref] =
         insertMeasurement(TypedPool<M>::type, &measurement, variables.all.data(), noise, label, loss);
-    return MeasID<M>(pool, ref);
+    return MeasID<M>(handleOf(*pool, ref));
   }
   /// The same of a run-time kind.
   template <std::derived_from<RuntimeMeasurement> M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {
     const auto [pool, ref] = insertRuntime(new M(std::move(measurement)), noise, label, loss);
-    return MeasID<M>(pool, ref);
+    return MeasID<M>(handleOf(*pool, ref));
   }
   /// The pool of a measurement and its index there. Throws [slom.stale-handle].
-  template <class M>
-  std::pair<MeasurementPool*, int> locate(const MeasID<M>& id) const {
-    return locate(id.pool_, id.ref_);
-  }
+  std::pair<MeasurementPool*, int> locate(const MeasurementHandle& id) const;
   /// Removes measurement i of the pool; the last one takes its place.
   void removeMeasurement(MeasurementPool& pool, int i);
   /// Multiplies the stated standard deviations: factors by pool and measurement, positive.
@@ -235,7 +236,7 @@ class Problem {
   int reserveVariable();
   void registerVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
-  std::pair<MeasurementPool*, int> locate(const MeasurementPool* pool, SlotRef ref) const;
+  static MeasurementHandle handleOf(const MeasurementPool& pool, SlotRef ref);
   /// The name, followed by a number when another pool has it already.
   std::string nameForPool(const std::string& name) const;
 

@@ -1,0 +1,149 @@
+// The table of parameters of a summary: values of rotations and directions, and what it leaves out.
+#include <cmath>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <slom/slom.hpp>
+
+#include "support/message_of.hpp"
+
+namespace {
+
+using slom::testing::messageOf;
+using SE3 = mtk::trafo<mtk::SO3<>>;
+using vec3 = mtk::vect<3>;
+
+std::string linesWith(const std::string& text, const std::string& part) {
+  std::istringstream lines(text);
+  std::string found;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(part) != std::string::npos) found += line + "\n";
+  }
+  return found;
+}
+
+TEST(ParameterTable, HasValuesOfRotationsAndDirections) {
+  slom::Estimator est;
+  const SE3 truth(mtk::SO3<>::exp(vec3(0.1, -0.2, 0.3)), vec3(1, 2, 3));
+  const auto pose = est.insertRV(SE3(), "pose");
+  const auto heading = est.insertRV(mtk::SO2<>(), "heading");
+  const auto down = est.insertRV(mtk::S2<>(0, 0.1, 1), "down");
+  est.prior(pose, truth, 0.01);
+  est.prior(heading, mtk::SO2<>(-2.5), 0.02);
+  est.prior(down, mtk::S2<>(0, 0.6, -0.8), 0.03);
+  const slom::Summary summary = est.optimize();
+  ASSERT_TRUE(summary.converged) << summary;
+  ASSERT_EQ(summary.parameters.size(), 9u);
+  EXPECT_NEAR(summary.parameters[3].value, 0.1, 1e-9);
+  EXPECT_NEAR(summary.parameters[4].value, -0.2, 1e-9);
+  EXPECT_NEAR(summary.parameters[5].value, 0.3, 1e-9);
+  EXPECT_NEAR(summary.parameters[6].value, -2.5, 1e-9);
+  EXPECT_TRUE(std::isnan(summary.parameters[7].value));
+  EXPECT_EQ(summary.parameters[7].text.substr(summary.parameters[7].text.find(' ')), " 0.6 -0.8)");
+  EXPECT_TRUE(summary.parameters[8].text.empty());
+  const std::string text = summary.report();
+  EXPECT_EQ(linesWith(text, "pose.orient"),
+            "  pose.orient.x            0.1                 0.01\n"
+            "  pose.orient.y           -0.2                 0.01\n"
+            "  pose.orient.z            0.3                 0.01\n");
+  EXPECT_EQ(linesWith(text, "heading"), "  heading.angle           -2.5                 0.02\n");
+  EXPECT_NE(linesWith(text, "down.0").find(" 0.6 -0.8)                 0.03"), std::string::npos) << text;
+  EXPECT_EQ(
+      linesWith(text, "note: rotations"),
+      "  note: rotations are rotation vectors [rad]; their standard deviations are those of small turns about the "
+      "axes of the rotated frame\n");
+}
+
+TEST(ParameterTable, OfPlanesNeedsNoNoteOnRotations) {
+  slom::Estimator est;
+  est.prior(est.insertRV(mtk::SO2<>(), "heading"), mtk::SO2<>(1), 0.02);
+  EXPECT_EQ(linesWith(est.optimize().report(), "rotation"), "");
+}
+
+/// 50 numbers, each measured twice, the odd ones with three times the noise.
+struct Many {
+  slom::Estimator est;
+  std::vector<slom::VarID<double>> ids;
+  Many() {
+    for (int i = 0; i < 50; ++i) {
+      ids.push_back(est.insertRV(0.0, "x" + std::to_string(i)));
+      for (const double z : {i - 0.25, i + 0.25}) est.prior(ids.back(), z, i % 2 == 0 ? 1.0 : 3.0);
+    }
+  }
+};
+
+TEST(ParameterTable, SaysHowManyItDoesNotShow) {
+  Many many;
+  slom::Summary summary = many.est.optimize();
+  EXPECT_TRUE(summary.parameters.empty());
+  EXPECT_EQ(summary.parameters_not_shown, 50);
+  EXPECT_EQ(
+      linesWith(summary.report(), "not shown"),
+      "  50 parameters not shown, more than Options::most_parameters; addParametersTo(summary) shows them\n");
+  many.est.addParametersTo(summary);
+  ASSERT_EQ(summary.parameters.size(), 50u);
+  EXPECT_EQ(summary.parameters_not_shown, 0);
+  EXPECT_EQ(linesWith(summary.report(), "not shown"), "");
+  EXPECT_EQ(linesWith(summary.report(), "  x49 "), "  x49                   49                 2.12\n");
+  for (int i = 0; i < 50; ++i) {
+    const slom::ParameterSummary& p = summary.parameters[std::size_t(i)];
+    EXPECT_EQ(p.name, "x" + std::to_string(i));
+    EXPECT_NEAR(p.value, i, 1e-12);
+    EXPECT_NEAR(p.standard_deviation, (i % 2 == 0 ? 1 : 3) / std::sqrt(2), 1e-12);
+  }
+  const std::string before = summary.report();
+  many.est.addParametersTo(summary);
+  EXPECT_EQ(summary.report(), before) << "the table is there";
+}
+
+TEST(ParameterTable, AddedIsThatOfTheFitItself) {
+  Many many;
+  many.est.setSigma(slom::Sigma::estimated);
+  many.est.fix(many.ids[7]);
+  many.est.bound(many.ids[8], 0, 7.5);
+  slom::Summary whole = many.est.optimize({.most_parameters = 100});
+  slom::Summary added = many.est.optimize();
+  many.est.addParametersTo(added);
+  ASSERT_EQ(whole.parameters.size(), 48u);
+  ASSERT_EQ(added.parameters.size(), 48u);
+  for (std::size_t i = 0; i < 48; ++i) {
+    EXPECT_EQ(added.parameters[i].name, whole.parameters[i].name);
+    EXPECT_EQ(added.parameters[i].value, whole.parameters[i].value);
+    EXPECT_NEAR(added.parameters[i].standard_deviation, whole.parameters[i].standard_deviation, 1e-12);
+  }
+}
+
+TEST(ParameterTable, RefusesTheSummaryOfAnotherProblem) {
+  Many many;
+  slom::Summary summary = many.est.optimize();
+  many.est.fix(many.ids[3]);
+  EXPECT_EQ(
+      messageOf([&] { many.est.addParametersTo(summary); }),
+      "[slom.no-parameters] the summary is that of a fit of 50 unknowns, and there are 49 now; take the summary of "
+      "the last fit");
+  EXPECT_TRUE(summary.parameters.empty());
+}
+
+TEST(ParameterTable, SaysHowManyCorrelationsItDoesNotShow) {
+  slom::Estimator est;
+  std::vector<slom::VarID<double>> ids;
+  for (int i = 0; i < 6; ++i) ids.push_back(est.insertRV(0.0, "x" + std::to_string(i)));
+  for (int i = 1; i < 6; ++i)
+    est.insertMeasurement([](const auto& a, const auto& b) { return b - a; }, ids[0], ids[std::size_t(i)],
+                          slom::StandardDeviation(0.01));
+  est.prior(ids[0], 0, 1);
+  const slom::Summary summary = est.optimize();
+  EXPECT_EQ(summary.correlations.size(), 5u);
+  EXPECT_EQ(summary.correlations_not_shown, 10);  // of 15 pairs
+  EXPECT_EQ(linesWith(summary.report(), "not shown"), "  10 further correlations from 0.95 on, not shown\n");
+}
+
+TEST(ParameterTable, AnIntervalIsPrinted) {
+  std::ostringstream text;
+  text << slom::ProfileInterval{39.994839, 39.97, std::numeric_limits<double>::infinity()};
+  EXPECT_EQ(text.str(), "39.994839 in [39.97, inf]");
+}
+
+}  // namespace

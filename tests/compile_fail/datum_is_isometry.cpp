@@ -1,0 +1,15 @@
+// expect: mtk: Eigen's transforms are not manifolds: take mtk::trafo<mtk::SO3<>>\(mtk::SO3<>\(T.linear\(\)\), T.translation\(\)\) for an Eigen::Isometry3d, mtk::SO2<> for one in the plane
+#include <Eigen/Geometry>
+
+#include <slom/slom.hpp>
+
+typedef mtk::trafo<mtk::SO3<>> Pose;
+
+void f(slom::Estimator& est, slom::VarID<Pose> pose, const Eigen::Isometry3d& T) {
+  const auto same = [](const Pose& x) { return x; };
+#ifdef MUST_FAIL
+  est.insertMeasurement(same, pose, slom::measured(T));
+#else
+  est.insertMeasurement(same, pose, slom::measured(Pose(mtk::SO3<>(T.linear()), T.translation())));
+#endif
+}
