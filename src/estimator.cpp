@@ -39,6 +39,10 @@ Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 
 Problem& Estimator::problem() const { return state_->problem; }
 
+int Estimator::dofOf(int variable) const {
+  return problem().variables()[static_cast<std::size_t>(variable)].dof;
+}
+
 Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
 
 Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
@@ -82,6 +86,7 @@ void Estimator::setThreads(int threads) {
                 "threads");
   }
   state_->arena.setThreads(threads);
+  state_->threads = threads;
 }
 
 double Estimator::getRSS() const {

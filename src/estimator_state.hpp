@@ -21,6 +21,7 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
+  int threads = 0;                             ///< as setThreads got them
   std::shared_ptr<LinearizedProblem> current;  ///< null: none, or out of date
   std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
@@ -29,6 +30,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
 
   State() { evaluator.setSolver(*solver); }
 
+  /// Makes `copy`, which is new, a copy of this one, as Estimator::clone() says.
+  void copyTo(State& copy) const;
   /// f(), on as many threads as setThreads said.
   template <class F>
   auto run(const F& f) {
@@ -56,7 +59,7 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   /// How far values move without each group of the first way; they come back.
   GroupRefits refitGroups(const ClusterOptions& options);
   /// StepRecord::free_directions.
-  int freeDirectionsAfterStep();
+  int freeDirectionsAfterStep(const StepOutcome& outcome);
   /// Completes what the optimisation has filled. `singular_at`: where the rank ran out, if it did.
   void complete(Summary& summary, const Options& options, const SolveStatus& singular_at);
 

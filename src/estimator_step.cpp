@@ -43,13 +43,13 @@ StepRecord Estimator::optimizeStep() {
   record.is_accepted = outcome.kind == StepOutcome::Kind::taken;
   record.trials = outcome.trials;
   record.damping = outcome.damping;
-  record.free_directions = state.freeDirectionsAfterStep();
+  record.free_directions = state.freeDirectionsAfterStep(outcome);
   return record;
 }
 
-int Estimator::State::freeDirectionsAfterStep() {
+int Estimator::State::freeDirectionsAfterStep(const StepOutcome& outcome) {
   const ProblemStructure& structure = evaluator.structure();
-  if (structure.system.unknowns() == 0 || evaluator.hadFullRank()) return 0;
+  if (structure.system.unknowns() == 0 || (outcome.is_undamped && evaluator.hadFullRank())) return 0;
   if (structure.system.unknowns() > StepRecord::kMostUnknowns ||
       structure.residuals > StepRecord::kMostResiduals)
     return StepRecord::kNotCounted;

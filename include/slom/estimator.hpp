@@ -67,7 +67,7 @@ struct MarginalizeOptions {
   bool first_estimates = false;
 };
 
-/// Variables, measurements and the fit of the former to the latter. Movable, not copyable.
+/// Variables, measurements and the fit of the former to the latter. Movable; copied by clone() alone.
 class Estimator {
  public:
   Estimator();
@@ -75,6 +75,23 @@ class Estimator {
   /// What was moved from holds nothing: all its functions throw [slom.moved-from] until another estimator is assigned to it.
   Estimator(Estimator&&) noexcept;
   Estimator& operator=(Estimator&&) noexcept;
+
+  /// A deep copy: variables, measurements, what is fixed or bounded, groups, losses, noise, algorithm, solver and settings. From then on the two
+  /// are independent, but for what functions of measurements hold by reference or by a pointer, std::shared_ptr included: that is
+  /// shared. The copy fits as the original would; its first update() begins anew. It accepts the handles that the original had
+  /// when it was copied; `*id` of them still reads the original, `*copy.own(id)` the copy. Throws [slom.not-copyable] for
+  /// measurements or solvers that cannot be copied.
+  Estimator clone() const;
+  /// The handle of this estimator for one of the estimator that it is a clone of; its own handles as they are. Throws [slom.stale-handle] and
+  /// [slom.foreign-handle].
+  template <class T>
+  VarID<T> own(const VarID<T>& id) const {
+    return problem().own(id);
+  }
+  template <class M>
+  MeasID<M> own(const MeasID<M>& id) const {
+    return problem().own(id);
+  }
 
   // Variables.
 
@@ -383,7 +400,7 @@ class Estimator {
   template <class A, class B>
   Eigen::MatrixXd covariance(const VarID<A>& a, const VarID<B>& b) const {
     const int i = problem().indexOf(a), j = problem().indexOf(b);
-    Eigen::MatrixXd block(mtk::dof(*a), mtk::dof(*b));
+    Eigen::MatrixXd block(dofOf(i), dofOf(j));
     writeCovariance(i, j, block.data());
     return block;
   }
@@ -392,7 +409,7 @@ class Estimator {
   Eigen::MatrixXd jointCovariance(const VarID<T>&... ids) const {
     const int variables[] = {problem().indexOf(ids)...};
     int n = 0;
-    ((n += mtk::dof(*ids)), ...);
+    for (const int variable : variables) n += dofOf(variable);
     Eigen::MatrixXd C(n, n);
     writeJointCovariance(variables, static_cast<int>(sizeof...(T)), C.data());
     return C;
@@ -400,8 +417,9 @@ class Estimator {
   /// Standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
-    Eigen::VectorXd result(mtk::dof(*id));
-    writeDeviations(problem().indexOf(id), result.data());
+    const int variable = problem().indexOf(id);
+    Eigen::VectorXd result(dofOf(variable));
+    writeDeviations(variable, result.data());
     return result;
   }
   /// The correlation of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
@@ -424,7 +442,7 @@ class Estimator {
   template <class A, class B>
   Eigen::MatrixXd updatedCovariance(const VarID<A>& a, const VarID<B>& b) const {
     const int i = problem().indexOf(a), j = problem().indexOf(b);
-    Eigen::MatrixXd block(mtk::dof(*a), mtk::dof(*b));
+    Eigen::MatrixXd block(dofOf(i), dofOf(j));
     writeUpdatedCovariance(i, j, block.data());
     return block;
   }
@@ -450,10 +468,10 @@ class Estimator {
   /// The same for another joint covariance of these variables, such as that of Clustered::jointCovariance.
   template <class F, class... T>
   auto propagate(const F& f, const Eigen::MatrixXd& C, const VarID<T>&... ids) const {
-    auto value = detail::plainValue(f(*ids...));
+    auto value = detail::plainValue(f(*own(ids)...));
     using V = std::decay_t<decltype(value)>;
     Estimator scratch;
-    const std::tuple copies{scratch.insertRV(*ids)...};
+    const std::tuple copies{scratch.insertRV(*own(ids))...};
     std::apply([&](const auto&... copy) { scratch.insertMeasurement(f, copy..., measured(value)); }, copies);
     Eigen::MatrixXd J(scratch.getM(), scratch.getN());
     scratch.writeJacobian(J.data());
@@ -597,7 +615,8 @@ class Estimator {
   template <class M, class C, class T>
   void setFixed(M C::*member, const VarID<T>& id, bool is_fixed) {
     const int variable = problem().indexOf(id);
-    const auto [first, count] = detail::componentsOf(*id, &((*id).*member), typeid(M), 0);
+    const T& value = *own(id);
+    const auto [first, count] = detail::componentsOf(value, &(value.*member), typeid(M), 0);
     if (first < 0) raiseNoMember(variable);
     std::vector<int> components;
     for (int c = first; c < first + count; ++c) components.push_back(c);
@@ -611,6 +630,7 @@ class Estimator {
   [[noreturn]] void raiseNoMember(int variable) const;
 
   Problem& problem() const;
+  int dofOf(int variable) const;
   double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;
   double rssOfVariable(int variable) const;
   double rssOfMeasurement(MeasurementPool& pool, int i) const;

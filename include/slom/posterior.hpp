@@ -47,7 +47,7 @@ Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
   Estimator& copy = result.estimator;
   int start = 0;
   const auto insert = [&](const auto& id) {
-    const auto own = copy.insertRV(*id, est.nameOf(id));
+    const auto own = copy.insertRV(*est.own(id), est.nameOf(id));
     const std::vector<std::string> names = mtk::componentNames(*own);
     for (std::size_t c = 0; c < names.size(); ++c) {
       const bool is_certain = !(C(start, start) > 0);

@@ -147,6 +147,10 @@ GaussianPrior GaussianPrior::over(std::vector<AnyVarID> variables) const {
   return prior.withFirstEstimates(hasFirstEstimates());
 }
 
+std::unique_ptr<RuntimeMeasurement> GaussianPrior::copyOver(std::vector<AnyVarID> variables) const {
+  return std::make_unique<GaussianPrior>(over(std::move(variables)));
+}
+
 const void* GaussianPrior::point(int k) const { return state_->points[at(k)].get(); }
 Map<const MatrixXd> GaussianPrior::R() const { return state_->matrix(); }
 Map<const VectorXd> GaussianPrior::b() const { return {state_->b.data(), state_->rows()}; }

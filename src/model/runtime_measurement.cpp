@@ -20,5 +20,14 @@ RuntimeMeasurement::~RuntimeMeasurement() = default;
 
 int RuntimeMeasurement::linearize(int, double*, double*) const { return -1; }
 const void* RuntimeMeasurement::firstEstimate(int) const { return nullptr; }
+std::unique_ptr<RuntimeMeasurement> RuntimeMeasurement::copyOver(std::vector<AnyVarID>) const {
+  return nullptr;
+}
+
+void RuntimeMeasurement::setVariable(int k, const VariableHandle& id) {
+  const auto i = static_cast<std::size_t>(k);
+  ids_[i] = AnyVarID(id);
+  views_[i].rebind(id);
+}
 
 }  // namespace slom

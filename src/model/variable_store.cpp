@@ -68,6 +68,28 @@ SlotRef VariableStoreBase::insert(const void* value, int variable) {
   return {slot, generation_[slot]};
 }
 
+void VariableStoreBase::copyFrom(const VariableStoreBase& other) {
+  const std::size_t slots = other.variable_.size(), room = slots + 16;
+  variable_.reserve(room);
+  generation_.reserve(room);
+  free_.reserve(room);
+  for (std::size_t i = 0; i < slots; ++i) {
+    construct(values_.place(), other.values_.at(i));
+    values_.grow();
+  }
+  variable_ = other.variable_;
+  generation_ = other.generation_;
+  free_ = other.free_;
+}
+
+std::vector<std::uint32_t> VariableStoreBase::generations() const {
+  std::vector<std::uint32_t> all = generation_;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (variable_[i] < 0) all[i] = kFree;
+  }
+  return all;
+}
+
 void VariableStoreBase::save() {
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (i < saved_.size()) {

@@ -6,6 +6,7 @@
 
 #include "problem/group_keys.hpp"
 #include "problem/guarded.hpp"
+#include "problem/pool_parts.hpp"
 
 namespace slom {
 
@@ -22,10 +23,6 @@ int columnsOf(const MeasurementType& type) {
 }
 }  // namespace
 
-struct MeasurementPool::Losses {
-  std::set<Loss> all;
-};
-
 MeasurementPool::MeasurementPool(const std::string& name, const std::string& label,
                                  const MeasurementType& type, const std::vector<VariableRecord>& table,
                                  const ActiveSet& active)
@@ -38,7 +35,8 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
       active_(active),
       losses_(new Losses),
       group_keys_(nullptr),
-      presence_(std::make_shared<PoolPresence>(PoolPresence{this})) {}
+      presence_(std::make_shared<PoolPresence>(PoolPresence{this})),
+      origins_(nullptr) {}
 
 MeasurementPool::~MeasurementPool() { presence_->pool = nullptr; }
 

@@ -55,6 +55,8 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   for (int k = 0; k < type.arity; ++k) {
     variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(),
                                      type.variable_type != nullptr ? type.variable_type[k] : nullptr));
+    if (arguments[k]->store() != table_[at(variables.back())].store)  // a handle of the original
+      arguments[k]->rebind(handleOf(variables.back()));
   }
   MeasurementPool* pool = findPool(*type.id, label, type.arity);
   const bool is_new = pool == nullptr;
@@ -82,6 +84,11 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertRuntime(RuntimeMeasurement* 
                                                             const NoiseView& noise, std::string_view label,
                                                             const Loss& loss) {
   OwnedMeasurement owned(measurement);
+  for (int k = 0; k < measurement->arity(); ++k) {
+    const AnyVarID& id = measurement->variables()[at(k)];
+    const int variable = checkedIndex(id.store(), measurement->views()[at(k)].slotRef(), nullptr);
+    if (id.store() != table_[at(variable)].store) measurement->setVariable(k, handleOf(variable));
+  }
   std::vector<VariableArgument*> arguments;
   for (VariableView& view : measurement->views()) arguments.push_back(&view);
   const MeasurementType type = runtimeType(measurement->kind(), measurement->arity());
@@ -124,7 +131,7 @@ MeasurementHandle Problem::handleOf(const MeasurementPool& pool, SlotRef ref) {
 
 std::pair<MeasurementPool*, int> Problem::locate(const MeasurementHandle& id) const {
   for (const auto& own : pools_) {
-    if (own->presence() == id.presence_) return {own.get(), own->indexOf(id.ref_)};
+    if (own->presence() == id.presence_ || own->isFromOrigin(id)) return {own.get(), own->indexOf(id.ref_)};
   }
   if (id.presence_ == nullptr) {
     throw Error("slom.stale-handle",

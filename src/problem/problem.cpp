@@ -53,7 +53,7 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   auto found =
       std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) { return own.type == type; });
   if (found == stores_.end()) {
-    stores_.push_back({type, std::shared_ptr<VariableStoreBase>(make())});
+    stores_.push_back({type, make, std::shared_ptr<VariableStoreBase>(make())});
     found = stores_.end() - 1;
   }
   const std::shared_ptr<VariableStoreBase>& store = found->store;
@@ -84,6 +84,15 @@ int Problem::checkedIndex(const VariableStoreBase* store, SlotRef ref, std::stri
     detail::raiseStaleHandle(name(), true);
   }
   if (store == nullptr) detail::raiseStaleHandle(name(), false);
+  for (const TypedStore& own : stores_) {
+    for (const StoreOrigin& origin : own.origins) {
+      const bool is_from_there = origin.store.lock().get() == store && ref.slot < origin.generations.size() &&
+                                 origin.generations[ref.slot] == ref.generation;
+      if (!is_from_there) continue;
+      if (own.store->isCurrent(ref)) return own.store->variable(ref.slot);
+      detail::raiseStaleHandle(name(), true);
+    }
+  }
   throw Error("slom.foreign-handle",
               "the " + name() +
                   " belongs to another estimator; use it only with the "

@@ -41,6 +41,12 @@ class RuntimePool final : private OwnType, public MeasurementPool {
   void push(void* measurement) override {
     measurements_.push_back(std::move(*static_cast<OwnedMeasurement*>(measurement)));
   }
+  bool pushCopy(const MeasurementPool& from, int i, const std::vector<AnyVarID>& variables) override {
+    OwnedMeasurement copy = from.runtimeMeasurement(i)->copyOver(variables);
+    if (copy == nullptr) return false;
+    measurements_.push_back(std::move(copy));
+    return true;
+  }
   void moveLastTo(int i) override {
     if (i != size() - 1) measurements_[at(i)] = std::move(measurements_.back());
     measurements_.pop_back();

@@ -16,6 +16,7 @@ namespace {
 class SparseQR final : public LinearSolver {
  public:
   explicit SparseQR(double pivot_tolerance) : pivot_tolerance_(pivot_tolerance) {}
+  double pivotTolerance() const { return pivot_tolerance_; }
 
   void analyze(const BlockStructure& structure) override {
     ++counts_.analyses;
@@ -93,6 +94,10 @@ class SparseQR final : public LinearSolver {
 }  // namespace
 
 BlockQR::BlockQR(double pivot_tolerance) : ForwardingSolver(std::make_unique<SparseQR>(pivot_tolerance)) {}
+
+std::unique_ptr<LinearSolver> BlockQR::makeAnother() const {
+  return std::make_unique<BlockQR>(static_cast<const SparseQR&>(solver()).pivotTolerance());
+}
 
 const NamedSolver detail::solvers::block_qr{"qr", "QR decomposition of J, for ill-conditioned problems",
                                             &makeSolver<BlockQR>};

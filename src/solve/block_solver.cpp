@@ -78,6 +78,7 @@ struct BlockSolver::Implementation final : LinearSolver {
   std::unique_ptr<LinearSolver> careful(double least) const override {
     return isExact() ? std::make_unique<BlockQR>(least) : nullptr;
   }
+  const BlockSolverOptions& options() const { return options_; }
   double flops() const { return method_ ? method_->flops() : 0; }
   std::string description() const override {
     return method_ ? method_->description() : "block solver that has solved nothing yet";
@@ -160,6 +161,10 @@ SolveStatus BlockSolver::solveDamped(const VectorXd& damping, const MatrixXd& B,
 
 SolveStatus BlockSolver::invertDamped(const VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks) {
   return static_cast<Implementation&>(solver()).invertDamped(damping, blocks);
+}
+
+std::unique_ptr<LinearSolver> BlockSolver::makeAnother() const {
+  return std::make_unique<BlockSolver>(static_cast<const Implementation&>(solver()).options());
 }
 
 double BlockSolver::flops() const { return static_cast<const Implementation&>(solver()).flops(); }

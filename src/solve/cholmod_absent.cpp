@@ -16,6 +16,7 @@ std::unique_ptr<LinearSolver> makeCholmod() {
 
 bool Cholmod::isAvailable() { return false; }
 Cholmod::Cholmod() : ForwardingSolver(makeCholmod()) {}
+std::unique_ptr<LinearSolver> Cholmod::makeAnother() const { return std::make_unique<Cholmod>(); }
 
 const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>,
                                            "CHOLMOD (-DSLOM_WITH_CHOLMOD=ON)"};

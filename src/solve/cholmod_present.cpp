@@ -203,6 +203,7 @@ SolveStatus CholmodSolver::solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X
 
 bool Cholmod::isAvailable() { return true; }
 Cholmod::Cholmod() : ForwardingSolver(std::make_unique<CholmodSolver>()) {}
+std::unique_ptr<LinearSolver> Cholmod::makeAnother() const { return std::make_unique<Cholmod>(); }
 
 const NamedSolver detail::solvers::cholmod{"cholmod", "CHOLMOD", &makeSolver<Cholmod>};
 

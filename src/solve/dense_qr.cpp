@@ -155,6 +155,8 @@ struct DenseQR::Implementation final : LinearSolver {
 
 DenseQR::DenseQR() : ForwardingSolver(std::make_unique<Implementation>()) {}
 
+std::unique_ptr<LinearSolver> DenseQR::makeAnother() const { return std::make_unique<DenseQR>(); }
+
 const MatrixXd& DenseQR::jacobian() const { return static_cast<const Implementation&>(solver()).J; }
 const VectorXd& DenseQR::residual() const { return static_cast<const Implementation&>(solver()).r; }
 

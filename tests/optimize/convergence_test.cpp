@@ -229,6 +229,27 @@ TEST(Limits, OfTimeEndsAFit) {
   EXPECT_EQ(summary.final_rss, slow.est.getRSS());
 }
 
+/// A residual whose derivative has the wrong sign, so that all steps are refused.
+struct UphillOnly {
+  double operator()(double x) const {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return std::exp(x);
+  }
+  void jacobian(double x, Eigen::Matrix<double, 1, 1>& J) const { J(0, 0) = -std::exp(x); }
+};
+
+TEST(Limits, OfTimeEndsAnIterationWhoseStepsAreAllRefused) {
+  slom::Estimator est;
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  const auto x = est.insertRV(1.0, "x");
+  est.insertMeasurement(UphillOnly(), x);
+  const slom::Summary summary = est.optimize({.max_seconds = 0.05});
+  EXPECT_EQ(summary.stop_reason, slom::StopReason::time_limit) << summary;
+  EXPECT_EQ(summary.iterations, 0) << "within the first one";
+  EXPECT_EQ(*x, 1) << "the last accepted values";
+  EXPECT_LT(summary.seconds, 0.5);
+}
+
 TEST(Limits, ShouldStopEndsAFit) {
   Slow slow;
   int asked = 0;
@@ -290,6 +311,12 @@ TEST(Limits, AreChecked) {
   options.max_seconds = -1;
   EXPECT_EQ(messageOf([&] { est.optimize(options); }),
             "[slom.bad-option] max_seconds is -1; pass a positive number");
+  options.max_seconds = 0;
+  EXPECT_EQ(messageOf([&] { est.optimize(options); }),
+            "[slom.bad-option] max_seconds is 0; pass a positive number");
+  options.max_seconds = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(messageOf([&] { est.optimize(options); }),
+            "[slom.bad-option] max_seconds is nan; pass a positive number");
   options = {};
   options.deviation_tolerance = -1;
   EXPECT_EQ(

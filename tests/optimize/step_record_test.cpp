@@ -77,6 +77,16 @@ TEST(StepRecord, CountsDirectionsThatDampingHides) {
   EXPECT_EQ(est.optimizeStep().free_directions, 0);
 }
 
+TEST(StepRecord, DoesNotTakeARankFromAnEarlierStep) {
+  slom::Estimator est;
+  const auto x = est.insertRV(vec2(1, 1), "x");
+  est.insertMeasurement([](const auto& v) { return mtk::vector(v[0] * v[0], v[1] * v[1] * v[1] - 0.25); }, x);
+  EXPECT_EQ(est.optimizeStep().free_directions, 0);
+  est.reinitRV(x, vec2(0, 1));  // where nothing depends on the first component
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  EXPECT_EQ(est.optimizeStep().free_directions, 1);
+}
+
 TEST(StepRecord, DoesNotCountThoseOfLargeProblems) {
   slom::Estimator est;
   est.changeAlgorithm(slom::LevenbergMarquardt());

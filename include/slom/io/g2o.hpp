@@ -1,4 +1,4 @@
-/// Pose graphs from files of g2o and TORO, and to files of g2o. docs/graph.md lists the tags.
+/// Pose graphs from and to files of g2o and TORO. docs/graph.md lists the tags.
 #pragma once
 
 #include <string>
@@ -18,5 +18,10 @@ AnyPoseGraph readPoseGraph(const std::string& file);
 /// it again gives the same graph. A graph that came from a file of TORO is written in g2o's format, too.
 template <class Pose>
 std::string toG2o(const PoseGraph<Pose>& graph);
+
+/// The text of a file of TORO, likewise; rotations in space as roll, pitch and yaw, at any pitch. Lines FIX are those of g2o; TORO itself keeps
+/// the first pose. Information matrices are written as they are. Throws [slom.io.no-toro] for a graph with landmarks.
+template <class Pose>
+std::string toToro(const PoseGraph<Pose>& graph);
 
 }  // namespace slom::io

@@ -11,6 +11,7 @@
 /// Only parts of a user's own type, whose [-] the library cannot differentiate, take differences.
 #pragma once
 
+#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -64,6 +65,7 @@ class GaussianPrior final : public RuntimeMeasurement {
   int evaluate(int rows, double* r) const override;
   int linearize(int rows, double* r, double* J) const override;
   const void* firstEstimate(int k) const override;
+  std::unique_ptr<RuntimeMeasurement> copyOver(std::vector<AnyVarID> variables) const override;
 
  private:
   friend class MarginalPrior;

@@ -31,7 +31,7 @@ class ComponentPrior {
   ComponentPrior(const VarID<T>& x, std::vector<int> components, std::vector<double> values)
       : x_(x), components_(std::move(components)), values_(std::move(values)) {}
 
-  auto variableArgs() { return detail::listVariables(x_); }
+  auto variableArgs() { return detail::listVariables(x_); }  ///< x alone
   /// The residual, sized here.
   void evaluate(Residual<Dynamic>& ret) const {
     ret.resize(static_cast<Eigen::Index>(values_.size()));

@@ -32,6 +32,7 @@ class MeasurementHandle {
   bool isValid() const;
 
  protected:
+  friend class MeasurementPool;
   friend class Problem;
 
   bool equals(const MeasurementHandle& other) const {

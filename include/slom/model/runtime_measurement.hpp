@@ -1,6 +1,7 @@
 /// Measurements whose variables are chosen at run time: how many there are, of which types, and how long the residual is.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -36,6 +37,11 @@ class RuntimeMeasurement {
   /// The value at which all measurements of variable k are linearised for as long as this one is there; null: their current values. The
   /// value stays where it is while this measurement lives.
   virtual const void* firstEstimate(int k) const;
+
+  /// The same measurement over other variables of the same types, for Estimator::clone(); null: there is none.
+  virtual std::unique_ptr<RuntimeMeasurement> copyOver(std::vector<AnyVarID> variables) const;
+  /// Used by the library: makes variable k another one of the same type.
+  void setVariable(int k, const VariableHandle& id);
 
   /// The variables, in the order of the columns of the Jacobian.
   const std::vector<AnyVarID>& variables() const { return ids_; }
@@ -91,6 +97,15 @@ class ListMeasurement final : public RuntimeMeasurement {
     const int size = Returned::size(value);
     if (r != nullptr && size == rows) Returned::write(value, r);
     return size;
+  }
+  std::unique_ptr<RuntimeMeasurement> copyOver(std::vector<AnyVarID> variables) const override {
+    if constexpr (std::is_copy_constructible_v<F> && (std::is_copy_constructible_v<Data> && ...)) {
+      return detail::applyTo(data_, [&](const auto&... datum) -> std::unique_ptr<RuntimeMeasurement> {
+        return std::make_unique<ListMeasurement>(std::move(variables), F(f_), datum...);
+      });
+    } else {
+      return nullptr;
+    }
   }
   /// The data, which are stored by value.
   const detail::Values<Data...>& data() const { return data_; }

@@ -18,6 +18,8 @@ class ValueArray {
 
   std::size_t size() const { return size_; }
   void* operator[](std::size_t i) { return chunks_[i / kChunk] + (i % kChunk) * value_size_; }
+  /// Value i.
+  const void* at(std::size_t i) const { return chunks_[i / kChunk] + (i % kChunk) * value_size_; }
   /// Value i, which is a T.
   template <class T>
   T& as(std::size_t i) const {

@@ -87,6 +87,12 @@ class VariableArgument {
 #endif
   /// Has the measurement evaluated at another value, which must outlive the evaluation.
   void setPointer(const void* value) { value_ = value; }
+  /// Makes it another variable of the same type, with its current value.
+  void rebind(const VariableHandle& id) {
+    store_ = id.store_.get();
+    ref_ = id.ref_;
+    value_ = id.store_->valueAt(id.ref_.slot);
+  }
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
 #pragma GCC diagnostic pop
 #endif

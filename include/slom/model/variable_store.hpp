@@ -114,6 +114,11 @@ class VariableStoreBase {
   SlotRef refTo(std::uint32_t slot) const { return {slot, generation_[slot]}; }
   /// Frees the slot; handles to it become stale.
   void release(std::uint32_t slot);
+  /// Copies all slots of a store of the same type into this one, which is empty.
+  void copyFrom(const VariableStoreBase& other);
+  /// The generation of each slot, kFree of free ones.
+  std::vector<std::uint32_t> generations() const;
+  static constexpr std::uint32_t kFree = ~std::uint32_t{0};
 
  protected:
   VariableStoreBase(std::size_t value_size, std::size_t alignment);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "slom/model/any_var_id.hpp"
 #include "slom/model/function.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/meas_id.hpp"
@@ -171,6 +172,11 @@ class MeasurementPool {
   SlotRef handleOf(int i) const { return {slot_[at(i)], generation_[slot_[at(i)]]}; }
   /// What handles to its measurements hold.
   const std::shared_ptr<PoolPresence>& presence() const { return presence_; }
+  /// Copies all measurements of a pool of the same type into this one, which is empty; `handles` are this problem's variables, by index.
+  /// Throws [slom.not-copyable].
+  void copyFrom(const MeasurementPool& other, const std::vector<VariableHandle>& handles);
+  /// Whether the measurement was in the pool that this one is a copy of, or in one that that was a copy of, when it was copied.
+  bool isFromOrigin(const MeasurementHandle& id) const;
   /// Removes measurement i; the last one takes its place.
   void remove(int i);
   /// The first estimates of the variables; without them there are none.
@@ -196,6 +202,8 @@ class MeasurementPool {
   virtual int lengthOf(const void* measurement) const = 0;
   /// Appends the measurement, which is moved from.
   virtual void push(void* measurement) = 0;
+  /// Appends a copy of measurement i of a pool of the same type, over these variables; false: it cannot be copied.
+  virtual bool pushCopy(const MeasurementPool& from, int i, const std::vector<AnyVarID>& variables) = 0;
   /// The last measurement takes the place of measurement i.
   virtual void moveLastTo(int i) = 0;
   /// Variable k of measurement i.
@@ -250,6 +258,8 @@ class MeasurementPool {
   std::vector<std::uint32_t> generation_;  // generation of each slot
   std::vector<std::uint32_t> free_slots_;
   std::shared_ptr<PoolPresence> presence_;
+  struct Origins;
+  detail::Pimpl<Origins> origins_;  // null: it is not a copy
   int index_ = 0, group_ = 0;
   long own_inserted_ = 0;
   long* inserted_ = &own_inserted_;  // into the group: that of its first pool, which lives as long

@@ -30,6 +30,10 @@ class Problem {
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
+  /// Copies all of another problem into this one, which is empty. Handles of the other one, as it is now, are accepted by this one.
+  /// Throws [slom.not-copyable], after which this one is not to be used.
+  void copyFrom(const Problem& other);
+
   // Variables.
 
   /// Adds a variable with its start value; `optimize` false fixes it. `name` may be empty.
@@ -47,6 +51,16 @@ class Problem {
   int indexOf(const VariableHandle& id) const;
   /// The handle of a variable, in the table.
   VariableHandle handleOf(int variable) const;
+  /// This problem's handle for one of the problem that it is a copy of; its own ones as they are. Throws as indexOf does.
+  template <class T>
+  VarID<T> own(const VarID<T>& id) const {
+    return VarID<T>(handleOf(indexOf(id)));
+  }
+  template <class M>
+  MeasID<M> own(const MeasID<M>& id) const {
+    const auto [pool, i] = locate(id);
+    return MeasID<M>(handleOf(*pool, pool->handleOf(i)));
+  }
   /// Gives a variable another value. Throws [slom.stale-handle], [slom.size-change] or [slom.outside-bound].
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {
@@ -195,9 +209,16 @@ class Problem {
   double travelled(int variable) const { return travelled_[static_cast<std::size_t>(variable)]; }
 
  private:
+  /// A store that one of this problem is a copy of, and what was in it when it was copied.
+  struct StoreOrigin {
+    std::weak_ptr<const VariableStoreBase> store;
+    std::vector<std::uint32_t> generations;
+  };
   struct TypedStore {
     std::type_index type;
+    VariableStoreBase* (*make)();
     std::shared_ptr<VariableStoreBase> store;
+    std::vector<StoreOrigin> origins{};
   };
   // What concerns containers is compiled once, not in every file that inserts something.
   VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
@@ -233,6 +254,8 @@ class Problem {
   /// The number of variables and measurements, which limits the length of the logs.
   std::size_t size() const { return table_.size() + measurement_count_; }
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
+  void copyStores(const Problem& other);
+  void copyPools(const Problem& other);
   int reserveVariable();
   void registerVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <typeinfo>
 #include <utility>
 #include <vector>
@@ -99,6 +100,16 @@ class TypedPool final : public MeasurementPool {
   }
 
   void push(void* measurement) override { measurements_.push_back(std::move(*static_cast<M*>(measurement))); }
+
+  bool pushCopy(const MeasurementPool& from, int i, const std::vector<AnyVarID>&) override {
+    if constexpr (std::is_copy_constructible_v<M>) {
+      M copy(static_cast<const TypedPool&>(from).measurements_[at(i)]);
+      push(&copy);
+      return true;
+    } else {
+      return false;
+    }
+  }
 
   void moveLastTo(int i) override {
     if (i != size() - 1) {  // by construction: callables with captures cannot be assigned

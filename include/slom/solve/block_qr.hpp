@@ -13,6 +13,7 @@ class BlockQR final : public ForwardingSolver {
   static constexpr double kPivotTolerance = 1e-12;
   /// `pivot_tolerance`: share of the length of a column that must be left of it.
   explicit BlockQR(double pivot_tolerance = kPivotTolerance);
+  std::unique_ptr<LinearSolver> makeAnother() const override;
 };
 
 }  // namespace slom

@@ -48,6 +48,7 @@ class BlockSolver final : public ForwardingSolver {
   SolveStatus invertDamped(const Eigen::VectorXd& damping, std::unique_ptr<InverseBlocks>& blocks);
   /// Additions and multiplications of one factorisation; 0 with conjugate gradients.
   double flops() const;
+  std::unique_ptr<LinearSolver> makeAnother() const override;
 
  private:
   struct Implementation;

@@ -14,6 +14,7 @@ class Cholmod final : public ForwardingSolver {
   Cholmod();
   /// Whether this build has it.
   static bool isAvailable();
+  std::unique_ptr<LinearSolver> makeAnother() const override;
 };
 
 }  // namespace slom

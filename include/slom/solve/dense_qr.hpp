@@ -15,6 +15,7 @@ class DenseQR final : public ForwardingSolver {
   const Eigen::MatrixXd& jacobian() const;
   /// Whitened, one entry for each row of the Jacobian.
   const Eigen::VectorXd& residual() const;
+  std::unique_ptr<LinearSolver> makeAnother() const override;
 
  private:
   struct Implementation;

@@ -81,6 +81,9 @@ class LinearSolver : public JacobianSink {
     return nullptr;
   }
 
+  /// Another one with the same settings, which knows of nothing yet, for Estimator::clone(); null: there is none.
+  virtual std::unique_ptr<LinearSolver> makeAnother() const { return nullptr; }
+
   /// What it is, for the summary.
   virtual std::string description() const = 0;
   /// Where its time went.
