@@ -140,10 +140,8 @@ std::string report(const Summary& summary) {
   }
   text += groupChiSquares(summary);
   if (!summary.parameters.empty()) text += parameterTable(summary);
-  if (summary.parameters_not_shown > 0) {
-    text += "  " + counted(summary.parameters_not_shown, "parameter") +
-            " not shown, more than Options::most_parameters; addParametersTo(summary) shows them\n";
-  }
+  if (summary.parameters_not_shown > 0)
+    text += "  " + counted(summary.parameters_not_shown, "parameter") + " not shown\n";
   for (const std::string& bound : summary.active_bounds)
     text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";

@@ -235,7 +235,7 @@ struct UphillOnly {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     return std::exp(x);
   }
-  void jacobian(double x, Eigen::Matrix<double, 1, 1>& J) const { J(0, 0) = -std::exp(x); }
+  void jacobian(double x, auto& J) const { J(0, 0) = -std::exp(x); }
 };
 
 TEST(Limits, OfTimeEndsAnIterationWhoseStepsAreAllRefused) {
