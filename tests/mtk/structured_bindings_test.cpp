@@ -8,30 +8,30 @@
 
 namespace {
 
-struct Camera : mtk::vect<4> {
+struct BoundCamera : mtk::vect<4> {
   using mtk::vect<4>::vect;
   static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
 };
 template <class S>
-struct LensOf : mtk::vect<2, S> {
+struct BoundLens : mtk::vect<2, S> {
   using mtk::vect<2, S>::vect;
 };
-struct Fisheye : LensOf<double> {
-  using LensOf<double>::LensOf;
+struct BoundFisheye : BoundLens<double> {
+  using BoundLens<double>::BoundLens;
 };
 
 TEST(StructuredBindings, OfWhatDerivesFromAVector) {
-  const Camera camera(500, 510, 320, 240);
+  const BoundCamera camera(500, 510, 320, 240);
   const auto& [fx, fy, cx, cy] = camera;
   EXPECT_EQ(&fx, &camera[0]) << "a reference, not a copy";
   EXPECT_EQ(fy, 510);
   EXPECT_EQ(cx, 320);
   EXPECT_EQ(cy, 240);
-  const auto [k1, k2] = Fisheye(1, 2);
+  const auto [k1, k2] = BoundFisheye(1, 2);
   EXPECT_EQ(k1, 1);
   EXPECT_EQ(k2, 2);
-  static_assert(std::tuple_size_v<Camera> == 4 && std::tuple_size_v<const Camera> == 4);
-  static_assert(std::is_same_v<std::tuple_element_t<2, Camera>, double>);
+  static_assert(std::tuple_size_v<BoundCamera> == 4 && std::tuple_size_v<const BoundCamera> == 4);
+  static_assert(std::is_same_v<std::tuple_element_t<2, BoundCamera>, double>);
 }
 
 TEST(StructuredBindings, OfDualNumbersKeepTheirDerivatives) {
@@ -39,7 +39,7 @@ TEST(StructuredBindings, OfDualNumbersKeepTheirDerivatives) {
   D first, second;
   first.seed(3, 0);
   second.seed(4, 1);
-  const LensOf<D> lens(first, second);
+  const BoundLens<D> lens(first, second);
   const auto& [a, b] = lens;
   const D product = a * b;
   EXPECT_EQ(product.value(), 12);
@@ -53,9 +53,9 @@ TEST(StructuredBindings, LeaveOtherTypesAlone) {
   };
   const auto& [a, b] = Plain{1, 2};
   EXPECT_EQ(a + b, 3);
-  static_assert(std::tuple_size_v<std::tuple<int, Camera>> == 2);
+  static_assert(std::tuple_size_v<std::tuple<int, BoundCamera>> == 2);
   static_assert(std::tuple_size_v<mtk::vect<3>> == 3);
-  static_assert(mtk::Manifold<Camera> && mtk::DOF_v<Camera> == 4);
+  static_assert(mtk::Manifold<BoundCamera> && mtk::DOF_v<BoundCamera> == 4);
 }
 
 }  // namespace
