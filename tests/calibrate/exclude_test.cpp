@@ -210,6 +210,29 @@ TEST(BoardShapeOption, RefusesWhatMakesNoSense) {
       "slom: --sigma-board 0.001: it is by how much corners of a free board are off; add --board-shape free\n");
 }
 
+TEST(BoardShapeOption, ModelsAreComparedAgainOnTheBoardThatIsChosen) {
+  FilesOfOneCamera files;
+  for (View& view : files.data.cameras[0].views) {
+    for (Corner& corner : view.corners)
+      corner.world += 1e-3 * vec3(std::sin(5. * corner.number), std::cos(7. * corner.number),
+                                  std::sin(11. * corner.number));
+  }
+  slom::testing::writeFile(files.folder / "a.csv", testing::cornerFile(files.data.cameras[0]));
+  const std::string out = files.path("r.json");
+  const CommandResult result = files.run({"--compare", "radial1,opencv5,opencv8", "--json", out}, false);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const json report = json::parse(std::ifstream(out));
+  EXPECT_EQ(report["board"]["shape"], "free");
+  EXPECT_NE(result.output.find("\nwith a free board:\n\nmodels compared\n"), std::string::npos)
+      << result.output;
+  ASSERT_EQ(report["comparison"]["models"].size(), 2u) << "opencv8 is not tried again";
+  EXPECT_EQ(report["comparison"]["models"][1]["model"], "opencv5");
+  EXPECT_EQ(report["comparison"]["models"][1]["board_shape"], "free");
+  ASSERT_EQ(report["noise_comparison"]["trials"].size(), 4u);
+  EXPECT_EQ(report["noise_comparison"]["trials"][0]["by"], "constant");
+  EXPECT_NE(result.output.find("\nnoise of corners compared\n"), std::string::npos);
+}
+
 TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
   FilesOfOneCamera files;
   Corner& wrong = files.data.cameras[0].views[3].corners[10];
@@ -235,9 +258,20 @@ TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
   EXPECT_TRUE(kept["rejected_corners"].empty());
   ASSERT_EQ(kept["gross_corners"].size(), 1u);
   EXPECT_EQ(kept["gross_corners"][0]["corner"], wrong.number);
+  for (const auto& [loss, text] : {std::pair("huber", "Huber(1.5)"), std::pair("cauchy", "Cauchy(2.55)")}) {
+    const CommandResult result = files.run({"--robust", loss, "--sigma-by", "slant", "--json", out}, false);
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_NE(result.output.find(fmt::format("\nrobust loss {}: ", text)), std::string::npos)
+        << result.output;
+    const json robust = json::parse(std::ifstream(out));
+    EXPECT_EQ(robust["downweighted"]["loss"], text);
+    EXPECT_EQ(robust["cameras"]["a"]["noise"]["by"], "slant");
+    EXPECT_TRUE(robust["rejected_corners"].empty());
+  }
   const CommandResult unknown = files.run({"--robust", "huge"}, false);
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_EQ(unknown.errors, "slom: --robust huge: what becomes of gross corners is none or reject\n");
+  EXPECT_EQ(unknown.errors,
+            "slom: --robust huge: what becomes of gross corners is none, reject, huber or cauchy\n");
 }
 
 }  // namespace

@@ -177,6 +177,17 @@ TEST(CalibrateFaults, UnknownOption) {
       "The following arguments were not expected: left=left.csv --cameras; see slom calibrate --help");
 }
 
+TEST(CalibrateFaults, AFileWithoutAnOption) {
+  expectRefused(
+      Files(), {"DIR/left.csv"},
+      "left.csv: say which camera this is of: --camera left=left.csv for corners, --images left=left.csv for photographs");
+}
+TEST(CalibrateFaults, SigmaBy) {
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--sigma-by", "colour"},
+      "--sigma-by colour: the standard deviation of corners is constant, or grows with speed, slant or distance");
+}
+
 TEST(CalibrateFaults, OutputsThatCannotBeWritten) {
   expectRefused(
       Files(), {"--camera", "left=DIR/left.csv", "--json", "DIR/no/such/folder.json", "--quiet"},

@@ -111,6 +111,22 @@ TEST(Notes, ImagesThatContradictTheOthers) {
           "column further."}));
 }
 
+TEST(Notes, MostImagesOfACameraContradictTheOthersInOneNote) {
+  Result result = goodResult();
+  result.cameras.push_back(result.cameras[0]);
+  result.cameras[1].name = "right";
+  result.cameras[0].images = result.cameras[1].images = 5;
+  for (const int image : {3, 4, 7}) result.strays.push_back({"right", image, 40.4 + image});
+  result.strays.push_back({"left", 9, 12});
+  const std::vector<std::string> found = notes(result);
+  ASSERT_GE(found.size(), 2u);
+  EXPECT_EQ(
+      found[0],
+      "3 of the 5 images of camera right contradict those of camera left: where these put them, their corners are 43 to 47 px off. Image numbers or time "
+      "stamps of this camera do not belong to those of the other one; correct them.");
+  EXPECT_TRUE(found[1].starts_with("Image 9 of camera left contradicts the others")) << found[1];
+}
+
 TEST(Notes, AnImageOfTheReferenceIsComparedWithTheOtherCamera) {
   Result result = goodResult();
   result.strays.push_back({"left", 3, unknown});

@@ -74,14 +74,22 @@ TEST_F(Photos, TimeStampsAreCountedOverAllCameras) {
   EXPECT_EQ(photos[1].photos[1].image, 3);
 }
 
+TEST_F(Photos, WithoutANumberAreLeftOut) {
+  make({"left1.jpg", "left2.jpg", "board.jpg", "wall.jpg"});
+  const auto photos = findPhotos({camera("left", {"*.jpg", "wall.jpg"})});
+  EXPECT_EQ(photos[0].photos.size(), 2u);
+  EXPECT_EQ(photos[0].unnumbered, (std::vector<std::string>{"board.jpg", "wall.jpg"}));
+}
+
 TEST_F(Photos, FaultsAreNamed) {
   make({"left1.jpg", "left01.jpg", "other/left1.jpg", "plain.jpg"});
   EXPECT_EQ(refusal({camera("left", {"*.png"})}),
             "--images left=*.png: no file matches this; check the folder and the pattern, and quote it so "
             "that the shell leaves it alone");
-  EXPECT_EQ(refusal({camera("left", {"plain.jpg"})}),
-            "plain.jpg: there is no number in its name, by which photographs of the same moment are found; "
-            "rename it, as in left07.jpg");
+  EXPECT_EQ(
+      refusal({camera("left", {"plain.jpg"})}),
+      "plain.jpg: there is no number in its name, by which photographs of the same moment are found, nor in that of another one of camera left; rename "
+      "them, as in left07.jpg");
   EXPECT_EQ(refusal({camera("left", {"left01.jpg", "left1.jpg"})}),
             "left1.jpg: camera left has image 1 already, left01.jpg; the last number in the name must tell "
             "its photographs apart");

@@ -1,5 +1,6 @@
 // `slom calibrate`: options, then read -> calibrate -> report and files.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -149,7 +150,7 @@ void compareAgain(const Dataset& data, CommandSettings& settings, std::optional<
     return !model.heldNearZero().empty() && !(model == settings.model);
   });
   if (settings.compared.size() < 2) return;
-  if (!settings.quiet) say(fmt::format("\nwith a {} board:", toString(settings.board_shape)));
+  if (!settings.quiet) say(fmt::format("\nwith a {} board:\n", toString(settings.board_shape)));
   comparison = compare(data, settings);
 }
 
@@ -202,6 +203,19 @@ std::string failureOf(const Result& result) {
   if (result.quality && !result.quality->cut_short.empty())
     return "the assessment was cut short: " + result.quality->cut_short;
   return "";
+}
+
+/// Words that belong to no option; a file among them is most often a camera's.
+void refuseExtras(const CLI::App& command) {
+  const std::vector<std::string> words = command.remaining();
+  if (words.empty()) return;
+  std::error_code ignored;
+  if (words.size() == 1 && std::filesystem::is_regular_file(words.front(), ignored)) {
+    throw UserError(fmt::format(
+        "{0}: say which camera this is of: --camera left={0} for corners, --images left={0} for photographs",
+        words.front()));
+  }
+  throw CLI::ExtrasError(command.get_name(), words);
 }
 
 void run(const RawOptions& raw) {
@@ -357,11 +371,12 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("opencv|ros|kalibr");
   command
       .add_option("--image-size", raw->image_sizes,
-                  "of a camera with corner files, where these do not say it [px]")
-      ->type_name("NAME=WxH")
-      ->allow_extra_args(false);
+                  "of cameras with corner files, where these do not say it [px]; one or several")
+      ->type_name("NAME=WxH ...");
   command.add_flag("--quiet", settings.quiet, "print errors only");
-  command.callback([raw, compare] {
+  command.allow_extras();
+  command.callback([raw, compare, &command] {
+    refuseExtras(command);
     raw->compare = compare->count() > 0;
     run(*raw);
   });

@@ -52,7 +52,7 @@ struct RawOptions {
   BoardOptions board;
   std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;
-  std::string format;  ///< empty: by the name of the file
+  std::string format;                ///< empty: by the name of the file
   std::string robust = "reject";
   std::string sigma_by;               ///< empty: constant, or what the comparison chooses
   std::string board_shape;            ///< empty: flat, or what the comparison chooses

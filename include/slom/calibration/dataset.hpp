@@ -48,7 +48,7 @@ struct View {
 
 /// A photograph that the fit does without.
 struct UnusedPhoto {
-  int image = 0;
+  std::optional<int> image{};  ///< nothing where its name has no number
   std::string file;
   std::string reason;  ///< goes on where the name ends: "shows no board"
 };
@@ -83,7 +83,7 @@ struct CameraData {
   std::string file{};       ///< what messages call the source of the corners; it is never opened
   std::vector<View> views;  ///< in any order of their images
   std::optional<ImageSize> image_size{};  ///< nullopt: unknown
-  std::vector<UnusedPhoto> unused{};      ///< by rising image number
+  std::vector<UnusedPhoto> unused{};      ///< by rising image number, those without one first
   std::vector<Copy> copies{};             ///< by rising image number
   std::vector<Exclusion> excluded{};      ///< what exclude() has taken out
   int board_symmetry = 1;                 ///< in how many ways the board looks the same (Board::symmetry)

@@ -61,6 +61,15 @@ std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& ca
   return views;
 }
 
+/// Whether they are most views of some camera: its numbers are not those of the others, and no fit of all is to be expected.
+inline bool areMost(const std::vector<Stray>& strays, const Dataset& data) {
+  return std::any_of(data.cameras.begin(), data.cameras.end(), [&](const CameraData& camera) {
+    const auto own = std::count_if(strays.begin(), strays.end(),
+                                   [&](const Stray& stray) { return stray.camera == camera.name; });
+    return 2 * std::size_t(own) > camera.views.size();
+  });
+}
+
 /// A camera whose focal length is not known to a fifth of it, as far as anything is known.
 inline bool hasOpenFocalLength(const Result& result) {
   if (!result.success()) return true;
@@ -120,14 +129,16 @@ Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, c
   }
 }
 
-/// From start values to the result. Boards that are all `parallel` (the sentence says so) rarely allow a fit: it is not tried
-/// for long.
+/// From start values to the result. Boards that are all `parallel` (the sentence says so) and cameras most of whose views contradict the others rarely
+/// allow a fit: it is not tried for long.
 template <class Camera>
 Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel,
                      Settings settings, const Progress& progress) {
   constexpr int few_iterations = 20;
-  if (!parallel.empty()) settings.max_iterations = std::min(settings.max_iterations, few_iterations);
   const auto [cameras, rms_px_single, rig] = startModel<Camera>(data, planes, settings, progress);
+  const std::vector<Stray> strays = findStrays(data, cameras, rig);
+  if (!parallel.empty() || areMost(strays, data))
+    settings.max_iterations = std::min(settings.max_iterations, few_iterations);
 
   std::optional<ImuStart> imu;
   std::vector<TiltPair> tilts;
@@ -146,7 +157,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   Result result = problem.result(optimizeFromStart(problem, options, data));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_single = rms_px_single[c];
-  result.strays = findStrays(data, cameras, rig);
+  result.strays = strays;
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
     result.imu->sign_evidence = imu->sign_evidence;

@@ -147,6 +147,9 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
       camera.image_size = commonSize(photos[c], seen[c]);
       leaveOutOtherSizes(*camera.image_size, seen[c]);
     }
+    for (const std::string& file : photos[c].unnumbered)
+      camera.unused.push_back(
+          {{}, file, "has no number in its name, by which photographs of the same moment are found"});
     std::vector<std::string> with_board;
     for (std::size_t i = 0; i < seen[c].size(); ++i) {
       const Photo& photo = photos[c].photos[i];

@@ -46,16 +46,16 @@ struct ByValue {
 
 using FilesByNumber = std::map<std::string, std::string, ByValue>;
 
-FilesByNumber numbered(const CameraFile& camera) {
+/// The files without a number go to `unnumbered`.
+FilesByNumber numbered(const CameraFile& camera, std::vector<std::string>& unnumbered) {
   FilesByNumber files;
   for (const std::string& pattern : camera.patterns) {
     for (const std::string& file : expanded(camera.name, pattern)) {
       const std::string number = numberInName(file);
       if (number.empty()) {
-        throw UserError(fmt::format(
-            "{}: there is no number in its name, by which photographs of the same moment are found; rename "
-            "it, as in {}07.jpg",
-            file, camera.name));
+        if (std::find(unnumbered.begin(), unnumbered.end(), file) == unnumbered.end())
+          unnumbered.push_back(file);
+        continue;
       }
       const auto [known, is_new] = files.emplace(number, file);
       if (is_new || known->second == file) continue;
@@ -64,6 +64,12 @@ FilesByNumber numbered(const CameraFile& camera) {
           "apart",
           file, camera.name, number, known->second));
     }
+  }
+  if (files.empty()) {
+    throw UserError(fmt::format(
+        "{}: there is no number in its name, by which photographs of the same moment are found, nor in that of another one of camera {}; rename them, as "
+        "in {}07.jpg",
+        unnumbered.front(), camera.name, camera.name));
   }
   return files;
 }
@@ -108,12 +114,13 @@ std::string numberInName(const std::string& file) {
 
 std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras) {
   std::vector<FilesByNumber> files;
-  for (const CameraFile& camera : cameras) files.push_back(numbered(camera));
+  std::vector<std::vector<std::string>> unnumbered;
+  for (const CameraFile& camera : cameras) files.push_back(numbered(camera, unnumbered.emplace_back()));
   requireOneCamera(cameras, files);
   const auto images = imageNumbers(files);
   std::vector<CameraPhotos> result;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    CameraPhotos camera{cameras[c].name, {}};
+    CameraPhotos camera{cameras[c].name, {}, std::move(unnumbered[c])};
     for (const auto& [number, file] : files[c]) camera.photos.push_back({images.at(number), file});
     result.push_back(std::move(camera));
   }

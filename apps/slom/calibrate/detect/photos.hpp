@@ -15,7 +15,8 @@ struct Photo {
 
 struct CameraPhotos {
   std::string name;
-  std::vector<Photo> photos;  ///< sorted by number
+  std::vector<Photo> photos;              ///< sorted by number
+  std::vector<std::string> unnumbered{};  ///< files without a number in their name, which are left out
 };
 
 /// The last number in a file's name, folders and extension left aside: 7 of `run2/left07.jpg`. It is text,
@@ -24,7 +25,7 @@ std::string numberInName(const std::string& file);
 
 /// The photographs of each camera. Where a number is too large for an image number, as time stamps are,
 /// images are counted from 1 by rising number over all cameras. UserError for a pattern that matches nothing,
-/// a name without a number, a number that a camera has twice, and a photograph that two cameras have.
+/// a camera without a number in any name, a number that a camera has twice, and a photograph that two cameras have.
 std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras);
 
 }  // namespace slom::app::calib

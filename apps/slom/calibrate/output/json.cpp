@@ -60,7 +60,9 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
   Json unused = Json::array();
   for (const UnusedPhoto& photo : camera.unused) {
-    unused.push_back({{"image", photo.image}, {"file", photo.file}, {"reason", photo.reason}});
+    unused.push_back({{"image", photo.image ? Json(*photo.image) : Json()},
+                      {"file", photo.file},
+                      {"reason", photo.reason}});
   }
   Json copies = Json::array();
   for (const Copy& copy : camera.copies) {

@@ -124,18 +124,44 @@ const std::string& otherThan(const std::string& name, const Result& result) {
   return result.cameras.front().name == name ? result.cameras.back().name : result.cameras.front().name;
 }
 
+/// Cameras most of whose views contradict the others, one note for each; the strays of the others.
+std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::string>& notes) {
+  constexpr std::size_t fewest = 3;
+  std::vector<Stray> rest = result.strays;
+  if (result.cameras.size() < 2) return rest;
+  for (const CameraResult& camera : result.cameras) {
+    const auto is_own = [&](const Stray& stray) { return stray.camera == camera.name; };
+    const std::size_t own = std::size_t(std::count_if(rest.begin(), rest.end(), is_own));
+    if (own < fewest || 2 * own <= camera.images) continue;
+    std::vector<double> errors;
+    for (const Stray& stray : rest) {
+      if (is_own(stray)) errors.push_back(std::isfinite(stray.error_px) ? stray.error_px : most_corner_px);
+    }
+    std::sort(errors.begin(), errors.end());
+    notes.push_back(fmt::format(
+        "{} of the {} images of camera {} contradict those of {}: where these put them, their corners are {} to {} px off. Image numbers or time stamps of "
+        "this camera do not belong to those of {}; correct them.",
+        own, camera.images, camera.name,
+        result.cameras.size() == 2 ? "camera " + otherThan(camera.name, result) : "the other cameras",
+        fixedDecimals(errors.front(), 0), fixedDecimals(errors.back(), 0),
+        result.cameras.size() == 2 ? "the other one" : "the others"));
+    std::erase_if(rest, is_own);
+  }
+  return rest;
+}
+
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 4;  // one by one
-  for (const Stray& stray : result.strays) {
-    if (std::size_t(&stray - result.strays.data()) == most) {
+  const std::vector<Stray> strays = noteWrongNumbers(result, notes);
+  for (const Stray& stray : strays) {
+    if (std::size_t(&stray - strays.data()) == most) {
       std::vector<std::string> more;
-      for (std::size_t i = most; i < result.strays.size(); ++i)
-        more.push_back(fmt::format("{}.{}", result.strays[i].camera, result.strays[i].image));
-      notes.push_back(fmt::format(
-          "{} contradict the others in the same way: {}. Where these are most images of a camera, its image numbers or time "
-          "stamps do not belong to those of the others.",
-          more.size() == 1 ? "1 more view" : fmt::format("{} more views", more.size()),
-          fmt::join(more, ", ")));
+      for (std::size_t i = most; i < strays.size(); ++i)
+        more.push_back(fmt::format("{}.{}", strays[i].camera, strays[i].image));
+      notes.push_back(
+          fmt::format("{} contradict the others in the same way: {}.",
+                      more.size() == 1 ? "1 more view" : fmt::format("{} more views", more.size()),
+                      fmt::join(more, ", ")));
       break;
     }
     const bool is_alone = result.cameras.size() == 1;
