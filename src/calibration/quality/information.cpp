@@ -77,29 +77,20 @@ void addReading(const FittedRig& rig, const Observation& observation, Eigen::Mat
 
 /// Adds what the unknowns of the board are to the corners that camera c sees: to H, in which they follow the shared parameters.
 void addBoard(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
-  const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
-  const Eigen::Matrix3d world2left = observation.left2world.orient.toRotationMatrix().transpose();
-  const Lens& lens = *rig.lenses[c];
-  const int n = lens.parameters(), left2camera = rig.columns.pose[c];
-  Eigen::Matrix<double, 2, 6> pose;
+  const SeenBoard board(rig, c, observation.left2world);
+  const int n = rig.lenses[c]->parameters(), left2camera = rig.columns.pose[c];
   for (std::size_t k = 0; k < observation.points[c].size(); ++k) {
     const vec3& point = observation.points[c][k];
     const double sigma = rig.sigma_px * (observation.sigmas.empty() ? 1 : observation.sigmas[c][k]);
-    const double weight = 1 / (sigma * sigma);
-    const Eigen::Vector3d in_left = world2left * (point - observation.left2world.pos);
-    const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig.left2camera[c].pos));
-    const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
+    const SeenBoard::Rows rows = board.rowsOf(point);
     const auto [first, map] = rig.board->of(point);
-    const Eigen::Matrix<double, 2, 3> by_board = by_left * world2left * *map, weighted = weight * by_board;
+    const Eigen::Matrix<double, 2, 3> by_board = rows.by_point * *map, weighted = by_board / (sigma * sigma);
     const Eigen::Index row = rig.columns.size + first;
-    H.block(row, rig.columns.lens[c], 3, n).noalias() += weighted.transpose().lazyProduct(q.by_parameters);
-    if (c > 0) {
-      pose << q.by_point, -by_turn;
-      H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * pose;
-    }
+    H.block(row, rig.columns.lens[c], 3, n).noalias() +=
+        weighted.transpose().lazyProduct(rows.seen.by_parameters);
+    if (c > 0) H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * rows.by_left2camera;
     H.block<3, 3>(row, row).noalias() += weighted.transpose() * by_board;
-    pose << -by_left * world2left, by_turn;
-    H.bottomRows<6>().middleCols<3>(row).noalias() += pose.transpose() * weighted;
+    H.bottomRows<6>().middleCols<3>(row).noalias() += rows.by_pose.transpose() * weighted;
   }
 }
 
@@ -114,6 +105,33 @@ Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen
 }
 
 }  // namespace
+
+SeenBoard::SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2world)
+    : rig_(rig),
+      camera_(camera),
+      left2camera_(rig.left2camera[camera].orient.toRotationMatrix()),
+      world2left_(left2world.orient.toRotationMatrix().transpose()),
+      offset_(rig.left2camera[camera].pos),
+      origin_(left2world.pos) {}
+
+SeenBoard::Rows SeenBoard::rowsOf(const vec3& point) const {
+  const Eigen::Vector3d in_left = world2left_ * (point - origin_);
+  Rows rows{rig_.lenses[camera_]->differentiate(vec3(left2camera_ * in_left + offset_)), {}, {}, {}};
+  const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_,
+                                    by_turn = by_left * crossMatrix(in_left);
+  rows.by_left2camera << rows.seen.by_point, -by_turn;
+  rows.by_point = by_left * world2left_;
+  rows.by_pose << -rows.by_point, by_turn;
+  return rows;
+}
+
+void SeenBoard::setByShared(const Rows& rows, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
+                            Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) const {
+  by_shared.noalias() = -pose_by_shared.transpose() * rows.by_pose.transpose();
+  by_shared.middleRows(rig_.columns.lens[camera_], rows.seen.by_parameters.cols()) +=
+      rows.seen.by_parameters.transpose();
+  if (camera_ > 0) by_shared.middleRows<6>(rig_.columns.pose[camera_]) += rows.by_left2camera.transpose();
+}
 
 BoardColumns::BoardColumns(const FittedBoard& board)
     : basis_(board.shape,

@@ -82,6 +82,32 @@ struct Observation {
   std::vector<std::vector<double>> sigmas{};  ///< Corner::sigma, as points; empty: 1 each
 };
 
+/// How a camera sees points of the board in one image.
+class SeenBoard {
+ public:
+  /// `rig` must live as long.
+  SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2world);
+
+  /// The pixel of a point, and how it changes [px].
+  struct Rows {
+    Lens::Projection seen;  ///< by the lens parameters, too
+    Eigen::Matrix<double, 2, 6> by_left2camera, by_pose;
+    Eigen::Matrix<double, 2, 3> by_point;  ///< in the world
+
+    vec2 pixel() const { return seen.pixel; }
+  };
+  Rows rowsOf(const vec3& point) const;
+  /// By all shared parameters, where the pose of the image follows them by ImageEquations::pose_by_shared.
+  void setByShared(const Rows& rows, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
+                   Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) const;
+
+ private:
+  const FittedRig& rig_;
+  std::size_t camera_;
+  Eigen::Matrix3d left2camera_, world2left_;
+  Eigen::Vector3d offset_, origin_;
+};
+
 /// The normal equations of one image: by all shared parameters, then, where they are asked for, the unknowns of the board, and by its pose, which is
 /// eliminated.
 struct ImageEquations {

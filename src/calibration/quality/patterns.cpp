@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "calibration/cross_matrix.hpp"
 #include "calibration/data/point_key.hpp"
 #include "calibration/data/view_facts.hpp"
 #include "calibration/limits.hpp"
@@ -176,35 +175,24 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
   const View& view = camera().views[i];
   const int block = block_of_[i];
   const SE3& left2world = rig_.left2world.at(view.image);
-  const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
-  const Eigen::Matrix3d R = rig_.left2camera[c_].orient.toRotationMatrix();
-  const Lens& lens = *rig_.lenses[c_];
+  const SeenBoard board(rig_, c_, left2world);
   const double time = 2.0 * double(i) / double(facts_.size() - 1) - 1;
   const ImageEquations equations = equationsOf(rig_, observations_.at(view.image));
-  Eigen::Matrix<double, 2, 6> pose, by_left2camera;
   Eigen::Matrix<double, Eigen::Dynamic, 2> by_shared(rig_.columns.size, 2);
   std::vector<Vector2d>& residuals = residuals_.emplace_back();
   for (std::size_t k = 0; k < view.corners.size(); ++k) {
     const Corner& corner = view.corners[k];
-    const Eigen::Vector3d in_left = world2left * (corner.world - left2world.pos);
     const double sigma = rig_.sigma_px * corner.sigma, weight = 1 / (sigma * sigma);
-    const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig_.left2camera[c_].pos));
-    const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
-    pose << -by_left * world2left, by_turn;
-    by_shared.noalias() = -equations.pose_by_shared.transpose() * pose.transpose();
-    by_shared.middleRows(rig_.columns.lens[c_], lens.parameters()) += q.by_parameters.transpose();
-    if (c_ > 0) {
-      by_left2camera << q.by_point, -by_turn;
-      by_shared.middleRows<6>(rig_.columns.pose[c_]) += by_left2camera.transpose();
-    }
-    const Vector2d e = corner.pixel - q.pixel;
+    const SeenBoard::Rows rows = board.rowsOf(corner.world);
+    board.setByShared(rows, equations.pose_by_shared, by_shared);
+    const Vector2d e = corner.pixel - rows.pixel();
     residuals.push_back(e / corner.sigma);
     facts_[i].squares += residuals.back().squaredNorm();
     scores_.col(block).noalias() += by_shared * (weight * e);
     const auto add = [&]<int D>(PatternScores& to, int cell, const PatternRows<D>& F) {
-      to.add<D>(cell, block, weight, e, F, pose, by_shared);
+      to.add<D>(cell, block, weight, e, F, rows.by_pose, by_shared);
     };
-    add(scores.board, facts_[i].points[k], PatternRows<3>(by_left * world2left * board2world_));
+    add(scores.board, facts_[i].points[k], PatternRows<3>(rows.by_point * board2world_));
     const auto cellOf = [](double x, double size, int count) {
       return std::clamp(int(x / size * count), 0, count - 1);
     };
@@ -212,7 +200,7 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
         cellOf(corner.pixel.y(), grid_.box.height, place_rows) * place_columns +
             cellOf(corner.pixel.x(), grid_.box.width, place_columns),
         PatternRows<2>(Eigen::Matrix2d::Identity()));
-    add(scores.drift, 0, PatternRows<Eigen::Dynamic>(time * q.by_parameters(Eigen::all, free_)));
+    add(scores.drift, 0, PatternRows<Eigen::Dynamic>(time * rows.seen.by_parameters(Eigen::all, free_)));
     const Vector2d& motion = facts_[i].motion[k];
     if (!motion.allFinite()) continue;
     add(scores.readout, 0, PatternRows<1>(corner.pixel.y() / grid_.box.height * motion));

@@ -7,8 +7,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "calibration/cross_matrix.hpp"
-
 namespace slom::calibration {
 namespace {
 
@@ -132,39 +130,29 @@ MatrixXd WhitenedScores::onBoard(const Image& group) const {
 
 void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                              const MatrixXd& by_pose, const Matrix6& pose_inverse) {
-  const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
-  const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
-  const Lens& lens = *rig.lenses[c];
-  const int n = lens.parameters();
-  const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], n).transpose();
+  const SeenBoard board(rig, c, left2world);
+  const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], rig.lenses[c]->parameters()).transpose();
   const MatrixXd by_left2camera =
       c == 0 ? MatrixXd() : MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose());
-  Eigen::Matrix<double, 2, 6> pose;
   Eigen::Matrix<double, Eigen::Dynamic, 2> rows(K_.cols(), 2);
   for (const Corner& corner : view.corners) {
     const double weight = 1 / (rig.sigma_px * corner.sigma);
-    const Eigen::Vector3d in_left = world2left * (corner.world - left2world.pos);
-    const Lens::Projection q = lens.differentiate(vec3(R * in_left + rig.left2camera[c].pos));
-    const Eigen::Matrix<double, 2, 3> by_left = q.by_point * R, by_turn = by_left * crossMatrix(in_left);
-    rows.noalias() = by_lens * q.by_parameters.transpose();
-    if (c > 0) {
-      pose << q.by_point, -by_turn;
-      rows.noalias() += by_left2camera * pose.transpose();
-    }
-    pose << -by_left * world2left, by_turn;
-    rows.noalias() -= by_pose * pose.transpose();
+    const SeenBoard::Rows seen = board.rowsOf(corner.world);
+    rows.noalias() = by_lens * seen.seen.by_parameters.transpose();
+    if (c > 0) rows.noalias() += by_left2camera * seen.by_left2camera.transpose();
+    rows.noalias() -= by_pose * seen.by_pose.transpose();
     if (rig.board) {
       const auto [first, map] = rig.board->of(corner.world);
-      const Eigen::Matrix<double, 2, 3> by_board = by_left * world2left * *map;
+      const Eigen::Matrix<double, 2, 3> by_board = seen.by_point * *map;
       rows.noalias() += K_.middleRows<3>(shared_ + first).transpose() * by_board.transpose();
       // All rows of an image are orthogonal to its pose, whose part of the board need not be taken off.
       images_.back().on_board.middleRows<3>(first).noalias() +=
           weight * weight * (by_board.transpose() * rows.transpose());
     }
-    const Eigen::Vector2d residual = corner.pixel - q.pixel;
-    const Eigen::Matrix2d leverage =
-        weight * weight *
-        (pose * pose_inverse * pose.transpose() + rows.transpose() * rows);  // 2 x 2, of u and v
+    const Eigen::Vector2d residual = corner.pixel - seen.pixel();
+    const Eigen::Matrix2d leverage = weight * weight *
+                                     (seen.by_pose * pose_inverse * seen.by_pose.transpose() +
+                                      rows.transpose() * rows);  // 2 x 2, of u and v
     const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - leverage;
     const bool is_checked = rest.determinant() > least_redundancy * rest.trace();
     const Eigen::Vector2d without = is_checked ? Eigen::Vector2d(rest.inverse() * residual) : residual;
