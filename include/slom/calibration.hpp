@@ -8,6 +8,8 @@
 ///   patterns.hpp    what residuals have in common, and why
 ///   pixel_uncertainty.hpp  how sure it is where a point is projected to, asked pixel by pixel
 ///   board_shape.hpp  a board that is not flat, found with the rest
+///   corner_noise.hpp  corners that are less precise than others
+///   readout.hpp     rolling shutters
 ///   comparison.hpp  which camera model the data carry
 ///   error.hpp       what is thrown for data and settings that make no sense
 #pragma once
@@ -17,6 +19,7 @@
 #include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/calibrate.hpp"
 #include "slom/calibration/comparison.hpp"
+#include "slom/calibration/corner_noise.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/models.hpp"
@@ -25,4 +28,5 @@
 #include "slom/calibration/patterns.hpp"
 #include "slom/calibration/pixel_uncertainty.hpp"
 #include "slom/calibration/quality.hpp"
+#include "slom/calibration/readout.hpp"
 #include "slom/calibration/result.hpp"

@@ -1,4 +1,5 @@
 // `slom calibrate`: options, then read -> calibrate -> report and files.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -174,6 +175,19 @@ void compareNoise(const Dataset& data, CommandSettings& settings, Result& result
   result.noise_comparison = comparison;
 }
 
+/// Whether rows are read out one after the other, likewise.
+void compareReadout(const Dataset& data, CommandSettings& settings, Result& result) {
+  if (!settings.is_compared || settings.rolling_shutter || !result.success()) return;
+  const auto trials = compareReadout(data, result);
+  if (!settings.quiet) say(readoutText(trials, result));
+  settings.rolling_shutter =
+      std::any_of(trials.begin(), trials.end(), [](const auto& trial) { return trial && trial->isFound(); });
+  const std::optional<NoiseComparison> noise = result.noise_comparison;
+  if (settings.rolling_shutter) result = calibrate(data, settings);
+  result.noise_comparison = noise;
+  result.readout_comparison = trials;
+}
+
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
 Dataset readInTime(const CommandSettings& settings) {
   try {
@@ -241,6 +255,7 @@ void run(const RawOptions& raw) {
   Result result = inWordsOfOptions(
       settings, [&] { return calibrate(data, settings, settings.quiet ? Progress{} : printedProgress()); });
   compareNoise(data, settings, result);
+  compareReadout(data, settings, result);
   result.comparison = comparison;
   result.board_comparison = board_comparison;
   if (!settings.json_file.empty() || !settings.report_file.empty())
@@ -351,6 +366,10 @@ void addCalibrateCommand(CLI::App& app) {
                   "unless it is given")
       ->type_name("constant|speed|slant|distance")
       ->default_str("constant");
+  command.add_flag(
+      "--rolling-shutter", settings.rolling_shutter,
+      "estimate the time in which the rows of an image are read out, from recordings with image\n"
+      "numbers at equal intervals; --compare tries it");
   command.add_option("--max-iterations", settings.max_iterations, "of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();

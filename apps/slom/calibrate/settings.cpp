@@ -249,6 +249,7 @@ Robust parseRobust(const std::string& text) {
 
 /// What the noise grows with, which --compare tries where it is not given.
 void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
+  settings.is_compared = raw.compare;
   settings.sigma_by_is_given = !raw.sigma_by.empty() || !raw.compare;
   if (raw.sigma_by.empty()) return;
   for (const SigmaBy by : {SigmaBy::constant, SigmaBy::speed, SigmaBy::slant, SigmaBy::distance}) {

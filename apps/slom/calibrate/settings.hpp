@@ -37,6 +37,7 @@ struct CommandSettings : Settings {
   bool model_is_given = true;            ///< otherwise it is the one that the comparison chooses
   bool board_shape_is_given = true;      ///< likewise
   bool sigma_by_is_given = true;         ///< likewise
+  bool is_compared = false;              ///< by --compare
   std::string json_file;                 ///< empty: none
   std::string yaml_file;                 ///< empty: none
   std::string report_file;               ///< empty: none
@@ -52,7 +53,7 @@ struct RawOptions {
   BoardOptions board;
   std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;
-  std::string format;                ///< empty: by the name of the file
+  std::string format;  ///< empty: by the name of the file
   std::string robust = "reject";
   std::string sigma_by;               ///< empty: constant, or what the comparison chooses
   std::string board_shape;            ///< empty: flat, or what the comparison chooses

@@ -57,6 +57,9 @@ struct Settings {
   double sigma_acc = 0.05;         ///< standard deviation of each axis of a reading [m/s^2]
   Robust robust = Robust::reject;
   SigmaBy sigma_by = SigmaBy::constant;  ///< what sigma_px grows with; by how much is estimated (CornerNoise)
+  /// Whether the time is estimated in which cameras read out their rows one after the other (CameraResult::readout). Image numbers count equal
+  /// intervals of time then.
+  bool rolling_shutter = false;
   BoardShape board_shape = BoardShape::flat;
   /// Of a free board: standard deviation of each coordinate of a corner from where it is stated [m]. Without a value it is estimated.
   std::optional<double> sigma_board;

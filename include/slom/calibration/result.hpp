@@ -13,6 +13,7 @@
 #include "slom/calibration/comparison.hpp"
 #include "slom/calibration/options.hpp"
 #include "slom/calibration/quality.hpp"
+#include "slom/calibration/readout.hpp"
 
 namespace slom::calibration {
 
@@ -81,6 +82,7 @@ struct CameraResult {
   std::vector<Copy> copies;         ///< views that repeat others
   std::vector<Exclusion> excluded;  ///< CameraData::excluded
   CornerNoise noise;                ///< of its corners (Settings::sigma_by)
+  std::optional<Readout> readout;   ///< where it was asked for and corners are known to move
 
   /// The pixel of a point in this camera's frame [m]; NaN where it has none.
   vec2 project(const vec3& point) const;

@@ -16,6 +16,7 @@
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/quality/clustered.hpp"
+#include "calibration/quality/readout.hpp"
 
 namespace slom::calibration {
 
@@ -57,6 +58,7 @@ Result fittedAgain(const Dataset& data, const Settings& settings, const Result& 
   for (std::size_t c = 0; c < next.cameras.size(); ++c) {
     next.cameras[c].rms_px_single = first.cameras[c].rms_px_single;
     next.cameras[c].noise = first.cameras[c].noise;
+    next.cameras[c].readout = first.cameras[c].readout;
   }
   next.downweighted = first.downweighted;
   return next;
@@ -95,20 +97,43 @@ double changeBetween(const Result& a, const Result& b) {
   return most;
 }
 
-/// Fits and estimates of the noise in turn, until the parameters stay where they are. A result that did not succeed is not fitted again.
-Result withEstimatedNoise(const Dataset& data, const Settings& settings, Result result) {
+/// Whether something is estimated in turn with the fit.
+bool isRefined(const Settings& settings) { return estimatesNoise(settings) || settings.rolling_shutter; }
+
+/// Adds the steps to CameraResult::readout. Returns the largest one, in its standard deviation.
+double takeSteps(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
+  double most = 0;
+  for (std::size_t c = 0; c < steps.size(); ++c) {
+    if (!steps[c]) continue;
+    std::optional<Readout>& readout = result.cameras[c].readout;
+    readout =
+        Readout{(readout ? readout->value : 0) + steps[c]->value, steps[c]->std, steps[c]->std_clustered};
+    most = std::max(most, std::abs(steps[c]->value) / steps[c]->std);
+  }
+  return most;
+}
+
+/// Fits and estimates of noise and readout in turn, until the parameters stay where they are. A result that did not succeed is not fitted again.
+Result refined(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 50;
-  constexpr double least_change = 1e-3;
+  constexpr double least_change = 1e-3;  // standard deviations
+  std::vector<std::optional<ReadoutStep>> steps;
   for (int round = 0; round < most_rounds && result.success(); ++round) {
     if (!reasonToEnd(settings.limits).empty()) break;
-    estimateNoise(data, settings, result);
-    Result next = fittedAgain(withNoiseOf(result, data), settings, result);
+    double step = 0;
+    if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, result), settings, result);
+    if (settings.rolling_shutter) {
+      steps = readoutSteps(asFitted(result, data), result);
+      step = takeSteps(steps, result);
+    }
+    Result next = fittedAgain(asFitted(result, data), settings, result);
     if (!next.success()) break;  // the values of the last round are better than none
     const double change = changeBetween(result, next);
     result = std::move(next);
-    if (change < least_change) break;
+    if (change < least_change && step < least_change) break;
   }
-  addClustered(withNoiseOf(result, data), result);
+  addClustered(asFitted(result, data), result);
+  addUncertaintyOf(steps, result);
   return result;
 }
 
@@ -127,8 +152,7 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   Result result = settings.model.definition().calibrate(rest, settings, of_data);
   result.rejected = std::move(without.rejected);
   if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
-  if (estimatesNoise(settings))
-    result = withEstimatedNoise(withoutRejected(data, result), settings, std::move(result));
+  if (isRefined(settings)) result = refined(withoutRejected(data, result), settings, std::move(result));
   predictRejected(data, result);
   return result;
 }
@@ -150,7 +174,7 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
   const Settings from_now = started(settings);
   if (settings.robust != Robust::none) return withoutFarOffCorners(*sorted, from_now, of_caller);
   Result result = settings.model.definition().calibrate(*sorted, from_now, of_caller);
-  if (estimatesNoise(settings)) return withEstimatedNoise(*sorted, from_now, std::move(result));
+  if (isRefined(settings)) return refined(*sorted, from_now, std::move(result));
   addClustered(*sorted, result);
   return result;
 }

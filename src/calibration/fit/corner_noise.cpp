@@ -12,6 +12,7 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/view_facts.hpp"
 #include "calibration/median.hpp"
+#include "calibration/quality/readout.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/model/loss.hpp"
 
@@ -297,7 +298,7 @@ NoiseComparison compareNoise(const Dataset& all, const Result& result) {
   if (!result.success()) return comparison;
   const Dataset data = withoutRejected(all, result);
   const SortedDataset sorted(data);
-  const Dataset weighted = withNoiseOf(result, *sorted);
+  const Dataset weighted = asFitted(result, *sorted);
   const DataOnBoard on_board(weighted, result.board);
   const auto residuals = residualsOf(*on_board, result);
   for (const SigmaBy by : {SigmaBy::speed, SigmaBy::slant, SigmaBy::distance}) {

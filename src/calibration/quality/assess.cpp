@@ -12,13 +12,13 @@
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
-#include "calibration/fit/corner_noise.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/correlations.hpp"
 #include "calibration/quality/next_best_view.hpp"
 #include "calibration/quality/patterns.hpp"
 #include "calibration/quality/projection.hpp"
+#include "calibration/quality/readout.hpp"
 #include "calibration/quality/residuals.hpp"
 #include "calibration/quality/split_half.hpp"
 #include "calibration/quality/whitened_scores.hpp"
@@ -179,7 +179,7 @@ Quality assess(const Dataset& all, const Settings& settings, const Result& resul
   const Dataset data = withoutRejected(all, result);
   requireResultOf(data, settings, result);
   const SortedDataset sorted(data);
-  return assessSorted(withNoiseOf(result, *sorted), settings, result);
+  return assessSorted(asFitted(result, *sorted), settings, result);
 }
 
 }  // namespace slom::calibration

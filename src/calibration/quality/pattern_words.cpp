@@ -92,7 +92,7 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
     case Kind::row_readout:
       return fmt::format(
           "residuals of {} follow the motion by row, as if the last row were read out {} of the interval between image numbers after the first, {} of the squared "
-          "residuals: a rolling shutter; hold the camera still while it takes images",
+          "residuals: a rolling shutter; hold the camera still while it takes images, or have the time estimated (--rolling-shutter)",
           camera, twoDigits(value), percent(pattern.share));
     case Kind::time_offset:
       return fmt::format(

@@ -12,9 +12,9 @@
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
-#include "calibration/fit/corner_noise.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/projection.hpp"
+#include "calibration/quality/readout.hpp"
 #include "calibration/quality/whitened_scores.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -71,7 +71,7 @@ PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {
   const Dataset data = withoutRejected(all, result);
   requirePixelsOf(data, result);
   const SortedDataset sorted(data);
-  const Dataset weighted = withNoiseOf(result, *sorted);
+  const Dataset weighted = asFitted(result, *sorted);
   impl_ = std::make_shared<const Implementation>(*DataOnBoard(weighted, result.board), result);
 }
 

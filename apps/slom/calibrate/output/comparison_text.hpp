@@ -1,7 +1,9 @@
 // Compared models as people read them.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "calibrate/library.hpp"
 
@@ -13,5 +15,7 @@ std::string comparisonText(const Comparison& comparison);
 std::string boardShapesText(const Comparison& comparison);
 /// The same of what the noise grows with.
 std::string noiseText(const NoiseComparison& comparison, const Result& result);
+/// The same of the readout of rows, by camera.
+std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, const Result& result);
 
 }  // namespace slom::app::calib

@@ -56,6 +56,23 @@ Json noiseJson(const CornerNoise& noise) {
           {"upper_quarter", noise.upper_quarter}};
 }
 
+Json readoutJson(const Readout& readout) {
+  return {{"value", readout.value}, {"std", readout.std}, {"std_clustered", readout.std_clustered}};
+}
+
+Json readoutJson(const Result& result) {
+  Json cameras = Json::object();
+  for (std::size_t c = 0; c < result.readout_comparison.size(); ++c) {
+    const auto& trial = result.readout_comparison[c];
+    Json& camera = cameras[result.cameras[c].name];
+    if (!trial) continue;
+    camera = readoutJson(trial->readout);
+    camera["probability"] = trial->probability;
+    camera["is_found"] = trial->isFound();
+  }
+  return cameras;
+}
+
 Json cameraJson(const CameraResult& camera, const std::string& reference) {
   Json parameters;
   Json unused = Json::array();
@@ -99,6 +116,7 @@ Json cameraJson(const CameraResult& camera, const std::string& reference) {
       {"copies", std::move(copies)},
       {"excluded", std::move(excluded)},
       {"noise", noiseJson(camera.noise)},
+      {"readout", camera.readout ? readoutJson(*camera.readout) : Json()},
       {"parameters", std::move(parameters)},
       {"pose_from_" + reference, from_reference},
       {"rms_px_alone", camera.rms_px_single}};
@@ -258,6 +276,7 @@ std::string toJson(const Result& result) {
       {"clustered", result.clustered ? clusteredJson(*result.clustered) : Json()},
       {"downweighted", result.downweighted ? downweightedJson(*result.downweighted) : Json()},
       {"noise_comparison", result.noise_comparison ? noiseJson(*result.noise_comparison) : Json()},
+      {"readout_comparison", result.readout_comparison.empty() ? Json() : readoutJson(result)},
       {"comparison", result.comparison ? comparisonJson(*result.comparison) : Json()},
       {"board_comparison", result.board_comparison ? comparisonJson(*result.board_comparison) : Json()},
       {"worst_images", std::move(worst)},

@@ -72,6 +72,10 @@ std::string cameraLines(const Result& result, const CameraResult& camera) {
         toString(camera.noise.by), fixedDecimals(camera.noise.lower_quarter, 2),
         fixedDecimals(camera.noise.upper_quarter, 2));
   }
+  if (camera.readout) {
+    text += valueLine("readout", camera.readout->value, camera.readout->std, camera.readout->std_clustered,
+                      "intervals between image numbers, first to last row");
+  }
   if (camera.name == reference) return text;
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, camera.name);
   text += vectorLines("translation", camera.left2camera.pos, camera.translation_std,

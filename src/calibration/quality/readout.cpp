@@ -1,0 +1,146 @@
+#include "calibration/quality/readout.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/data/fitted_board.hpp"
+#include "calibration/data/rejected.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/data/view_facts.hpp"
+#include "calibration/fit/corner_noise.hpp"
+#include "calibration/quality/flip_test.hpp"
+#include "calibration/quality/information.hpp"
+#include "calibration/quality/residuals.hpp"
+#include "calibration/quality/whitened_scores.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr std::size_t most_blocks_of_readout = 12;
+
+/// One camera's step, with the covariance of the shared parameters.
+std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result, const FittedRig& rig,
+                                  const std::map<int, Observation>& observations,
+                                  const Eigen::MatrixXd& covariance, std::size_t c) {
+  const CameraData& camera = on_board.cameras[c];
+  const double height = imageBoxOf(camera, result.cameras[c]).height;
+  const std::vector<ViewMotion> motions = motionsOf(camera);
+  const std::size_t views = camera.views.size(), blocks = std::min(most_blocks_of_readout, views);
+  const int shared = rig.columns.size;
+  PatternScores scores(1, 1, int(blocks), shared);
+  Eigen::MatrixXd of_shared = Eigen::MatrixXd::Zero(shared, Eigen::Index(blocks));
+  Eigen::VectorXd cross = Eigen::VectorXd::Zero(shared);
+  Eigen::Matrix<double, Eigen::Dynamic, 2> by_shared(shared, 2);
+  bool is_known = false;
+  for (std::size_t i = 0; i < views; ++i) {
+    const View& view = camera.views[i];
+    const int block = int(i * blocks / views);
+    const SeenBoard board(rig, c, rig.left2world.at(view.image));
+    const ImageEquations equations = equationsOf(rig, observations.at(view.image));
+    for (std::size_t k = 0; k < view.corners.size(); ++k) {
+      const Corner& corner = view.corners[k];
+      const double sigma = rig.sigma_px * corner.sigma, weight = 1 / (sigma * sigma);
+      const SeenBoard::Rows rows = board.rowsOf(corner.world);
+      board.setByShared(rows, equations.pose_by_shared, by_shared);
+      const Eigen::Vector2d e = corner.pixel - rows.pixel();
+      of_shared.col(block) += by_shared * (weight * e);
+      const Eigen::Vector2d& motion = motions[i].of_corners[k];
+      if (!motion.allFinite()) continue;
+      is_known = true;
+      const PatternRows<1> F = corner.pixel.y() / height * motion;
+      scores.add<1>(0, block, weight, e, F, rows.by_pose, by_shared);
+      cross += weight * (by_shared * F);
+    }
+    scores.endView(equations.pose_inverse);
+  }
+  if (!is_known) return std::nullopt;
+  scores.finish(covariance, of_shared);
+  const double variance = scores.covariance(0)(0, 0);
+  if (!(variance > 0)) return std::nullopt;
+  const Eigen::RowVectorXd by_block = scores.estimates(0).row(0);
+  const double count = double(blocks), mean = by_block.mean();
+  return ReadoutStep{by_block.sum(),
+                     std::sqrt(variance),
+                     std::sqrt(count / std::max(1.0, count - 1) * (by_block.array() - mean).square().sum()),
+                     int(blocks),
+                     FlipTest(scores.products()).probability(),
+                     -covariance * cross};
+}
+
+}  // namespace
+
+bool ReadoutTrial::isFound() const {
+  constexpr double by_chance = 0.005, clear = 3;
+  return probability <= by_chance && std::abs(readout.value) > clear * readout.std_clustered;
+}
+
+std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& all, const Result& result) {
+  std::vector<std::optional<ReadoutTrial>> trials;
+  if (!result.success()) return trials;
+  const Dataset data = withoutRejected(all, result);
+  const SortedDataset sorted(data);
+  for (const std::optional<ReadoutStep>& step : readoutSteps(asFitted(result, *sorted), result)) {
+    trials.emplace_back();
+    if (step) trials.back() = {{step->value, step->std, step->std_clustered}, step->probability};
+  }
+  return trials;
+}
+
+Dataset withoutReadout(const Dataset& data, const Result& result) {
+  Dataset still = data;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    if (!result.cameras[c].readout) continue;
+    const double height = imageBoxOf(data.cameras[c], result.cameras[c]).height;
+    const std::vector<ViewMotion> motions = motionsOf(data.cameras[c]);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      for (std::size_t k = 0; k < motions[i].of_corners.size(); ++k) {
+        const Eigen::Vector2d& motion = motions[i].of_corners[k];
+        Corner& corner = still.cameras[c].views[i].corners[k];
+        if (motion.allFinite())
+          corner.pixel -= result.cameras[c].readout->value * corner.pixel.y() / height * motion;
+      }
+    }
+  }
+  return still;
+}
+
+Dataset asFitted(const Result& result, const Dataset& data) {
+  return withNoiseOf(result, withoutReadout(data, result));
+}
+
+std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const Result& result) {
+  const DataOnBoard on_board(data, result.board);
+  const FittedRig rig(result);
+  const std::map<int, Observation> observations = observationsOf(*on_board, rig);
+  const Eigen::MatrixXd covariance = WhitenedScores(*on_board, rig).statedCovariance();
+  std::vector<std::optional<ReadoutStep>> steps;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c)
+    steps.push_back(stepOf(*on_board, result, rig, observations, covariance, c));
+  return steps;
+}
+
+void addUncertaintyOf(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
+  const FittedRig rig(result);
+  const auto add = [](double& std, double part) { std = std > 0 ? std::hypot(std, part) : std; };
+  for (const std::optional<ReadoutStep>& step : steps) {
+    if (!step) continue;
+    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+      CameraResult& camera = result.cameras[c];
+      for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
+        const double followed = step->followed[rig.columns.lens[c] + Eigen::Index(i)];
+        add(camera.parameters[i].std, followed * step->std);
+        add(camera.parameters[i].std_clustered, followed * step->std_clustered);
+      }
+      for (int k = 0; k < 3 && c > 0; ++k) {
+        const double shift = step->followed[rig.columns.pose[c] + k],
+                     turn = step->followed[rig.columns.pose[c] + 3 + k];
+        add(camera.translation_std[k], shift * step->std);
+        add(camera.translation_clustered.std[k], shift * step->std_clustered);
+        add(camera.rotation_std[k], turn * step->std);
+        add(camera.rotation_clustered.std[k], turn * step->std_clustered);
+      }
+    }
+  }
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,36 @@
+// The time in which a camera reads out the rows of an image one after the other (CameraResult::readout).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "slom/calibration/dataset.hpp"
+#include "slom/calibration/result.hpp"
+
+namespace slom::calibration {
+
+/// The data as a camera that reads out all rows at once would have seen them: pixels moved back by what the corners move until their row is read,
+/// value (row / height) motion. `data` is sorted.
+Dataset withoutReadout(const Dataset& data, const Result& result);
+
+/// The data as the fit took them: without readout, and with its noise (withNoiseOf).
+Dataset asFitted(const Result& result, const Dataset& data);
+
+/// What the residuals of a result that succeeded say beside its values.
+struct ReadoutStep {
+  double value = 0;          ///< to be added
+  double std = 0;            ///< stated, with poses and all shared parameters free
+  double std_clustered = 0;  ///< of up to twelve blocks of successive images
+  int blocks = 0;
+  double probability = 1;  ///< of as much by chance, as in ResidualPattern
+  /// By how much each shared parameter follows a unit of it.
+  Eigen::VectorXd followed;
+};
+
+/// By camera; nothing where no motion of corners is known. `data` is sorted, without the readout of the result and with its noise.
+std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const Result& result);
+
+/// Adds what the unknown readout makes to the stated and clustered standard deviations of lenses and of camera to camera.
+void addUncertaintyOf(const std::vector<std::optional<ReadoutStep>>& steps, Result& result);
+
+}  // namespace slom::calibration
