@@ -74,7 +74,7 @@ constexpr void requireArgument() {
       Number <= 6 || fits,
       "slom: an argument after the 6th of the measurement function is not of the type that it takes");
 }
-/// The same where the number of data is right, or both are too few.
+/// Fails to compile where F does not accept what it gets, and the number of data is not to blame: names the argument where F is not a template.
 template <class F, class... Given>
 constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
@@ -111,26 +111,25 @@ constexpr bool acceptsFirst() {
     return Call<F, std::tuple<std::tuple_element_t<I, std::tuple<Given...>>...>>::is_possible;
   }(std::make_index_sequence<Left>{});
 }
-/// Whether F accepts what it gets without the last one or two, which are data: `Args` are all arguments of insertMeasurement but options.
+/// Number of data at the end of what F gets, of which `Args` are all arguments of insertMeasurement but options.
+template <class... Args>
+constexpr std::size_t countLastData() {
+  constexpr bool is_measured_datum[] = {is_measured<Args>...}, is_variable[] = {is_var_id<Args>...};
+  std::size_t count = 0;
+  for (std::size_t i = sizeof...(Args); i-- > 0 && !is_variable[i];) count += is_measured_datum[i] ? 0 : 1;
+  return count;
+}
+/// Whether F accepts what it gets without the last one or two, which are data.
 template <class F, class... Args, class... Given>
 constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
-  constexpr std::size_t count = sizeof...(Given);
-  constexpr bool is_datum[] = {(!is_var_id<Args> && !is_measured<Args>)...};
-  constexpr bool is_passed[] = {!is_measured<Args>...};
-  std::size_t last = 0, found = 0;  // data at the end of what is passed
-  for (std::size_t i = sizeof...(Args); i-- > 0;) {
-    if (!is_passed[i]) continue;
-    if (!is_datum[i] || found == 2) break;
-    ++found;
-  }
-  last = found;
+  constexpr std::size_t given = sizeof...(Given), data = countLastData<Args...>();
   bool accepts = false;
-  if constexpr (count > 1) accepts = accepts || (last >= 1 && acceptsFirst<F, count - 1, Given...>());
-  if constexpr (count > 2) accepts = accepts || (last >= 2 && acceptsFirst<F, count - 2, Given...>());
+  if constexpr (data >= 1) accepts = acceptsFirst<F, given - 1, Given...>();
+  if constexpr (data >= 2) accepts = accepts || acceptsFirst<F, given - 2, Given...>();
   return accepts;
 }
 
-/// Fails to compile, naming the argument where the function is not a template.
+/// Fails to compile where F does not accept what it gets, with the remedy.
 template <class F, class... Args, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
@@ -147,6 +146,7 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
     if constexpr (!has_too_many) requireAcceptedOne<F>(given);
   }
 }
+
 /// Whether a parameter would round the value of a variable that is a number.
 template <class Arg, class Parameter>
 constexpr bool roundsVariable() {
