@@ -14,6 +14,8 @@ MOST_MESSAGES = 4  # of one id
 BY_HAND = {  # whose tests compare the text in parts
     "slom.calibration.no-pose": ("left.csv: 3 images that camera right shares with camera left give no finite pose between the two",
                                  "look for corners and world points that are wrong"),
+    "slom.calibration.no-start": ("left.csv: no start values were found at which the lens sees all corners",
+                                  "look for corners that are far off, or leave out such ones by Settings::robust"),
     "slom.calibration.too-few-data": ("left.csv: the corners give 16 numbers for 21 unknowns of the model opencv5",
                                       "add images or corners, or choose a model with fewer parameters"),
     "slom.calibration.unconnected": ("right.csv:2: camera right has no image in common with camera left, nor with one that has",

@@ -40,6 +40,34 @@ TEST(CalibrateHostile, NumbersThatAreNotFiniteAreNeverWritten) {
   EXPECT_NE(nlohmann::json::parse(json)["quality"]["verdict"]["level"], "trustworthy");
 }
 
+/// A corner that is far off may leave no start values. What is said then is about the data, not about the library's functions.
+TEST(CalibrateHostile, ACornerFarOffThatIsKept) {
+  const std::string good = readFile(slom::testing::sourcePath("data/opencv_stereo/left_corners.csv"));
+  const slom::testing::TemporaryFolder folder;
+  const std::string file = (folder / "left.csv").string();
+  int refused = 0;
+  for (const int row : {20, 120, 333}) {
+    for (const char* const digits : {"3", "30"}) {  // thousands of pixels before u
+      std::size_t at = good.find("u_px");
+      for (int i = 0; i < row; ++i) at = good.find('\n', at) + 1;
+      for (int comma = 0; comma < 5; ++comma) at = good.find(',', at) + 1;
+      slom::testing::writeFile(folder / "left.csv", std::string(good).insert(at, digits));
+      const auto result = testing::runCalibrate({"--camera", "left=" + file, "--robust", "none"});
+      EXPECT_EQ(result.errors.find("measurement"), std::string::npos) << result.errors;
+      if (result.exit_code != 2) continue;
+      ++refused;
+      EXPECT_TRUE(
+          result.errors ==
+              "slom: " + file +
+                  ": no start values were found at which the lens sees all corners; look for corners that are far off, or leave out "
+                  "such ones by --robust reject\n" ||
+          result.errors.find("lie on a line") != std::string::npos)
+          << result.errors;
+    }
+  }
+  EXPECT_GE(refused, 1);
+}
+
 /// Rows of the page's tables follow the shape of the images, but not without end.
 TEST(CalibrateHostile, ImagesOfOneColumnHaveASmallPage) {
   const testing::Files files;

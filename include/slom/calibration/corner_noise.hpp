@@ -52,6 +52,7 @@ struct Downweighted {
 /// Several ways for the noise to grow, put to data that they were not estimated from: each camera's views are cut into blocks of successive ones,
 /// and the residuals of each block are as likely as the growth in the others says.
 struct NoiseComparison {
+  /// One quantity.
   struct Trial {
     SigmaBy by = SigmaBy::constant;
     double gain = 0;  ///< logarithm of the likelihood, less that of constant noise
