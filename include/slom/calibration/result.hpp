@@ -185,7 +185,9 @@ struct Result {
   std::optional<Comparison> comparison;             ///< where it was asked for
   std::optional<Comparison> board_comparison;       ///< of shapes of the board, likewise
   std::optional<NoiseComparison> noise_comparison;  ///< of what the noise grows with, likewise
-  std::optional<Quality> quality;                   ///< where it was asked for
+  /// Of rolling shutters, by camera, likewise; empty where it was not asked for.
+  std::vector<std::optional<ReadoutTrial>> readout_comparison;
+  std::optional<Quality> quality;  ///< where it was asked for
 
   /// RSS / redundancy: near 1 where the stated sigmas are right. NaN without redundancy.
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
