@@ -290,9 +290,43 @@ Dataset withNoiseOf(const Result& result, const Dataset& data) {
   return weighted;
 }
 
+namespace {
+
+/// By how much likelier, in its logarithm, views are where the noise grows as `others` say than where it is constant as they say.
+double gainOf(const std::vector<ViewResiduals>& views, const std::vector<ViewResiduals>& others) {
+  const double typical = medianOfKnown(others);
+  if (!(typical > 0)) return 0;
+  const double growth = bestGrowth(others, typical);
+  double common = 0, common_of_constant = 0, gain = 0;
+  unlikelihood(others, typical, growth, &common);
+  unlikelihood(others, typical, 0, &common_of_constant);
+  for (const ViewResiduals& view : views) {
+    const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
+    const double variance = common * (1 + growth * ratio * ratio);
+    gain += (view.dof * std::log(common_of_constant / variance) +
+             view.squares * (1 / common_of_constant - 1 / variance)) /
+            2;
+  }
+  return gain;
+}
+
+/// Adds the gains of blocks of successive views, each by what the other views say.
+void addGains(const std::vector<ViewResiduals>& views, std::vector<double>& gains) {
+  constexpr std::size_t most_blocks = 12;
+  const std::size_t blocks = std::min(most_blocks, views.size());
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto first = std::ptrdiff_t(b * views.size() / blocks),
+               last = std::ptrdiff_t((b + 1) * views.size() / blocks);
+    std::vector<ViewResiduals> others(views.begin(), views.begin() + first);
+    others.insert(others.end(), views.begin() + last, views.end());
+    gains.push_back(gainOf({views.begin() + first, views.begin() + last}, others));
+  }
+}
+
+}  // namespace
+
 NoiseComparison compareNoise(const Dataset& all, const Result& result) {
   constexpr double clear = 2;  // standard errors
-  constexpr std::size_t most_blocks = 12;
   NoiseComparison comparison;
   comparison.trials.push_back({SigmaBy::constant, 0, 0, std::vector<CornerNoise>(result.cameras.size())});
   if (!result.success()) return comparison;
@@ -301,6 +335,7 @@ NoiseComparison compareNoise(const Dataset& all, const Result& result) {
   const Dataset weighted = asFitted(result, *sorted);
   const DataOnBoard on_board(weighted, result.board);
   const auto residuals = residualsOf(*on_board, result);
+  double most = 0;
   for (const SigmaBy by : {SigmaBy::speed, SigmaBy::slant, SigmaBy::distance}) {
     NoiseComparison::Trial trial{by};
     std::vector<double> gains;  // by block
@@ -308,29 +343,7 @@ NoiseComparison compareNoise(const Dataset& all, const Result& result) {
       std::vector<ViewResiduals> views = residuals[c];
       setQuantity(by, *on_board, result, c, views);
       trial.noise.push_back(noiseFrom(by, views));
-      const std::size_t blocks = std::min(most_blocks, views.size());
-      for (std::size_t b = 0; b < blocks; ++b) {
-        const auto first = std::ptrdiff_t(b * views.size() / blocks),
-                   last = std::ptrdiff_t((b + 1) * views.size() / blocks);
-        const std::vector<ViewResiduals> own(views.begin() + first, views.begin() + last);
-        std::vector<ViewResiduals> others(views.begin(), views.begin() + first);
-        others.insert(others.end(), views.begin() + last, views.end());
-        const double typical = medianOfKnown(others);
-        double gain = 0, common = 0, common_of_constant = 0;
-        if (typical > 0) {
-          const double growth = bestGrowth(others, typical);
-          unlikelihood(others, typical, growth, &common);
-          unlikelihood(others, typical, 0, &common_of_constant);
-          for (const ViewResiduals& view : own) {
-            const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
-            const double variance = common * (1 + growth * ratio * ratio);
-            gain += (view.dof * std::log(common_of_constant / variance) +
-                     view.squares * (1 / common_of_constant - 1 / variance)) /
-                    2;
-          }
-        }
-        gains.push_back(gain);
-      }
+      addGains(views, gains);
     }
     const double count = double(gains.size());
     trial.gain = std::accumulate(gains.begin(), gains.end(), 0.0);
@@ -338,13 +351,11 @@ NoiseComparison compareNoise(const Dataset& all, const Result& result) {
     for (const double gain : gains) square += std::pow(gain - trial.gain / count, 2);
     const double error = std::sqrt(square / std::max(1.0, count - 1) * count);
     trial.standard_errors = error > 0 ? trial.gain / error : 0;
+    if (trial.standard_errors > clear && trial.gain > most) {
+      most = trial.gain;
+      comparison.chosen = by;
+    }
     comparison.trials.push_back(std::move(trial));
-  }
-  double most = 0;
-  for (const NoiseComparison::Trial& trial : comparison.trials) {
-    if (!(trial.standard_errors > clear && trial.gain > most)) continue;
-    most = trial.gain;
-    comparison.chosen = trial.by;
   }
   return comparison;
 }
