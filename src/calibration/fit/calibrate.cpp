@@ -113,6 +113,18 @@ double takeSteps(const std::vector<std::optional<ReadoutStep>>& steps, Result& r
   return most;
 }
 
+/// `data` with Corner::sigma of the same corners of others.
+Dataset withSigmasOf(const Dataset& others, Dataset data) {
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
+      auto& corners = data.cameras[c].views[v].corners;
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        corners[k].sigma = others.cameras[c].views[v].corners[k].sigma;
+    }
+  }
+  return data;
+}
+
 /// Fits and estimates of noise and readout in turn, until the parameters stay where they are. A result that did not succeed is not fitted again.
 Result refined(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 50;
@@ -122,11 +134,13 @@ Result refined(const Dataset& data, const Settings& settings, Result result) {
     if (!reasonToEnd(settings.limits).empty()) break;
     double step = 0;
     if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, result), settings, result);
+    const Dataset seen =
+        asFitted(result, data);  // with weights from residuals of this fit, not of a later readout
     if (settings.rolling_shutter) {
-      steps = readoutSteps(asFitted(result, data), result);
+      steps = readoutSteps(seen, result);
       step = takeSteps(steps, result);
     }
-    Result next = fittedAgain(asFitted(result, data), settings, result);
+    Result next = fittedAgain(withSigmasOf(seen, withoutReadout(data, result)), settings, result);
     if (!next.success()) break;  // the values of the last round are better than none
     const double change = changeBetween(result, next);
     result = std::move(next);
