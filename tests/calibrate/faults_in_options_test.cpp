@@ -180,7 +180,7 @@ TEST(CalibrateFaults, UnknownOption) {
 TEST(CalibrateFaults, AFileWithoutAnOption) {
   expectRefused(
       Files(), {"DIR/left.csv"},
-      "left.csv: say which camera this is of: --camera left=left.csv for corners, --images left=left.csv for photographs");
+      "left.csv: say which camera this is of: --camera NAME=left.csv for corners, --images NAME=left.csv for photographs");
 }
 TEST(CalibrateFaults, SigmaBy) {
   expectRefused(

@@ -78,7 +78,8 @@ TEST_F(Photos, WithoutANumberAreLeftOut) {
   make({"left1.jpg", "left2.jpg", "board.jpg", "wall.jpg"});
   const auto photos = findPhotos({camera("left", {"*.jpg", "wall.jpg"})});
   EXPECT_EQ(photos[0].photos.size(), 2u);
-  EXPECT_EQ(photos[0].unnumbered, (std::vector<std::string>{"board.jpg", "wall.jpg"}));
+  EXPECT_EQ(photos[0].unnumbered,
+            (std::vector<std::string>{(folder / "board.jpg").string(), (folder / "wall.jpg").string()}));
 }
 
 TEST_F(Photos, FaultsAreNamed) {

@@ -316,6 +316,34 @@ TEST(CornerNoise, AssessmentKnowsTheNoise) {
   }
 }
 
+// What is left out stays out, whatever is estimated in turn with the fit.
+TEST(CornerNoise, CornersThatAreLeftOutStayOut) {
+  Scene scene(imagesOf(2, 16), 9);
+  const Dataset good = noisy(
+      scene.data, [](auto, auto) { return 0.25; }, scene.random);
+  Dataset bad = good;
+  bad.cameras[0].views[4].corners[3].pixel.x() += 100;
+  bad.cameras[0].views[9].corners[20].pixel.y() += 13;
+  for (const auto& [robust, left_out] : {std::pair(Robust::reject, 2u), std::pair(Robust::huber, 1u)}) {
+    for (const bool is_rolling : {false, true}) {
+      Settings settings = with(robust, SigmaBy::slant);
+      settings.rolling_shutter = is_rolling;
+      const Result result = calibrate(bad, settings), expected = calibrate(good, settings);
+      ASSERT_TRUE(result.success()) << result.message;
+      EXPECT_EQ(result.rejected.size(), left_out);
+      EXPECT_EQ(result.cameras[0].corners + left_out, bad.cameras[0].cornerCount());
+      EXPECT_LT(result.cameras[0].rms_px, 0.8);
+      for (std::size_t i = 0; i < 9; ++i) {
+        const Parameter &p = result.cameras[0].parameters[i], &q = expected.cameras[0].parameters[i];
+        EXPECT_NEAR(p.value, q.value, 0.5 * q.std) << p.name;
+      }
+      EXPECT_TRUE(assess(bad, settings, result).cut_short.empty());
+    }
+  }
+  const Comparison comparison = compareModels(bad, Settings(), {Model("radial1"), Model("opencv5")});
+  EXPECT_EQ(comparison.chosenTrial().model, Model("opencv5"));
+}
+
 TEST(CornerNoise, TooFewViewsHaveConstantNoise) {
   Scene scene(imagesOf(1, 3), 2);
   const Dataset data = noisy(

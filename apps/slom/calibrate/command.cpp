@@ -226,7 +226,7 @@ void refuseExtras(const CLI::App& command) {
   std::error_code ignored;
   if (words.size() == 1 && std::filesystem::is_regular_file(words.front(), ignored)) {
     throw UserError(fmt::format(
-        "{0}: say which camera this is of: --camera left={0} for corners, --images left={0} for photographs",
+        "{0}: say which camera this is of: --camera NAME={0} for corners, --images NAME={0} for photographs",
         words.front()));
   }
   throw CLI::ExtrasError(command.get_name(), words);

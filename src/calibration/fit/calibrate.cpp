@@ -166,7 +166,10 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   Result result = settings.model.definition().calibrate(rest, settings, of_data);
   result.rejected = std::move(without.rejected);
   if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
-  if (isRefined(settings)) result = refined(withoutRejected(data, result), settings, std::move(result));
+  if (isRefined(settings)) {
+    const Dataset accepted = withoutRejected(data, result);
+    result = refined(accepted, settings, std::move(result));
+  }
   predictRejected(data, result);
   return result;
 }

@@ -5,9 +5,11 @@
 #include <numeric>
 
 #include "calibration/data/check.hpp"
+#include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/rig_fit.hpp"
+#include "calibration/initialization/far_off.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 
@@ -94,11 +96,14 @@ Comparison compareAll(const Dataset& data, const std::vector<Settings>& alternat
   requireWellFormed(data);
   const SortedDataset sorted(data);
   checkDataset(*sorted);
+  Result without;
+  if (alternatives.front().robust != Robust::none) without.rejected = farOffCorners(*sorted);
+  const Dataset accepted = withoutRejected(*sorted, without);
   Comparison comparison;
   const Limits limits = started(alternatives.front()).limits;
   for (Settings settings : alternatives) {
     settings.limits = limits;
-    comparison.trials.push_back(tryOne(*sorted, settings, comparison));
+    comparison.trials.push_back(tryOne(accepted, settings, comparison));
   }
   judge(comparison);
   return comparison;

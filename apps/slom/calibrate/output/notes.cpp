@@ -108,6 +108,9 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
     squares += camera.rms_px * camera.rms_px * double(camera.corners);
     corners += double(camera.corners);
   }
+  // A loss looks away from large residuals: what most corners show is what counts.
+  if (result.downweighted)
+    squares = std::pow(result.downweighted->noise_px, 2) * std::max(0.0, 2 * corners - result.unknowns);
   double of_imu = 0;  // unknowns that the readings alone determine
   if (result.imu)
     of_imu = 3 + (result.imu->acc_bias_is_fixed ? 0 : 3) + (result.imu->gravity_is_fixed ? 0 : 1);

@@ -72,6 +72,8 @@ std::string cameraLines(const Result& result, const CameraResult& camera) {
         toString(camera.noise.by), fixedDecimals(camera.noise.lower_quarter, 2),
         fixedDecimals(camera.noise.upper_quarter, 2));
   }
+  if (camera.noise.by != SigmaBy::constant && camera.noise.growth == 0)
+    text += fmt::format("  sigma of the corners: does not grow with {}\n", toString(camera.noise.by));
   if (camera.readout) {
     text += valueLine("readout", camera.readout->value, camera.readout->std, camera.readout->std_clustered,
                       "intervals between image numbers, first to last row");
