@@ -32,10 +32,10 @@ struct Head {
 };
 
 /// A pose that sees landmarks.
-struct Camera {
+struct LevelCamera {
   slom::Estimator est;
   slom::VarID<SE3> pose = est.insertRV(SE3(mtk::SO3<>::exp(vec3(0.1, 0.2, 0.3)), vec3(1, 2, 3)), "pose");
-  Camera() {
+  LevelCamera() {
     std::mt19937 engine(3);
     std::normal_distribution<double> normal;
     const SE3 truth(mtk::SO3<>::exp(vec3(0.2, 0.1, 0.4)), vec3(1.1, 1.9, 3.2));
@@ -48,7 +48,7 @@ struct Camera {
   }
 };
 
-void expectSame(Camera& by_path, Camera& by_function) {
+void expectSame(LevelCamera& by_path, LevelCamera& by_function) {
   EXPECT_TRUE(by_path.est.optimize().converged);
   EXPECT_TRUE(by_function.est.optimize().converged);
   EXPECT_LT(mtk::difference(*by_path.pose, *by_function.pose).norm(), 1e-9);
@@ -59,7 +59,7 @@ void expectSame(Camera& by_path, Camera& by_function) {
 }
 
 TEST(ComponentPrior, OfOneCoordinateIsTheFunctionThatReturnsIt) {
-  Camera by_path, by_function;
+  LevelCamera by_path, by_function;
   slom::Estimator& est = by_path.est;
   const auto pose = by_path.pose;
   est.prior(pose, "pos.z", 3.3, 0.005);
@@ -69,7 +69,7 @@ TEST(ComponentPrior, OfOneCoordinateIsTheFunctionThatReturnsIt) {
 }
 
 TEST(ComponentPrior, OfAPathTakesAValueForEachCoordinateAndAnyNoise) {
-  Camera by_path, by_function;
+  LevelCamera by_path, by_function;
   Eigen::Matrix3d C;
   C << 2, 1, 0, 1, 3, 0.5, 0, 0.5, 1;
   C *= 1e-5;
