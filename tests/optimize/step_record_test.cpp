@@ -13,10 +13,10 @@ namespace {
 using vec2 = mtk::vect<2>;
 
 /// A line through points near it.
-struct Line {
+struct StraightLine {
   slom::Estimator est;
   slom::VarID<vec2> line = est.insertRV(vec2(0, 0), "line");
-  explicit Line(int points = 5) {
+  explicit StraightLine(int points = 5) {
     for (int i = 0; i < points; ++i) {
       est.insertMeasurement([](const auto& l, double t) { return l[0] + l[1] * t; }, line, double(i),
                             slom::measured(1 + 2.0 * i + 0.1 * (i % 2)), slom::StandardDeviation(0.1));
@@ -25,7 +25,7 @@ struct Line {
 };
 
 TEST(StepRecord, IsTheGainAsPublished) {
-  Line fit;
+  StraightLine fit;
   const double before = fit.est.getRSS();
   const double gain = fit.est.optimizeStep();
   EXPECT_DOUBLE_EQ(gain, (before - fit.est.getRSS()) / before);
@@ -37,7 +37,7 @@ TEST(StepRecord, IsTheGainAsPublished) {
 }
 
 TEST(StepRecord, SaysWhatTheStepDid) {
-  Line fit;
+  StraightLine fit;
   const double before = fit.est.getRSS();
   const slom::StepRecord step = fit.est.optimizeStep();
   EXPECT_EQ(step.rss_before, before);
@@ -52,7 +52,7 @@ TEST(StepRecord, SaysWhatTheStepDid) {
 }
 
 TEST(StepRecord, OfARejectedStepHasNoGain) {
-  Line fit;
+  StraightLine fit;
   fit.est.optimize();
   fit.est.changeAlgorithm(slom::LevenbergMarquardt());
   slom::StepRecord step;
@@ -93,7 +93,7 @@ TEST(StepRecord, DoesNotCountThoseOfLargeProblems) {
   for (int i = 0; i <= slom::StepRecord::kMostUnknowns; ++i)
     est.insertMeasurement([](const auto& x) { return x - 1.0; }, est.insertRV(0.0));
   EXPECT_EQ(est.optimizeStep().free_directions, slom::StepRecord::kNotCounted);
-  Line many(slom::StepRecord::kMostResiduals + 1);
+  StraightLine many(slom::StepRecord::kMostResiduals + 1);
   many.est.changeAlgorithm(slom::LevenbergMarquardt());
   EXPECT_EQ(many.est.optimizeStep().free_directions, slom::StepRecord::kNotCounted);
   many.est.changeAlgorithm(slom::GaussNewton());
