@@ -131,10 +131,11 @@ TEST(RollingShutter, StandardDeviationsHoldOnASlowPath) {
     stated += std::pow((readout.value - 0.3) / readout.std, 2) / runs;
     clustered += std::pow((readout.value - 0.3) / readout.std_clustered, 2) / runs;
   }
-  EXPECT_GT(stated, 0.3);
-  EXPECT_LT(stated, 2.2);
-  EXPECT_GT(clustered, 0.3);
-  EXPECT_LT(clustered, 4);
+  // Of chi-square with 12 degrees of freedom, 0.1 % is below and above; the clustered ones are those of 12 blocks.
+  EXPECT_GT(stated, 0.18);
+  EXPECT_LT(stated, 2.8);
+  EXPECT_GT(clustered, 0.18);
+  EXPECT_LT(clustered, 5);
 }
 
 TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
@@ -158,17 +159,12 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
   EXPECT_LT(squares, 2.6);
 }
 
-TEST(RollingShutter, NeedsMotion) {
-  Recording recording = recorded(8, {0}, 4);
-  // Each image shows corners that its neighbours do not.
-  for (std::size_t i = 0; i < recording.data.cameras[0].views.size(); ++i) {
-    std::erase_if(recording.data.cameras[0].views[i].corners,
-                  [&](const Corner& corner) { return (corner.number % 2 == 0) == (i % 2 == 0); });
-  }
-  const Result result = calibrate(recording.data, rolling());
-  ASSERT_TRUE(result.success()) << result.message;
+TEST(RollingShutter, IsNotAskedOfAFitThatFailed) {
+  const Recording at_rest = recorded(8, {0.2}, 4, 1e9);
+  const Result result = calibrate(at_rest.data, rolling());
+  ASSERT_FALSE(result.success());
   EXPECT_FALSE(result.cameras[0].readout);
-  EXPECT_FALSE(compareReadout(recording.data, result)[0]);
+  EXPECT_TRUE(compareReadout(at_rest.data, result).empty());
 }
 
 TEST(RollingShutter, GoesWithLossesNoiseAndBoards) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "calibration/data/fitted_board.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
-#include "calibration/data/view_facts.hpp"
 #include "calibration/fit/corner_noise.hpp"
+#include "calibration/median.hpp"
 #include "calibration/quality/flip_test.hpp"
 #include "calibration/quality/information.hpp"
 #include "calibration/quality/residuals.hpp"
@@ -18,13 +20,46 @@ namespace {
 
 constexpr std::size_t most_blocks_of_readout = 12;
 
+/// How the corners of all views of a camera move from one image number to the next, by the poses of the images before and after, where these are not
+/// much farther away than usual [px]; NaN: unknown. Corners as they were found would bring their noise along, which no pose takes up.
+std::vector<std::vector<Eigen::Vector2d>> motionsByPoses(const CameraData& camera, const CameraResult& fitted,
+                                                         const Result& result) {
+  std::map<int, SE3> world2camera;
+  std::vector<double> gaps;
+  for (const ImageResult& image : result.images) {
+    if (!world2camera.empty()) gaps.push_back(image.image - world2camera.rbegin()->first);
+    world2camera.emplace(image.image, fitted.left2camera * image.left2world.inverse());
+  }
+  const double most = 2 * medianOf(gaps);
+  std::vector<std::vector<Eigen::Vector2d>> motions;
+  for (const View& view : camera.views) {
+    motions.emplace_back();
+    const auto here = world2camera.find(view.image);
+    if (here == world2camera.end()) {
+      motions.back().assign(view.corners.size(), Eigen::Vector2d::Constant(unknown));
+      continue;
+    }
+    const bool has_before = here != world2camera.begin() && here->first - std::prev(here)->first <= most;
+    const bool has_after =
+        std::next(here) != world2camera.end() && std::next(here)->first - here->first <= most;
+    const auto first = has_before ? std::prev(here) : here, last = has_after ? std::next(here) : here;
+    for (const Corner& corner : view.corners) {
+      const auto at = [&](const SE3& pose) {
+        return Eigen::Vector2d(fitted.project(vec3(pose * corner.world)));
+      };
+      motions.back().push_back((at(last->second) - at(first->second)) / double(last->first - first->first));
+    }
+  }
+  return motions;
+}
+
 /// One camera's step, with the covariance of the shared parameters.
 std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result, const FittedRig& rig,
                                   const std::map<int, Observation>& observations,
                                   const Eigen::MatrixXd& covariance, std::size_t c) {
   const CameraData& camera = on_board.cameras[c];
   const double height = imageBoxOf(camera, result.cameras[c]).height;
-  const std::vector<ViewMotion> motions = motionsOf(camera);
+  const auto motions = motionsByPoses(camera, result.cameras[c], result);
   const std::size_t views = camera.views.size(), blocks = std::min(most_blocks_of_readout, views);
   const int shared = rig.columns.size;
   PatternScores scores(1, 1, int(blocks), shared);
@@ -44,7 +79,7 @@ std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result,
       board.setByShared(rows, equations.pose_by_shared, by_shared);
       const Eigen::Vector2d e = corner.pixel - rows.pixel();
       of_shared.col(block) += by_shared * (weight * e);
-      const Eigen::Vector2d& motion = motions[i].of_corners[k];
+      const Eigen::Vector2d& motion = motions[i][k];
       if (!motion.allFinite()) continue;
       is_known = true;
       const PatternRows<1> F = corner.pixel.y() / height * motion;
@@ -91,10 +126,10 @@ Dataset withoutReadout(const Dataset& data, const Result& result) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     if (!result.cameras[c].readout) continue;
     const double height = imageBoxOf(data.cameras[c], result.cameras[c]).height;
-    const std::vector<ViewMotion> motions = motionsOf(data.cameras[c]);
+    const auto motions = motionsByPoses(data.cameras[c], result.cameras[c], result);
     for (std::size_t i = 0; i < motions.size(); ++i) {
-      for (std::size_t k = 0; k < motions[i].of_corners.size(); ++k) {
-        const Eigen::Vector2d& motion = motions[i].of_corners[k];
+      for (std::size_t k = 0; k < motions[i].size(); ++k) {
+        const Eigen::Vector2d& motion = motions[i][k];
         Corner& corner = still.cameras[c].views[i].corners[k];
         if (motion.allFinite())
           corner.pixel -= result.cameras[c].readout->value * corner.pixel.y() / height * motion;
