@@ -160,11 +160,13 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
 }
 
 TEST(RollingShutter, IsNotAskedOfAFitThatFailed) {
-  const Recording at_rest = recorded(8, {0.2}, 4, 1e9);
-  const Result result = calibrate(at_rest.data, rolling());
+  const Recording recording = recorded(8, {0.2}, 4);
+  Settings settings = rolling();
+  settings.max_iterations = 1;
+  const Result result = calibrate(recording.data, settings);
   ASSERT_FALSE(result.success());
   EXPECT_FALSE(result.cameras[0].readout);
-  EXPECT_TRUE(compareReadout(at_rest.data, result).empty());
+  EXPECT_TRUE(compareReadout(recording.data, result).empty());
 }
 
 TEST(RollingShutter, GoesWithLossesNoiseAndBoards) {
