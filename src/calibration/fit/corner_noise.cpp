@@ -122,13 +122,18 @@ std::vector<std::vector<ViewResiduals>> residualsOf(const Dataset& on_board, con
   return all;
 }
 
+/// Variance of a view over that of one with x = 0, as in CornerNoise.
+double growthOf(const ViewResiduals& view, double typical, double growth) {
+  const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
+  return 1 + growth * ratio * ratio;
+}
+
 /// Minus twice the logarithm of the restricted likelihood of a growth, but for a constant, with the best common sigma; its square goes to `common`.
 double unlikelihood(const std::vector<ViewResiduals>& views, double typical, double growth,
                     double* common = nullptr) {
   double squares = 0, dof = 0, logarithms = 0;
   for (const ViewResiduals& view : views) {
-    const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
-    const double variance = 1 + growth * ratio * ratio;
+    const double variance = growthOf(view, typical, growth);
     squares += view.squares / variance;
     dof += view.dof;
     logarithms += view.dof * std::log(variance);
@@ -163,7 +168,7 @@ double bestGrowth(const std::vector<ViewResiduals>& views, double typical) {
   return of(power) < unlikelihood(views, typical, 0) ? std::pow(10, power) : 0;
 }
 
-/// The noise that residuals of views show, with `corners` in each.
+/// The noise that residuals of views show.
 CornerNoise noiseFrom(SigmaBy by, const std::vector<ViewResiduals>& views) {
   CornerNoise noise{by};
   const double typical = medianOfKnown(views);
@@ -301,8 +306,7 @@ double gainOf(const std::vector<ViewResiduals>& views, const std::vector<ViewRes
   unlikelihood(others, typical, growth, &common);
   unlikelihood(others, typical, 0, &common_of_constant);
   for (const ViewResiduals& view : views) {
-    const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
-    const double variance = common * (1 + growth * ratio * ratio);
+    const double variance = common * growthOf(view, typical, growth);
     gain += (view.dof * std::log(common_of_constant / variance) +
              view.squares * (1 / common_of_constant - 1 / variance)) /
             2;

@@ -94,12 +94,9 @@ std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result,
   if (!(variance > 0)) return std::nullopt;
   const Eigen::RowVectorXd by_block = scores.estimates(0).row(0);
   const double count = double(blocks), mean = by_block.mean();
-  return ReadoutStep{by_block.sum(),
-                     std::sqrt(variance),
+  return ReadoutStep{by_block.sum(), std::sqrt(variance),
                      std::sqrt(count / std::max(1.0, count - 1) * (by_block.array() - mean).square().sum()),
-                     int(blocks),
-                     FlipTest(scores.products()).probability(),
-                     -covariance * cross};
+                     FlipTest(scores.products()).probability(), -covariance * cross};
 }
 
 }  // namespace

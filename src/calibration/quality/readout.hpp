@@ -21,8 +21,7 @@ struct ReadoutStep {
   double value = 0;          ///< to be added
   double std = 0;            ///< stated, with poses and all shared parameters free
   double std_clustered = 0;  ///< of up to twelve blocks of successive images
-  int blocks = 0;
-  double probability = 1;  ///< of as much by chance, as in ResidualPattern
+  double probability = 1;    ///< of as much by chance, as in ResidualPattern
   /// By how much each shared parameter follows a unit of it.
   Eigen::VectorXd followed;
 };
