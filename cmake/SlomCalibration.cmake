@@ -1,4 +1,4 @@
-# The library slom::calibration. It stands on slom::slom; of other libraries it needs fmt, for its sentences.
+# The library slom::calibration. It stands on slom::slom and, to read files, on slom::io; of other libraries it needs fmt, for its sentences.
 find_package(fmt QUIET CONFIG)
 if(NOT fmt_FOUND)
   message(STATUS "slom: no library slom::calibration, because fmt was not found (Debian: libfmt-dev)")
@@ -12,8 +12,9 @@ slom_own_target(slom_calibration)
 slom_fuzzed(slom_calibration)
 target_include_directories(slom_calibration PRIVATE "${PROJECT_SOURCE_DIR}/src")
 set_target_properties(slom_calibration PROPERTIES EXPORT_NAME calibration)
-target_link_libraries(slom_calibration PUBLIC slom PRIVATE fmt::fmt)
+target_link_libraries(slom_calibration PUBLIC slom PRIVATE slom_io fmt::fmt)
 slom_unity(slom_calibration)
+slom_optimise(slom_calibration -O2)
 slom_own_eigen(slom_calibration)
 slom_exports(slom_calibration calibration)
 slom_archive(slom_calibration)

@@ -15,10 +15,32 @@ function(slom_fuzzed target)
   endif()
 endfunction()
 
-# slom_unity(<target>): its sources are compiled several at a time, so that what all of them include is parsed, and what they
-# instantiate of templates is compiled, once for several. SLOM_UNITY_BUILD=OFF compiles each alone.
+# slom_unity(<target> [<source>...]): its sources are compiled several at a time, so that what all of them include is parsed, and what
+# they instantiate of templates is compiled, once for several. SLOM_UNITY_BUILD=OFF compiles each alone. The sources that are named, as the
+# target names them, include something large that the others do not, and are compiled together.
 function(slom_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE ${SLOM_UNITY_BATCH_SIZE})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  if(ARGN)
+    list(REMOVE_ITEM sources ${ARGN})
+  endif()
+  set(at 0)
+  foreach(source IN LISTS sources)
+    math(EXPR batch "${at} / ${SLOM_UNITY_BATCH_SIZE}")
+    set_property(SOURCE "${source}" PROPERTY UNITY_GROUP ${target}_${batch})
+    math(EXPR at "${at} + 1")
+  endforeach()
+  if(ARGN)
+    set_property(SOURCE ${ARGN} PROPERTY UNITY_GROUP ${target}_together)
+  endif()
+endfunction()
+
+# slom_optimise(<target> <level>): what a Release build optimises it with, instead of the -O3 that is for sources of whose speed users
+# notice something.
+function(slom_optimise target level)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:${level}>)
+  endif()
 endfunction()
 
 # For sources that take longer to compile than they run: with less optimisation, without flattening, and by clang, which compiles for

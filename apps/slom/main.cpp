@@ -14,13 +14,15 @@
 
 #include <mtk/error.hpp>
 
-#include "bundle/bundle.hpp"
-#include "calibrate/calibrate.hpp"
 #include "error.hpp"
-#include "graph/graph.hpp"
 #include "printable.hpp"
-#include "replay/replay.hpp"
-#include "simulate/simulate.hpp"
+
+namespace slom::app {
+// Each subcommand that is built adds itself.
+#define SLOM_COMMAND(add) void add(CLI::App& app);
+#include "commands.inc"
+#undef SLOM_COMMAND
+}  // namespace slom::app
 
 namespace {
 
@@ -107,10 +109,8 @@ int main(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", "slom " SLOM_VERSION);
   app.require_subcommand(1);
-  addBundleCommand(app);
-  addCalibrateCommand(app);
-  addGraphCommand(app);
-  addReplayCommand(app);
-  addSimulateCommand(app);
+#define SLOM_COMMAND(add) add(app);
+#include "commands.inc"
+#undef SLOM_COMMAND
   return afterOutput(run(app, argc, argv));
 }

@@ -1,32 +1,18 @@
-// Calibrates a stereo camera from corners of a board that a program has in memory, and says how far the result can be trusted.
-#include <fstream>
+// Calibrates a stereo camera from files of corners, and says how far the result can be trusted.
 #include <iostream>
-#include <sstream>
+#include <string>
 
 #include <slom/calibration.hpp>
 
 using namespace slom::calibration;
 
-// Corners come from your detector; here from a table: image, corner, its place on the board [m], its pixel.
-CameraData seenBy(const std::string& name) {
-  CameraData camera;
-  camera.name = name;
-  camera.image_size = ImageSize{640, 480};
-  std::ifstream table(SLOM_DATA_DIR "/opencv_stereo/" + name + "_corners.csv");
-  std::string line;
-  for (std::getline(table, line); std::getline(table, line);) {
-    std::istringstream numbers(line);
-    double x[7];
-    for (double& number : x) (numbers >> number).ignore();
-    if (camera.views.empty() || camera.views.back().image != int(x[0]))
-      camera.views.push_back({int(x[0]), {}});
-    camera.views.back().corners.push_back({int(x[1]), vec3(x[2], x[3], x[4]), vec2(x[5], x[6])});
-  }
-  return camera;
-}
-
 int main() {
-  const Dataset data{{seenBy("left"), seenBy("right")}, {}};
+  // Corners from your own detector go into CameraData::views instead: image by image, their places on the board [m] and their pixels.
+  const std::string folder = SLOM_DATA_DIR "/opencv_stereo/";
+  Dataset data{
+      {readCorners("left", folder + "left_corners.csv"), readCorners("right", folder + "right_corners.csv")},
+      {}};
+  for (CameraData& camera : data.cameras) camera.image_size = ImageSize{640, 480};
   Settings settings;
   settings.model = Model("opencv4");
   settings.sigma_px = 0.2;

@@ -11,6 +11,7 @@
 ///   corner_noise.hpp  corners that are less precise than others
 ///   readout.hpp     rolling shutters
 ///   comparison.hpp  which camera model the data carry
+///   files.hpp       corners and readings from and to files
 ///   error.hpp       what is thrown for data and settings that make no sense
 #pragma once
 
@@ -22,6 +23,7 @@
 #include "slom/calibration/corner_noise.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
+#include "slom/calibration/files.hpp"
 #include "slom/calibration/models.hpp"
 #include "slom/calibration/number_text.hpp"
 #include "slom/calibration/options.hpp"

@@ -31,8 +31,12 @@ TEST(CalibrateFaults, CameraSyntax) {
   }
 }
 TEST(CalibrateFaults, CameraNamedTwice) {
-  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/right.csv"},
-                "--camera left=right.csv: there is a camera left already; give each its own name");
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/right.csv"},
+      "right.csv:2: image 0 of camera left is in left.csv already; number the images of all files differently, or give the "
+      "files as those of two cameras");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/left.csv"},
+                "--camera left=left.csv: the file is given twice; give it once, or another camera's file");
 }
 TEST(CalibrateFaults, UnknownModel) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--intrinsics", "pinhole"},

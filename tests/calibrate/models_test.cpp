@@ -9,7 +9,6 @@
 #include <slom/slom.hpp>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/input/read.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibrate/simulated_views.hpp"

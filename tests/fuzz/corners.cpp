@@ -1,10 +1,11 @@
 // Corner files of slom calibrate, and what is checked before a fit.
-#include "calibrate/input/read.hpp"
+#include <slom/calibration.hpp>
+
 #include "calibration/data/check.hpp"
 #include "fuzz/target.hpp"
 
 SLOM_FUZZ_TARGET(corners) {
-  using namespace slom::app::calib;
+  using namespace slom::calibration;
   const MemoryFile file(input);
   CameraData camera;
   if (!accepted([&] { camera = readCorners("left", file.name()); })) return;

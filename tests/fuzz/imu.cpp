@@ -1,9 +1,10 @@
 // IMU files of slom calibrate.
-#include "calibrate/input/read.hpp"
+#include <slom/calibration.hpp>
+
 #include "fuzz/target.hpp"
 
 SLOM_FUZZ_TARGET(imu) {
-  using namespace slom::app::calib;
+  using namespace slom::calibration;
   const MemoryFile file(input);
   ImuData imu;
   if (!accepted([&] { imu = readImu(file.name()); })) return;

@@ -17,9 +17,8 @@
 #include "fitting/result_files.hpp"
 
 namespace slom::app {
+namespace bundle {
 namespace {
-
-using namespace bundle;
 
 constexpr const char* help_text =
     R"(slom bundle problem.txt --output fitted.txt --output fitted.ply --json result.json
@@ -83,8 +82,10 @@ void run(const RawOptions& raw) {
 }
 
 }  // namespace
+}  // namespace bundle
 
 void addBundleCommand(CLI::App& app) {
+  using namespace bundle;
   const auto raw = std::make_shared<RawOptions>();
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("bundle", help_text);

@@ -12,7 +12,6 @@
 #include "calibrate/calibrate.hpp"
 #include "calibrate/detect/read_photos.hpp"
 #include "calibrate/html/page.hpp"
-#include "calibrate/input/read.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/comparison_text.hpp"
 #include "calibrate/output/formats.hpp"
@@ -28,9 +27,8 @@
 #include "printable.hpp"
 
 namespace slom::app {
+namespace calib {
 namespace {
-
-using namespace calib;
 
 constexpr const char* help_text =
     R"(slom calibrate --board 9x6 --square 0.025 --images left='left*.jpg' --images right='right*.jpg'
@@ -58,7 +56,7 @@ Dataset readDataset(const CommandSettings& settings) {
     data.cameras = readPhotos(settings);
   } else {
     for (const CameraFile& camera : settings.cameras)
-      data.cameras.push_back(readCorners(camera.name, camera.file));
+      data.cameras.push_back(readCorners(camera.name, camera.files));
   }
   for (CameraData& camera : data.cameras) {
     const auto given = settings.image_sizes.find(camera.name);
@@ -269,13 +267,17 @@ void run(const RawOptions& raw) {
 }
 
 }  // namespace
+}  // namespace calib
 
 void addCalibrateCommand(CLI::App& app) {
+  using namespace calib;
   const auto raw = std::make_shared<RawOptions>();
   CommandSettings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("calibrate", help_text);
   command.footer(footer_text);
-  command.add_option("--camera", raw->cameras, "a camera's name and corner file; once for each camera")
+  command
+      .add_option("--camera", raw->cameras,
+                  "a camera's name and corner file; once for each camera, or for each part of its recording")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
   command

@@ -318,7 +318,7 @@ void requireSigma(const char* option, double value, const char* unit) {
 void checkPaths(const CommandSettings& settings) {
   std::vector<NamedFile> inputs;
   for (const CameraFile& camera : settings.cameras) {
-    if (camera.patterns.empty()) inputs.push_back({"--camera " + camera.name, camera.file});
+    for (const std::string& file : camera.files) inputs.push_back({"--camera " + camera.name, file});
   }
   inputs.push_back({"--imu", settings.imu_file});
   checkResultPaths(inputs, resultFiles(settings));

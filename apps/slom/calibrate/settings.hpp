@@ -11,11 +11,12 @@
 
 namespace slom::app::calib {
 
-/// `NAME=FILE` of --camera, or `NAME=PATTERN ...` of --images.
+/// `NAME=FILE` of --camera, or `NAME=PATTERN ...` of --images; several of one camera are put together.
 struct CameraFile {
   std::string name;
-  std::string file;                     ///< the corner file; or the patterns, for people to read
+  std::string file;                     ///< the corner files or the patterns, for people to read
   std::vector<std::string> patterns{};  ///< patterns of the photographs
+  std::vector<std::string> files{};     ///< corner files
 };
 
 /// What --output writes.

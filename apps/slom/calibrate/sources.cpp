@@ -1,7 +1,6 @@
 #include "calibrate/sources.hpp"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -38,15 +37,24 @@ CameraFile parseNamed(const std::string& option, const std::string& text, const 
   return {name, text.substr(equals + 1)};
 }
 
+/// The camera of this name, which is added where there is none.
+CameraFile& withName(const std::string& name, std::vector<CameraFile>& cameras) {
+  const auto known = std::find_if(cameras.begin(), cameras.end(),
+                                  [&](const CameraFile& camera) { return camera.name == name; });
+  return known != cameras.end() ? *known : cameras.emplace_back(CameraFile{name, "", {}, {}});
+}
+
 std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
   std::vector<CameraFile> cameras;
-  std::set<std::string> names;
   for (const std::string& text : texts) {
-    cameras.push_back(parseNamed("--camera", text, "NAME=FILE, as in --camera left=left_corners.csv"));
-    if (names.insert(cameras.back().name).second) continue;
-    throw UserError(fmt::format("--camera {}: there is a camera {} already; give each its own name", text,
-                                cameras.back().name));
+    const CameraFile one = parseNamed("--camera", text, "NAME=FILE, as in --camera left=left_corners.csv");
+    std::vector<std::string>& files = withName(one.name, cameras).files;
+    if (std::find(files.begin(), files.end(), one.file) != files.end())
+      throw UserError(
+          fmt::format("--camera {}: the file is given twice; give it once, or another camera's file", text));
+    files.push_back(one.file);
   }
+  for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.files, " "));
   return cameras;
 }
 
@@ -60,11 +68,9 @@ std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
       continue;
     }
     const CameraFile camera = parseNamed("--images", word, "NAME=PATTERN, as in --images left='left*.jpg'");
-    const auto known = std::find_if(cameras.begin(), cameras.end(),
-                                    [&](const CameraFile& c) { return c.name == camera.name; });
-    current = std::size_t(known - cameras.begin());
-    if (known == cameras.end()) cameras.push_back({camera.name, "", {}});
-    cameras[current].patterns.push_back(camera.file);
+    CameraFile& named = withName(camera.name, cameras);
+    current = std::size_t(&named - cameras.data());
+    named.patterns.push_back(camera.file);
   }
   for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.patterns, " "));
   return cameras;

@@ -26,9 +26,8 @@
 #include "output_files.hpp"
 
 namespace slom::app {
+namespace graph {
 namespace {
-
-using namespace graph;
 
 constexpr const char* help_text =
     R"(slom graph map.g2o --output fitted.g2o --plot map.svg --json result.json
@@ -140,8 +139,10 @@ void run(const RawOptions& raw) {
 }
 
 }  // namespace
+}  // namespace graph
 
 void addGraphCommand(CLI::App& app) {
+  using namespace graph;
   const auto raw = std::make_shared<RawOptions>();
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("graph", help_text);

@@ -13,23 +13,20 @@ namespace {
 constexpr std::size_t most_lines = 5;  // that a message names
 
 /// As the library decides it: by the pivots of the Cholesky factor at unit diagonal.
-template <int N>
-bool isPositiveDefinite(const Symmetric<N>& m) {
+bool isPositiveDefinite(const Eigen::MatrixXd& m) {
   if (!(m.diagonal().array() > 0).all()) return false;
   if (m.isDiagonal(0)) return true;
-  const Eigen::Matrix<double, N, 1> scale = m.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(scale.asDiagonal() * m * scale.asDiagonal());
+  const Eigen::VectorXd scale = m.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(scale.asDiagonal() * m * scale.asDiagonal());
   return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 1e-8;
 }
 
-template <int N>
-void repair(Symmetric<N>& m) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen(m);
+Eigen::MatrixXd repaired(const Eigen::MatrixXd& m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
   const double floor = repaired_eigenvalue * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  const auto V = eigen.eigenvectors();
-  const Eigen::Matrix<double, N, N> product =
-      V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose();
-  m = (product + product.transpose()) / 2;
+  const Eigen::MatrixXd& V = eigen.eigenvectors();
+  const Eigen::MatrixXd product = V * eigen.eigenvalues().cwiseMax(floor).asDiagonal() * V.transpose();
+  return (product + product.transpose()) / 2;
 }
 
 class Check {
@@ -46,7 +43,7 @@ class Check {
       }
       ++count_;
       if (lines_.size() < most_lines) lines_.push_back(edge.line);
-      if (repair_) repair(edge.information);
+      if (repair_) edge.information = repaired(edge.information);
     }
   }
 

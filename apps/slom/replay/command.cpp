@@ -16,6 +16,7 @@
 #include "replay/replay.hpp"
 
 namespace slom::app {
+namespace replay {
 namespace {
 
 constexpr const char* help_text =
@@ -95,8 +96,10 @@ void run(const Settings& settings) {
 }
 
 }  // namespace
+}  // namespace replay
 
 void addReplayCommand(CLI::App& app) {
+  using namespace replay;
   const auto settings = std::make_shared<Settings>();
   CLI::App& command = *app.add_subcommand("replay", help_text);
   command.footer(footer_text);

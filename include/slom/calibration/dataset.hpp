@@ -44,6 +44,7 @@ struct View {
   int image = 0;
   std::vector<Corner> corners;
   std::string photo{};  ///< file of the photograph that the corners were found in; empty: unknown
+  std::string file{};   ///< what messages call the source of the corners; empty: CameraData::file
 };
 
 /// A photograph that the fit does without.

@@ -30,7 +30,7 @@ const View* CameraData::find(int image) const {
 
 std::string CameraData::place(const View& view, const Corner& corner) const {
   if (corner.line == 0) return view.photo.empty() ? nameOf(*this) : view.photo;
-  return nameOf(*this) + ":" + std::to_string(corner.line);
+  return (view.file.empty() ? nameOf(*this) : view.file) + ":" + std::to_string(corner.line);
 }
 
 std::string ImuData::place(std::size_t index) const {

@@ -1,9 +1,9 @@
 #include "calibrate/detect/read_photos.hpp"
 
-#include "calibrate/detect/corner_files.hpp"
 #include "calibrate/detect/detector.hpp"
 #include "calibrate/detect/find_corners.hpp"
 #include "calibrate/result_paths.hpp"
+#include "printable.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -27,7 +27,7 @@ std::vector<CameraData> readPhotos(const CommandSettings& settings) {
   requireWritable(files);
   std::vector<CameraData> cameras = findCorners(settings.cameras, photos, *settings.board, !settings.quiet);
   OutputFiles output;
-  for (std::size_t c = 0; c < files.size(); ++c) output.add(files[c], toCornerFile(cameras[c]));
+  for (std::size_t c = 0; c < files.size(); ++c) output.add(files[c], printable(toCornerFile(cameras[c])));
   output.commit();
   return cameras;
 }

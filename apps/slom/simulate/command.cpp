@@ -1,5 +1,3 @@
-#include "simulate/simulate.hpp"
-
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "error.hpp"
 #include "printable.hpp"
+#include "simulate/simulate.hpp"
 #include "simulate/stereo_imu.hpp"
 #include "simulate/stereo_imu_files.hpp"
 

@@ -1,18 +1,19 @@
-#include "calibrate/input/read.hpp"
-
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "calibrate/input/csv.hpp"
-#include "error.hpp"
-#include "plausible.hpp"
-#include "text.hpp"
+#include "calibration/files/csv.hpp"
+#include "calibration/files/text.hpp"
+#include "slom/calibration/files.hpp"
+#include "slom/io/number.hpp"
 
-namespace slom::app::calib {
+namespace slom::calibration {
 
 namespace {
 
@@ -25,10 +26,10 @@ std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment
   const std::string_view text = trimmed(std::string_view(comment.text).substr(key.size()));
   const std::size_t x = std::min(text.find('x'), text.size());
   ImageSize size;
-  if (parseNumber(trimmed(text.substr(0, x)), size.width) && x < text.size() &&
-      parseNumber(trimmed(text.substr(x + 1)), size.height) && isPlausible(size))
+  if (io::parseNumber(trimmed(text.substr(0, x)), size.width) && x < text.size() &&
+      io::parseNumber(trimmed(text.substr(x + 1)), size.height) && isPlausible(size))
     return size;
-  throw UserError(
+  badFile(
       fmt::format("{}:{}: the image size is \"{}\"; write it as in # image_size_px: 640 x 480, {} pixels at "
                   "most on a side",
                   table.file(), comment.line, shortened(comment.text, longest_comment), most_side_px));
@@ -40,7 +41,7 @@ void notePhoto(const CsvComment& comment, std::map<int, View>& views) {
   const std::size_t colon = comment.text.find(':');
   int image = 0;
   if (!comment.text.starts_with(key) || colon == std::string::npos) return;
-  if (!parseNumber(std::string_view(comment.text).substr(key.size(), colon - key.size()), image)) return;
+  if (!io::parseNumber(std::string_view(comment.text).substr(key.size(), colon - key.size()), image)) return;
   if (const auto view = views.find(image); view != views.end())
     view->second.photo = trimmed(std::string_view(comment.text).substr(colon + 1));
 }
@@ -55,14 +56,16 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
     const int image = row.index(0), number = row.index(1);
     const auto [known, is_new] = line_of.emplace(std::pair(image, number), row.line());
     if (!is_new) {
-      throw UserError(
+      badFile(
           fmt::format("{}: corner {} of image {} was listed in line {} already; remove one of the two rows",
                       row.place(), number, image, known->second));
     }
     View& view = views[image];
     view.image = image;
-    view.corners.push_back({number, vec3(row.number(2, most_m), row.number(3, most_m), row.number(4, most_m)),
-                            vec2(row.number(5, most_px), row.number(6, most_px)), row.line()});
+    view.corners.push_back(
+        {number,
+         vec3(row.number(2, most_corner_m), row.number(3, most_corner_m), row.number(4, most_corner_m)),
+         vec2(row.number(5, most_corner_px), row.number(6, most_corner_px)), row.line()});
   }
   CameraData camera{camera_name, file, {}, {}};
   for (const CsvComment& comment : table.comments()) {
@@ -73,6 +76,39 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
   return camera;
 }
 
+CameraData readCorners(const std::string& camera_name, const std::vector<std::string>& files) {
+  if (files.size() == 1) return readCorners(camera_name, files.front());
+  if (files.empty()) badFile(fmt::format("camera {} has no file of corners; give at least one", camera_name));
+  CameraData all{camera_name, fmt::format("{}", fmt::join(files, " ")), {}, {}};
+  std::map<int, std::string> file_of;  // image -> file
+  for (const std::string& file : files) {
+    CameraData part = readCorners(camera_name, file);
+    if (part.image_size && all.image_size &&
+        (part.image_size->width != all.image_size->width ||
+         part.image_size->height != all.image_size->height)) {
+      badFile(fmt::format(
+          "{}: images are of {} x {} pixels, but of {} x {} in a file before it; give files of one camera alone",
+          file, part.image_size->width, part.image_size->height, all.image_size->width,
+          all.image_size->height));
+    }
+    if (part.image_size) all.image_size = part.image_size;
+    for (View& view : part.views) {
+      const auto [known, is_new] = file_of.emplace(view.image, file);
+      if (!is_new) {
+        badFile(fmt::format(
+            "{}:{}: image {} of camera {} is in {} already; number the images of all files differently, or give the "
+            "files as those of two cameras",
+            file, view.corners.front().line, view.image, camera_name, known->second));
+      }
+      view.file = file;
+      all.views.push_back(std::move(view));
+    }
+  }
+  std::sort(all.views.begin(), all.views.end(),
+            [](const View& a, const View& b) { return a.image < b.image; });
+  return all;
+}
+
 ImuData readImu(const std::string& file) {
   const CsvTable table(file, {"image", "ax_m_s2", "ay_m_s2", "az_m_s2", "valid"});
   ImuData imu{file, {}};
@@ -80,24 +116,24 @@ ImuData readImu(const std::string& file) {
   for (const CsvRow& row : table.rows()) {
     const int image = row.index(0), valid = row.index(4);
     if (valid > 1)
-      throw UserError(fmt::format("{}: valid is \"{}\"; write 1, or 0 to skip the row", row.place(), valid));
+      badFile(fmt::format("{}: valid is \"{}\"; write 1, or 0 to skip the row", row.place(), valid));
     if (valid == 0) continue;
     const auto [known, is_new] = line_of.emplace(image, row.line());
     if (!is_new) {
-      throw UserError(
+      badFile(
           fmt::format("{}: image {} has a valid reading in line {} already; keep one, or the mean of both",
                       row.place(), image, known->second));
     }
-    imu.readings.push_back(
-        {image, vec3(row.number(1, most_m_s2), row.number(2, most_m_s2), row.number(3, most_m_s2)),
-         row.line()});
+    imu.readings.push_back({image,
+                            vec3(row.number(1, most_reading_m_s2), row.number(2, most_reading_m_s2),
+                                 row.number(3, most_reading_m_s2)),
+                            row.line()});
   }
   if (imu.readings.empty()) {
-    throw UserError(
-        fmt::format("{}:{}: no row has valid = 1; leave out --imu, or mark the readings that can be used",
-                    file, table.rows().back().line()));
+    badFile(fmt::format("{}:{}: no row has valid = 1; leave out --imu, or mark the readings that can be used",
+                        file, table.rows().back().line()));
   }
   return imu;
 }
 
-}  // namespace slom::app::calib
+}  // namespace slom::calibration

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace slom::app::calib {
+namespace slom::calibration {
 
 /// One line below the header. Fields are text until they are asked for as numbers.
 class CsvRow {
@@ -18,11 +18,11 @@ class CsvRow {
   int line() const { return line_; }
   /// `file:line`, as errors begin.
   std::string place() const;
-  /// The field as a finite number; UserError otherwise.
+  /// The field as a finite number; DataError [slom.calibration.bad-file] otherwise.
   double number(std::size_t column) const;
   /// The same, of magnitude `most` at most.
   double number(std::size_t column, double most) const;
-  /// The field as a whole number from 0 on; UserError otherwise.
+  /// The field as a whole number from 0 on; DataError [slom.calibration.bad-file] otherwise.
   int index(std::size_t column) const;
 
  private:
@@ -44,7 +44,7 @@ struct CsvComment {
 /// spaces around fields, Windows line ends and a byte order mark do not matter.
 class CsvTable {
  public:
-  /// Reads all of the file; UserError if it cannot be read, its header is another one, a row has another number of
+  /// Reads all of the file; DataError [slom.calibration.bad-file] if it cannot be read, its header is another one, a row has another number of
   /// fields than the header, or there is no row at all.
   CsvTable(std::string file, std::vector<std::string> columns);
   CsvTable(const CsvTable&) = delete;
@@ -64,4 +64,4 @@ class CsvTable {
   std::vector<CsvComment> comments_;
 };
 
-}  // namespace slom::app::calib
+}  // namespace slom::calibration

@@ -1,16 +1,17 @@
-#include "calibrate/input/csv.hpp"
+#include "calibration/files/csv.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "error.hpp"
-#include "input_file.hpp"
-#include "text.hpp"
+#include "calibration/files/text.hpp"
+#include "slom/io/input_file.hpp"
+#include "slom/io/number.hpp"
 
-namespace slom::app::calib {
+namespace slom::calibration {
 namespace {
 
 /// Appends the fields of a line; returns how many there are.
@@ -59,13 +60,13 @@ CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns,
 std::string CsvRow::place() const { return fmt::format("{}:{}", *file_, line_); }
 
 void CsvRow::fail(std::size_t column, const std::string& expectation) const {
-  throw UserError(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column),
-                              shortened((*fields_)[first_field_ + column], longest_text), expectation));
+  badFile(fmt::format("{}: {} is \"{}\"; {}", place(), columns_->at(column),
+                      shortened((*fields_)[first_field_ + column], longest_text), expectation));
 }
 
 double CsvRow::number(std::size_t column) const {
   double value = 0;
-  if (!parseNumber(fields_->at(first_field_ + column), value))
+  if (!io::parseNumber(fields_->at(first_field_ + column), value))
     fail(column, "write a number there, or remove the row");
   if (!std::isfinite(value)) fail(column, "write a finite number there, or remove the row");
   return value;
@@ -80,7 +81,7 @@ double CsvRow::number(std::size_t column, double most) const {
 
 int CsvRow::index(std::size_t column) const {
   int value = 0;
-  if (!parseNumber(fields_->at(first_field_ + column), value) || value < 0)
+  if (!io::parseNumber(fields_->at(first_field_ + column), value) || value < 0)
     fail(column, "write a whole number (0, 1, 2, ...) there");
   return value;
 }
@@ -88,32 +89,32 @@ int CsvRow::index(std::size_t column) const {
 CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
     : file_(std::move(file)), columns_(std::move(columns)) {
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));
-  text_ = readWhole(file_);
+  text_ = io::readWhole(file_);
   Lines lines{text_};
   std::string_view text;
   if (!lines.next(text, comments_)) {
-    throw UserError(
+    badFile(
         fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
                     "measurement below",
                     file_, header));
   }
   split(text, fields_);
   if (!std::equal(fields_.begin(), fields_.end(), columns_.begin(), columns_.end())) {
-    throw UserError(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, lines.line,
-                                shortened(text, longest_text), header));
+    badFile(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, lines.line,
+                        shortened(text, longest_text), header));
   }
   while (lines.next(text, comments_)) {
     const std::size_t first = fields_.size(), count = split(text, fields_);
     if (count != columns_.size()) {
-      throw UserError(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_,
-                                  lines.line, count, count == 1 ? "" : "s", columns_.size(), header));
+      badFile(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_, lines.line,
+                          count, count == 1 ? "" : "s", columns_.size(), header));
     }
     rows_.emplace_back(file_, columns_, lines.line, first, fields_);
   }
   if (rows_.empty()) {
-    throw UserError(fmt::format("{}:{}: there is nothing below the header; add one row for each measurement",
-                                file_, lines.line));
+    badFile(fmt::format("{}:{}: there is nothing below the header; add one row for each measurement", file_,
+                        lines.line));
   }
 }
 
-}  // namespace slom::app::calib
+}  // namespace slom::calibration

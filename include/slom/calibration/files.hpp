@@ -1,0 +1,31 @@
+/// Corners and readings from and to files: those that `slom calibrate` reads. docs/calibrate.md has their columns.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/calibration/dataset.hpp"
+
+namespace slom::calibration {
+
+/// Reads what a camera saw from a file of lines `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px` below a header of these words, in any
+/// order; a pipe will do. Blank lines and comments, which begin with #, are skipped, but `# image_size_px: 640 x 480` and
+/// `# photo 7: left07.jpg` (the photograph of image 7) are understood. Frames are those of Corner.
+/// Throws the errors of io::openInput; and DataError [slom.calibration.bad-file], naming file and line, for a file without rows, with another
+/// header or with a row of another length, a field that is not a number or too large, and a corner that is listed twice in an image.
+CameraData readCorners(const std::string& camera_name, const std::string& file);
+
+/// The same from several files of one camera, as from a recording in parts: image numbers count through all of them, and no image may be in two.
+/// CameraData::file then names all of them, and View::file the one of each view. Also [slom.calibration.bad-file] where an image is in
+/// two files, or the sizes of images in them differ.
+CameraData readCorners(const std::string& camera_name, const std::vector<std::string>& files);
+
+/// Reads `image,ax_m_s2,ay_m_s2,az_m_s2,valid`, readings of an accelerometer at rest [m/s^2]. Rows with valid = 0 are skipped: neither
+/// their reading nor their image is looked at. Throws as readCorners does, for two valid rows of an image, and for no valid row at all.
+ImuData readImu(const std::string& file);
+
+/// The text of a file that readCorners reads; numbers with all digits, so that reading it again gives the same data. Standard deviations
+/// (Corner::sigma) have no column and are left out.
+std::string toCornerFile(const CameraData& camera);
+
+}  // namespace slom::calibration

@@ -1,0 +1,28 @@
+// Texts in files, and what is said of those that are not as they should be.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+
+/// Throws [slom.calibration.bad-file].
+[[noreturn]] inline void badFile(const std::string& sentence) {
+  throw DataError("slom.calibration.bad-file", sentence);
+}
+
+/// Without blanks at both ends.
+inline std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The first characters of a text that is longer than `most`, and three dots.
+inline std::string shortened(std::string_view text, std::size_t most) {
+  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,135 @@
+// Files of corners and readings: what is written is read again, to the last bit; several files of a camera; and what is wrong with a file.
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "calibration/rig_in_memory.hpp"
+#include "support/message_of.hpp"
+#include "support/temporary_folder.hpp"
+
+namespace slom::calibration {
+namespace {
+
+using slom::testing::messageOf;
+using slom::testing::TemporaryFolder;
+using testing::rigInMemory;
+
+constexpr const char* header = "image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n";
+
+std::string written(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+  const std::string file = (folder / name).string();
+  std::ofstream(file, std::ios::binary) << text;
+  return file;
+}
+
+void expectSameViews(const CameraData& a, const CameraData& b) {
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (std::size_t v = 0; v < a.views.size(); ++v) {
+    EXPECT_EQ(a.views[v].image, b.views[v].image);
+    EXPECT_EQ(a.views[v].photo, b.views[v].photo);
+    ASSERT_EQ(a.views[v].corners.size(), b.views[v].corners.size());
+    for (std::size_t i = 0; i < a.views[v].corners.size(); ++i) {
+      const Corner &x = a.views[v].corners[i], &y = b.views[v].corners[i];
+      EXPECT_EQ(x.number, y.number);
+      EXPECT_TRUE(x.world == y.world && x.pixel == y.pixel)
+          << "corner " << x.number << " of image " << a.views[v].image;
+    }
+  }
+}
+
+TEST(CornerFiles, WhatWasWrittenIsRead) {
+  const TemporaryFolder folder;
+  CameraData camera = rigInMemory().cameras[0];
+  camera.views[1].photo = "left 01.jpg";
+  const CameraData again = readCorners("left", written(folder, "left.csv", toCornerFile(camera)));
+  EXPECT_EQ(again.name, "left");
+  ASSERT_TRUE(again.image_size);
+  EXPECT_EQ(again.image_size->width, 640);
+  EXPECT_EQ(again.image_size->height, 480);
+  expectSameViews(camera, again);
+  EXPECT_EQ(toCornerFile(again), toCornerFile(camera));
+}
+
+TEST(CornerFiles, NamesOfPhotographsStayInTheirLine) {
+  const TemporaryFolder folder;
+  CameraData camera = rigInMemory().cameras[0];
+  camera.views[0].photo = "left\n1,2,3.jpg";
+  camera.unused.push_back({7, "left\r7.jpg", "shows no board"});
+  const CameraData again = readCorners("left", written(folder, "left.csv", toCornerFile(camera)));
+  EXPECT_EQ(again.views[0].photo, "left\\x0a1,2,3.jpg");
+  EXPECT_EQ(again.cornerCount(), camera.cornerCount());
+}
+
+TEST(CornerFiles, PartsOfARecording) {
+  const TemporaryFolder folder;
+  const CameraData whole = rigInMemory().cameras[0];
+  CameraData first = whole, second = whole;
+  first.views.erase(first.views.begin(), first.views.begin() + 3);  // 3, 4, 5: files may come in any order
+  second.views.erase(second.views.begin() + 3, second.views.end());
+  const std::string a = written(folder, "a.csv", toCornerFile(first)),
+                    b = written(folder, "b.csv", toCornerFile(second));
+  const CameraData both = readCorners("left", std::vector<std::string>{a, b});
+  expectSameViews(both, whole);
+  EXPECT_EQ(both.file, a + " " + b);
+  EXPECT_EQ(both.place(both.views[0], both.views[0].corners[0]), b + ":4");
+  EXPECT_EQ(both.place(both.views[3], both.views[3].corners[0]), a + ":4");
+}
+
+TEST(CornerFiles, PartsThatDoNotFit) {
+  const TemporaryFolder folder;
+  const auto refusal = [](const std::vector<std::string>& files) {
+    return messageOf([&] { readCorners("left", files); });
+  };
+  const std::string row = "1,1,0,0,0,10,20\n", a = written(folder, "a.csv", header + row),
+                    b = written(folder, "b.csv", header + row),
+                    small = written(folder, "small.csv",
+                                    "# image_size_px: 320 x 240\n" + std::string(header) + "2,1,0,0,0,1,2\n"),
+                    large = written(folder, "large.csv",
+                                    "# image_size_px: 640 x 480\n" + std::string(header) + "3,1,0,0,0,1,2\n");
+  EXPECT_EQ(refusal({}), "[slom.calibration.bad-file] camera left has no file of corners; give at least one");
+  EXPECT_EQ(
+      refusal({a, b}),
+      "[slom.calibration.bad-file] " + b + ":2: image 1 of camera left is in " + a +
+          " already; number the images of all files differently, or give the files as those of two cameras");
+  EXPECT_EQ(refusal({a, small, large}),
+            "[slom.calibration.bad-file] " + large +
+                ": images are of 640 x 480 pixels, but of 320 x 240 in a file before it; give files of one "
+                "camera alone");
+}
+
+TEST(CornerFiles, FaultsNameFileAndLine) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text) {
+    return messageOf([&] { readCorners("left", written(folder, "left.csv", text)); });
+  };
+  const std::string place = "[slom.calibration.bad-file] " + (folder / "left.csv").string();
+  EXPECT_EQ(
+      refusal(""),
+      place +
+          ":1: the file is empty; its first line must be "
+          "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\", with one row for each measurement below");
+  EXPECT_EQ(refusal(header + std::string("1,1,0,0,0,10,nan\n")),
+            place + ":2: v_px is \"nan\"; write a finite number there, or remove the row");
+  EXPECT_EQ(refusal(header + std::string("1,1,0,0,0,10,20\n\n1,1,0,0,0,10,20\n")),
+            place + ":4: corner 1 of image 1 was listed in line 2 already; remove one of the two rows");
+  EXPECT_EQ(messageOf([&] { readCorners("left", (folder / "lost.csv").string()); }),
+            "[slom.io.cannot-read] " + (folder / "lost.csv").string() +
+                ": cannot be read (No such file or directory); check the path");
+}
+
+TEST(ImuFiles, ReadingsThatAreValid) {
+  const TemporaryFolder folder;
+  const std::string imu_header = "image,ax_m_s2,ay_m_s2,az_m_s2,valid\n";
+  const ImuData imu = readImu(written(folder, "imu.csv", imu_header + "3,0.5,-0.25,9.75,1\n4,x,y,z,0\n"));
+  ASSERT_EQ(imu.readings.size(), 1u);
+  EXPECT_EQ(imu.readings[0].image, 3);
+  EXPECT_TRUE(imu.readings[0].acc == vec3(0.5, -0.25, 9.75));
+  EXPECT_EQ(imu.place(0), (folder / "imu.csv").string() + ":2");
+  EXPECT_EQ(messageOf([&] { readImu(written(folder, "none.csv", imu_header + "3,0,0,9.75,0\n")); }),
+            "[slom.calibration.bad-file] " + (folder / "none.csv").string() +
+                ":2: no row has valid = 1; leave out --imu, or mark the readings that can be used");
+}
+
+}  // namespace
+}  // namespace slom::calibration
