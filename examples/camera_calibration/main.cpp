@@ -9,9 +9,7 @@ using namespace slom::calibration;
 int main() {
   // Corners from your own detector go into CameraData::views instead: image by image, their places on the board [m] and their pixels.
   const std::string folder = SLOM_DATA_DIR "/opencv_stereo/";
-  Dataset data{
-      {readCorners("left", folder + "left_corners.csv"), readCorners("right", folder + "right_corners.csv")},
-      {}};
+  Dataset data{{readCorners("left", folder + "left_corners.csv"), readCorners("right", folder + "right_corners.csv")}, {}};
   for (CameraData& camera : data.cameras) camera.image_size = ImageSize{640, 480};
   Settings settings;
   settings.model = Model("opencv4");
