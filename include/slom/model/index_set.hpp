@@ -46,17 +46,7 @@ class IndexSet {
   Iterator end() const { return {words_, words_.size()}; }
 
   /// Puts i in (or takes it out); nothing happens when it is there already (or is not).
-  void set(int i, bool is_in) {
-    const std::size_t word = static_cast<std::size_t>(i) / 64;
-    const std::uint64_t bit = std::uint64_t{1} << (static_cast<std::size_t>(i) % 64);
-    if (word >= words_.size()) {
-      if (!is_in) return;
-      words_.resize(word + 1, 0);
-    }
-    if (((words_[word] & bit) != 0) == is_in) return;
-    words_[word] ^= bit;
-    size_ = is_in ? size_ + 1 : size_ - 1;
-  }
+  void set(int i, bool is_in);
 
  private:
   std::vector<std::uint64_t> words_;

@@ -1,10 +1,8 @@
 /// What has happened to a problem, in order, so that code that keeps something derived from it can follow in time proportional to what has changed.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <optional>
 #include <span>
 #include <vector>
@@ -38,37 +36,22 @@ class ChangeLog {
   std::uint64_t revision() const { return first_ + events_.size(); }
 
   /// The events after a revision, in order; none when they are forgotten: then anything may have changed. Valid until the next event.
-  std::optional<std::span<const Event>> since(std::uint64_t revision) const {
-    if (revision < first_ || revision > this->revision()) return std::nullopt;
-    return std::span<const Event>(events_).subspan(static_cast<std::size_t>(revision - first_));
-  }
+  std::optional<std::span<const Event>> since(std::uint64_t revision) const;
 
   /// `size`: of all that the log is about. Without memory for the event all are forgotten.
-  void add(const Event& event, std::size_t size) noexcept {
-    constexpr std::size_t fewest = 1024, share = 8;
-    if (events_.size() >= std::max(fewest, size / share)) forget(events_.size() / 2);
-    try {
-      events_.push_back(event);
-    } catch (const std::bad_alloc&) {
-      forget(events_.size());
-      ++first_;
-    }
-  }
+  void add(const Event& event, std::size_t size) noexcept;
 
   /// A change that no event describes: there is no answer since any revision before it.
-  void forgetAll() noexcept {
-    forget(events_.size());
-    ++first_;
-  }
+  void forgetAll() noexcept;
 
  private:
-  void forget(std::size_t count) noexcept {
-    events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(count));
-    first_ += count;
-  }
+  void forget(std::size_t count) noexcept;
 
   std::vector<Event> events_;
   std::uint64_t first_ = 0;  // revision before the first of them
 };
+
+extern template class ChangeLog<Change>;
+extern template class ChangeLog<int>;
 
 }  // namespace slom
