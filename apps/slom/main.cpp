@@ -20,7 +20,7 @@
 namespace slom::app {
 // Each subcommand that is built adds itself.
 #define SLOM_COMMAND(add) void add(CLI::App& app);
-#include "commands.inc"
+#include <commands.inc>
 #undef SLOM_COMMAND
 }  // namespace slom::app
 
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "slom " SLOM_VERSION);
   app.require_subcommand(1);
 #define SLOM_COMMAND(add) add(app);
-#include "commands.inc"
+#include <commands.inc>
 #undef SLOM_COMMAND
   return afterOutput(run(app, argc, argv));
 }

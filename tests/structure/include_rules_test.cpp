@@ -130,11 +130,15 @@ TEST(IncludeRules, OfTheCalibration) {
       root / "src/calibration/fit.cpp",
       "#include \"calibration/fit/fit.hpp\"\n#include \"slom/calibration/result.hpp\"\n#include \"base/words.hpp\"\n"
       "#include <slom/slom.hpp>\n");
+  writeFile(root / "include/slom/io/file.hpp", "#include \"slom/calibration/result.hpp\"\n");
+  writeFile(root / "src/calibration/files/read.cpp", "#include \"slom/io/file.hpp\"\n");
   writeFile(root / "src/solve/solve.cpp", "#include \"calibration/fit/fit.hpp\"\n");
   EXPECT_EQ(
       lines(checkIncludes(root.path()).violations),
       "include/slom/calibration.hpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
       "include/slom/estimator.hpp:1: includes slom/calibration.hpp: the facade may include only what stands above it, "
+      "calibration stands below\n"
+      "include/slom/io/file.hpp:1: includes slom/calibration/result.hpp: io may include only what stands above it, "
       "calibration stands below\n"
       "src/calibration/fit.cpp:3: includes base/words.hpp: calibration is a user of the library, whose src/ is its own\n"
       "src/calibration/fit/fit.hpp:2: includes nlohmann/json.hpp: the libraries do without it, only the command may use "
