@@ -81,7 +81,7 @@ class SlomRecipe(ConanFile):
         slom.requires = ["mtk"] + (["onetbb::onetbb"] if self.options.with_tbb else [])
         if self.settings.os == "Linux":
             slom.system_libs = ["m", "pthread"]
-        for name, requires in (("io", ["slom", "fmt::fmt", "bzip2::bzip2"]), ("calibration", ["slom", "fmt::fmt"])):
+        for name, requires in (("io", ["slom", "fmt::fmt", "bzip2::bzip2"]), ("calibration", ["slom", "io", "fmt::fmt"])):
             component = self.cpp_info.components[name]
             component.set_property("cmake_target_name", f"slom::{name}")
             component.libs = [f"slom_{name}"]

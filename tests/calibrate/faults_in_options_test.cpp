@@ -33,7 +33,7 @@ TEST(CalibrateFaults, CameraSyntax) {
 TEST(CalibrateFaults, CameraNamedTwice) {
   expectRefused(
       Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/right.csv"},
-      "right.csv:2: image 0 of camera left is in left.csv already; number the images of all files differently, or give the "
+      "right.csv:2: image 1 of camera left is in left.csv already; number the images of all files differently, or give the "
       "files as those of two cameras");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/left.csv"},
                 "--camera left=left.csv: the file is given twice; give it once, or another camera's file");
