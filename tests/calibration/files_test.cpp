@@ -72,8 +72,8 @@ TEST(CornerFiles, PartsOfARecording) {
   const CameraData both = readCorners("left", std::vector<std::string>{a, b});
   expectSameViews(both, whole);
   EXPECT_EQ(both.file, a + " " + b);
-  EXPECT_EQ(both.place(both.views[0], both.views[0].corners[0]), b + ":4");
-  EXPECT_EQ(both.place(both.views[3], both.views[3].corners[0]), a + ":4");
+  EXPECT_EQ(both.place(both.views[0], both.views[0].corners[0]), b + ":3");
+  EXPECT_EQ(both.place(both.views[3], both.views[3].corners[0]), a + ":3");
 }
 
 TEST(CornerFiles, PartsThatDoNotFit) {
