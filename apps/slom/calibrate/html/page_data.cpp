@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -20,7 +19,6 @@ constexpr std::size_t most_corners = 4000;  // drawn for each camera
 constexpr std::size_t most_boards = 200;    // in the view in space
 constexpr std::size_t most_images = 500;    // in tables
 constexpr std::size_t most_correlated = 120;
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// Decimal places are cut, which makes the page small.
 double rounded(double x, int decimals) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,8 +15,6 @@
 
 namespace slom::app::calib {
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// `+- 0.81`; what is fixed has no standard deviation.
 std::string plusMinus(double value, double std) {
