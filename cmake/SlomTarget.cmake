@@ -35,8 +35,8 @@ function(slom_unity target)
   endif()
 endfunction()
 
-# slom_optimise(<target> <level>): what a Release build optimises it with, instead of the -O3 that is for sources of whose speed users
-# notice something.
+# slom_optimise(<target> <level>): what builds of type Release and RelWithDebInfo optimise it with, instead of the -O3 and -O2 that are for
+# sources of whose speed users notice something.
 function(slom_optimise target level)
   if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:${level}>)

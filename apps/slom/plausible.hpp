@@ -5,9 +5,8 @@ namespace slom::app {
 
 inline constexpr double most_px = 1e6;  ///< magnitude of a coordinate in an image [px]
 inline constexpr double least_focal_px = 1e-3, most_focal_px = 1e9;  ///< limits of a focal length [px]
-inline constexpr double most_m = 1e6;           ///< magnitude of a coordinate on a board [m]
-inline constexpr double most_m_s2 = 1e6;        ///< magnitude of an acceleration [m/s^2]
-inline constexpr double most_distortion = 1e6;  ///< magnitude of a coefficient
+inline constexpr double most_m_s2 = 1e6;                             ///< magnitude of an acceleration [m/s^2]
+inline constexpr double most_distortion = 1e6;                       ///< magnitude of a coefficient
 inline constexpr double least_square_m = 1e-6, most_square_m = 1e3;  ///< side of a square, tag or marker [m]
 inline constexpr double least_spacing = 1e-3,
                         most_spacing = 10;  ///< gap between tags, as a fraction of their side

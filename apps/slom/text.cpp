@@ -14,10 +14,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::string shortened(std::string_view text, std::size_t most) {
-  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
-}
-
 std::string listed(const std::vector<std::string>& words, std::string_view separator,
                    std::string_view last_separator) {
   std::string text;

@@ -16,9 +16,6 @@ std::string plural(std::size_t count, const std::string& noun);
 /// Without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// The first characters of a text that is longer than `most`, and three dots.
-std::string shortened(std::string_view text, std::size_t most);
-
 /// All of `text` read as a number; a + may stand before it.
 template <class T>
 bool parseNumber(std::string_view text, T& value) {
