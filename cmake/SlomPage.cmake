@@ -15,7 +15,6 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
       DEPENDS "${template}" "${slom_page_script}" ${page_FILES}
       COMMENT "Making a page of ${template}" VERBATIM)
     target_sources(${target} PRIVATE "${source}")
-    set_source_files_properties("${source}" PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   endfunction()
   return()
 endif()

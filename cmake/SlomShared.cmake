@@ -1,7 +1,7 @@
 # What the libraries have in common when they are shared: their names, and what they export.
 #
 # A library exports what the headers in include/ declare, and nothing that src/ declares: its sources are compiled with hidden
-# visibility, after the library's public headers, which are included with default visibility as one precompiled header. So no declaration
+# visibility, after the library's public headers, which are included first, with default visibility. So no declaration
 # is annotated, and none can be forgotten. A linker version script leaves out what the library compiles of others, of Eigen and of the
 # standard library above all, which has default visibility, too. docs/architecture.md says why.
 
@@ -16,17 +16,10 @@ function(slom_exports target)
   get_target_property(type ${target} TYPE)
   if(NOT CMAKE_EXECUTABLE_FORMAT STREQUAL ELF OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # clang does not let a class that was declared in there be hidden where it is defined: its shared libraries export everything
-    if(SLOM_PRECOMPILE_HEADERS)
-      target_precompile_headers(${target} PRIVATE <slom/slom.hpp>)
-    endif()
     return()
   endif()
-  if(NOT type STREQUAL SHARED_LIBRARY AND NOT SLOM_PRECOMPILE_HEADERS)
-    return()
-  endif()
-  if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
-    message(FATAL_ERROR "slom: CMAKE_DISABLE_PRECOMPILE_HEADERS is on, but a shared library exports what its precompiled header "
-                        "declares; turn it off, or BUILD_SHARED_LIBS")
+  if(NOT type STREQUAL SHARED_LIBRARY AND NOT SLOM_UNITY_BUILD)
+    return()  # each source alone: so includes that are missing in it are found
   endif()
 
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/include/*.hpp")
@@ -40,9 +33,9 @@ function(slom_exports target)
   list(JOIN headers "\n" headers)
   set(public "${PROJECT_BINARY_DIR}/exports/${target}.hpp")
   file(CONFIGURE OUTPUT "${public}" @ONLY CONTENT
-       "#pragma once\n#pragma GCC visibility push(default)\n@headers@\n#pragma GCC visibility pop\n")
+       "#pragma once\n#ifndef SLOM_NO_HEADER_FIRST\n#pragma GCC visibility push(default)\n@headers@\n#pragma GCC visibility pop\n#endif\n")
   set_target_properties(${target} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  target_precompile_headers(${target} PRIVATE "${public}")
+  target_compile_options(${target} PRIVATE "SHELL:-include \"${public}\"")
 
   slom_version_script(script ${namespace})
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/exports/${target}.map" CONTENT "${script}")

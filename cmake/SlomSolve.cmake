@@ -37,15 +37,12 @@ else()
   list(FILTER slom_sources EXCLUDE REGEX "/cholmod_present\\.cpp$")
 endif()
 
-# Nothing but the kernels may be compiled with other instructions, so no header is put before them.
-file(GLOB kernel_sources "${PROJECT_SOURCE_DIR}/src/solve/dense/*.cpp")
-set_property(SOURCE ${kernel_sources} PROPERTY SKIP_PRECOMPILE_HEADERS ON)
-
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp"
-                      "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
-                      "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp"
-               APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
+  set(kernel_sources "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
+                     "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp")
+  set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
+  # Nothing but the kernels may be compiled with other instructions, so no header is put before them: cmake/SlomShared.cmake.
+  set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_DEFINITIONS SLOM_NO_HEADER_FIRST)
   # Its vectors are passed among its own functions alone, so nobody else need know how.
   set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp" APPEND PROPERTY COMPILE_OPTIONS -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")

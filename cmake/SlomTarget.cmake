@@ -16,18 +16,21 @@ function(slom_fuzzed target)
 endfunction()
 
 # slom_unity(<target> [<source>...]): its sources are compiled several at a time, so that what all of them include is parsed, and what
-# they instantiate of templates is compiled, once for several. SLOM_UNITY_BUILD=OFF compiles each alone. The sources that are named, as the
-# target names them, include something large that the others do not, and are compiled together.
+# they instantiate of templates is compiled, once for several: SLOM_UNITY_BATCH_SIZE of them at most, and all groups of one size.
+# SLOM_UNITY_BUILD=OFF compiles each alone. The sources that are named, as the target names them, have something large in common that the
+# others do not have, and are compiled together.
 function(slom_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
   if(ARGN)
     list(REMOVE_ITEM sources ${ARGN})
   endif()
+  list(LENGTH sources count)
+  math(EXPR groups "(${count} + ${SLOM_UNITY_BATCH_SIZE} - 1) / ${SLOM_UNITY_BATCH_SIZE}")
   set(at 0)
   foreach(source IN LISTS sources)
-    math(EXPR batch "${at} / ${SLOM_UNITY_BATCH_SIZE}")
-    set_property(SOURCE "${source}" PROPERTY UNITY_GROUP ${target}_${batch})
+    math(EXPR group "${at} * ${groups} / ${count}")
+    set_property(SOURCE "${source}" PROPERTY UNITY_GROUP ${target}_${group})
     math(EXPR at "${at} + 1")
   endforeach()
   if(ARGN)
