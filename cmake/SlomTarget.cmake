@@ -15,27 +15,29 @@ function(slom_fuzzed target)
   endif()
 endfunction()
 
-# slom_unity(<target> [<source>...]): its sources are compiled several at a time, so that what all of them include is parsed, and what
-# they instantiate of templates is compiled, once for several: SLOM_UNITY_BATCH_SIZE of them at most, and all groups of one size.
-# SLOM_UNITY_BUILD=OFF compiles each alone. The sources that are named, as the target names them, have something large in common that the
-# others do not have, and are compiled together.
+# slom_unity(<target> [MOST <n>] [TOGETHER <source>...]): its sources are compiled several at a time, so that what all of them include is
+# parsed, and what they instantiate of templates is compiled, once for several: SLOM_UNITY_BATCH_SIZE of them at most, and all groups of one
+# size. With MOST, g++ compiles n at most: a part of its time grows with the square of the types of Eigen's expressions. Those that are named after TOGETHER, as the target names them, include something large that the others do not, and are a group of their
+# own. SLOM_UNITY_BUILD=OFF compiles each alone.
 function(slom_unity target)
+  cmake_parse_arguments(unity "" "MOST" "TOGETHER" ${ARGN})
+  if(NOT unity_MOST OR unity_MOST GREATER SLOM_UNITY_BATCH_SIZE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    set(unity_MOST ${SLOM_UNITY_BATCH_SIZE})
+  endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SLOM_UNITY_BUILD} UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
-  if(ARGN)
-    list(REMOVE_ITEM sources ${ARGN})
+  if(unity_TOGETHER)
+    list(REMOVE_ITEM sources ${unity_TOGETHER})
+    set_property(SOURCE ${unity_TOGETHER} PROPERTY UNITY_GROUP ${target}_together)
   endif()
   list(LENGTH sources count)
-  math(EXPR groups "(${count} + ${SLOM_UNITY_BATCH_SIZE} - 1) / ${SLOM_UNITY_BATCH_SIZE}")
+  math(EXPR groups "(${count} + ${unity_MOST} - 1) / ${unity_MOST}")
   set(at 0)
   foreach(source IN LISTS sources)
     math(EXPR group "${at} * ${groups} / ${count}")
     set_property(SOURCE "${source}" PROPERTY UNITY_GROUP ${target}_${group})
     math(EXPR at "${at} + 1")
   endforeach()
-  if(ARGN)
-    set_property(SOURCE ${ARGN} PROPERTY UNITY_GROUP ${target}_together)
-  endif()
 endfunction()
 
 # slom_optimise(<target> <level>): what builds of type Release and RelWithDebInfo optimise it with, instead of the -O3 and -O2 that are for

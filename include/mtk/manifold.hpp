@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 
 #include "mtk/compounds.hpp"
+#include "mtk/detail/lanes.hpp"
 #include "mtk/error.hpp"
 #include "mtk/operations.hpp"
 #include "mtk/scalar.hpp"
@@ -62,6 +63,25 @@ concept IsEigenColumn = std::is_base_of_v<Eigen::PlainObjectBase<M>, M> && int(M
 
 template <class M>
 concept DerivesFromEigen = requires(const M& x) { []<class D>(const Eigen::MatrixBase<D>&) {}(x); };
+
+// Loops, as each expression of Eigen's is a type of its own that every program would compile for every type of variable.
+
+/// x += scale * d
+template <class X, class S, int N>
+void addScaled(X& x, const S& scale, const vectview<const S, N>& d) {
+  forEachEntry<N>(d.size(), [&](int i) { x.coeffRef(i) += scale * d.coeff(i); });
+}
+/// out = x - y
+template <class S, int N, class X>
+void setDifference(vectview<S, N>& out, const X& x, const X& y) {
+  forEachEntry<N>(x.size(), [&](int i) { out.coeffRef(i) = x.coeff(i) - y.coeff(i); });
+}
+/// out = |x|, entry by entry
+template <class S, int N, class X>
+void setMagnitudes(vectview<S, N>& out, const X& x) {
+  using std::abs;
+  forEachEntry<N>(x.size(), [&](int i) { out.coeffRef(i) = abs(x.coeff(i)); });
+}
 
 /// x, y, z for vectors of two or three entries, numbers otherwise.
 template <class Sink>
@@ -156,17 +176,17 @@ struct ManifoldTraits<V> {
   static int dof(const V& x) { return static_cast<int>(x.size()); }
   static void boxplus(V& x, vectview<const scalar, DOF> d, scalar scale) {
     detail::requireSameSize(x, d, "x [+] d");
-    x += scale * d;
+    detail::addScaled(x, scale, d);
   }
   static void boxminus(vectview<scalar, DOF> out, const V& x, const V& y) {
     detail::requireSameSize(x, y, "x [-] y");
-    out = x - y;
+    detail::setDifference(out, x, y);
   }
   template <class Sink>
   static void visitComponentNames(const V& x, const std::string& path, Sink&& sink) {
     detail::visitIndexNames(dof(x), true, path, sink);
   }
-  static void typicalSizes(vectview<scalar, DOF> out, const V& x) { out = x.cwiseAbs(); }
+  static void typicalSizes(vectview<scalar, DOF> out, const V& x) { detail::setMagnitudes(out, x); }
 };
 
 template <Manifold M, std::size_t N>

@@ -15,6 +15,10 @@ const void* firstEstimateOf(const RuntimeMeasurement& measurement, const int* va
 }
 }  // namespace
 
+void FirstEstimates::makeRoom(std::size_t variables) {
+  if (points_.size() < variables) points_.resize(variables, nullptr);
+}
+
 const void* Problem::linearizationPoint(int variable) const {
   if (const void* const point = first_estimates_.of(variable); point != nullptr) return point;
   const VariableRecord& record = table_[at(variable)];

@@ -10,6 +10,8 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
+#include "support/slow_with_sanitizers.hpp"
+
 namespace {
 
 using vec2 = mtk::vect<2>;
@@ -81,6 +83,7 @@ Coverage simulate(const Design& design) {
 class ClusteredCoverage : public ::testing::TestWithParam<int> {};
 
 TEST_P(ClusteredCoverage, OfErrorsThatGroupsShare) {
+  SLOM_SKIP_WITH_SANITIZERS();
   const Coverage coverage = simulate({.groups = GetParam()});
   EXPECT_GE(coverage.clustered.minCoeff(), 0.93) << coverage.clustered.transpose();
   EXPECT_LE(coverage.clustered.maxCoeff(), 0.97) << coverage.clustered.transpose();
@@ -90,6 +93,7 @@ TEST_P(ClusteredCoverage, OfErrorsThatGroupsShare) {
 INSTANTIATE_TEST_SUITE_P(Groups, ClusteredCoverage, ::testing::Values(10, 20, 50));
 
 TEST(ClusteredCoverage, OfIndependentErrors) {
+  SLOM_SKIP_WITH_SANITIZERS();
   const Coverage coverage = simulate({.shared = 0});
   EXPECT_GE(coverage.clustered.minCoeff(), 0.93) << coverage.clustered.transpose();
   EXPECT_LE(coverage.clustered.maxCoeff(), 0.97) << coverage.clustered.transpose();
@@ -99,6 +103,7 @@ TEST(ClusteredCoverage, OfIndependentErrors) {
 
 /// Few groups of which neighbours are alike: much nearer to 95 % than without the order, and where it is not near enough a note says so.
 TEST(ClusteredCoverage, OfErrorsThatSuccessiveGroupsShare) {
+  SLOM_SKIP_WITH_SANITIZERS();
   struct Case {
     int groups, repetitions;
     double least_alone, least;  // of the constant, taken without and with their order
@@ -119,6 +124,7 @@ TEST(ClusteredCoverage, OfErrorsThatSuccessiveGroupsShare) {
 }
 
 TEST(ClusteredCoverage, OfIndependentGroupsInOrder) {
+  SLOM_SKIP_WITH_SANITIZERS();
   for (const int groups : {10, 20, 50}) {
     const Coverage coverage = simulate({.groups = groups, .ordered = true});
     EXPECT_GE(coverage.clustered.minCoeff(), 0.93) << groups << ": " << coverage.clustered.transpose();

@@ -13,6 +13,8 @@
 #include <slom/slom.hpp>
 #include <slom/solve/forwarding_solver.hpp>
 
+#include "support/slow_with_sanitizers.hpp"
+
 namespace {
 
 using Eigen::Index;
@@ -126,6 +128,7 @@ TEST(ClusteredLarge, LeveragesFromColumnsOfTheInverse) {
 TEST(ClusteredLarge, DegreesOfFreedomFromRandomSigns) {
   Network network(170, 700, 1);  // 340 unknowns, 700 groups
   const slom::Clustered c = network.est.clustered();
+  SLOM_SKIP_WITH_SANITIZERS();  // the dense matrices below
   for (const int point : {3, 100}) {
     const Dense dense = denseClustered(network, point);
     EXPECT_NEAR(c.degreesOfFreedom(network.points[static_cast<std::size_t>(point)])[0], dense.dof,
@@ -226,6 +229,7 @@ TEST(ClusteredLarge, SolvesDoNotGrowWithTheGroups) {
 
 /// Laps of a robot whose heading drifts in its own way in each: the clustered covariance is that of the simulation.
 TEST(ClusteredLarge, PoseGraphWhoseLapsShareErrors) {
+  SLOM_SKIP_WITH_SANITIZERS();
   constexpr int laps = 24, per_lap = 6, repetitions = 300;
   std::mt19937 engine(8);
   std::normal_distribution<double> normal;

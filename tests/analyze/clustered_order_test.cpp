@@ -53,11 +53,13 @@ std::pair<double, double> denseVariance(const VectorXd& y) {
   const VectorXd e = y.array() - y.mean();
   const MatrixXd M = MatrixXd::Identity(n, n) - MatrixXd::Constant(n, n, 1.0 / double(n));
   const double observed = e.head(n - 1).dot(e.tail(n - 1)) / e.squaredNorm();
-  double best = 0, least = 1e300;
-  for (double rho = 0; rho <= 0.95; rho += 1e-4) {
+  const auto expected = [&](double rho) {
     const MatrixXd S = M * correlationMatrix(n, rho) * M;
-    const double difference = std::abs(S.diagonal(1).sum() / S.trace() - observed);
-    if (difference < least) least = difference, best = rho;
+    return S.diagonal(1).sum() / S.trace();
+  };
+  double best = 0;  // the correlation grows with rho
+  for (double step = 0.475; step > 1e-5; step /= 2) {
+    if (best + step <= 0.95 && expected(best + step) < observed) best += step;
   }
   const MatrixXd R = correlationMatrix(n, best);
   const double variance = e.squaredNorm() / (M * R).trace();  // of one number

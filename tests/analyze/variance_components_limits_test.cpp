@@ -10,6 +10,8 @@
 #include <slom/analyze/variance_components.hpp>
 #include <slom/slom.hpp>
 
+#include "support/slow_with_sanitizers.hpp"
+
 namespace {
 
 using Eigen::Index;
@@ -58,6 +60,7 @@ TEST(VarianceComponentsLimits, OfALargeProblem) {
   const Chain chain(420, 2, 0.5);
   const slom::VarianceComponents v = chain.est.varianceComponents();
   ASSERT_TRUE(v.converged) << v.report();
+  SLOM_SKIP_WITH_SANITIZERS();  // the dense matrices below
   VectorXd theta(2);
   for (Index k = 0; k < 2; ++k) theta[k] = std::pow(v.components[static_cast<std::size_t>(k)].factor, 2);
   const VectorXd weight = chain.kind.unaryExpr([&](double k) { return 1 / theta[Index(k)]; });

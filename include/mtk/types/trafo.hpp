@@ -60,12 +60,12 @@ class trafo {
   }
 
   void boxplus(vectview<const scalar, DOF> d, scalar scale = scalar(1)) {
-    pos.boxplus(d.template head<DIM>(), scale);
-    orient.boxplus(d.template tail<R::DOF>(), scale);
+    pos.boxplus(vectview<const scalar, DIM>(d.data()), scale);
+    orient.boxplus(vectview<const scalar, R::DOF>(d.data() + DIM), scale);
   }
   void boxminus(vectview<scalar, DOF> out, const trafo& y) const {
-    pos.boxminus(out.template head<DIM>(), y.pos);
-    orient.boxminus(out.template tail<R::DOF>(), y.orient);
+    pos.boxminus(vectview<scalar, DIM>(out.data()), y.pos);
+    orient.boxminus(vectview<scalar, R::DOF>(out.data() + DIM), y.orient);
   }
 
   template <class T>

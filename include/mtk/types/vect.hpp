@@ -128,14 +128,14 @@ class vect : public PlainVector<S, N> {
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
     detail::requireSameSize(*this, d, "x [+] d");
-    Base::operator+=(scale* d);
+    detail::addScaled(*this, scale, d);
   }
   void boxminus(vectview<S, N> out, const vect& y) const {
     detail::requireSameSize(*this, y, "x [-] y");
-    out = *this - y;
+    detail::setDifference(out, *this, y);
   }
   /// Writes the magnitude of each entry, to which step tolerances are relative.
-  void typicalSizes(vectview<S, N> out) const { out = this->cwiseAbs(); }
+  void typicalSizes(vectview<S, N> out) const { detail::setMagnitudes(out, *this); }
 };
 
 namespace detail {

@@ -27,9 +27,7 @@ class FirstEstimates {
   }
 
   /// So that `set` cannot fail for variables below this number.
-  void makeRoom(std::size_t variables) {
-    if (points_.size() < variables) points_.resize(variables, nullptr);
-  }
+  void makeRoom(std::size_t variables);
   /// `point` belongs to somebody else; null: none.
   void set(int variable, const void* point) {
     const void*& place = points_[static_cast<std::size_t>(variable)];

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "calibration/data/fitted_board.hpp"
 #include "calibration/fit/rotation_vector.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/whitened_scores.hpp"
+#include "calibration/symmetric.hpp"
 #include "slom/calibration/number_text.hpp"
 
 namespace slom::calibration {
@@ -84,10 +84,9 @@ BlockChoice chooseBlocks(const WhitenedScores& scores) {
 }
 
 MatrixXd semidefinite(const MatrixXd& V) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(V);
+  const SymmetricEigen eigen = eigenOf(V);
   if (!(eigen.eigenvalues()[0] < 0)) return V;
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-         eigen.eigenvectors().transpose();
+  return composed(eigen.eigenvectors(), eigen.eigenvalues().cwiseMax(0));
 }
 
 /// Standard deviations and degrees of freedom by shared parameter.

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include "calibration/symmetric.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -18,10 +18,10 @@ constexpr double least_visible = 1e-3, least_visible_of_one = 1e-8;
 /// The inverse of N on the directions that are visible beside `square`, 0 on others.
 MatrixXd visibleInverse(const MatrixXd& N, const VectorXd& square, double least) {
   const VectorXd scale = square.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * N * scale.asDiagonal());
+  const SymmetricEigen eigen = eigenOf(scaledOnBothSides(N, scale));
   const VectorXd inverse = eigen.eigenvalues().unaryExpr([&](double l) { return l > least ? 1 / l : 0.0; });
   const MatrixXd U = scale.asDiagonal() * eigen.eigenvectors();
-  return U * inverse.asDiagonal() * U.transpose();
+  return composed(U, inverse);
 }
 
 constexpr double rounding = 1e-9;  // relative

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "calibration/cross_matrix.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/symmetric.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -258,7 +258,7 @@ Posterior::Posterior(const Information& information)
     : free_(information.free_),
       all_(information.all_),
       scale_(information.shared_.diagonal().cwiseSqrt().cwiseInverse()),
-      factor_(scale_.asDiagonal() * information.shared_ * scale_.asDiagonal()) {
+      factor_(scaledOnBothSides(information.shared_, scale_)) {
   const Matrix6 inverse = information.motion_.ldlt().solve(Matrix6::Identity());
   motion_by_shared_ = inverse.lazyProduct(information.motion_shared_);
   const Matrix6 L = information.noise_.llt().matrixL();
@@ -271,8 +271,7 @@ Posterior::Posterior(const Information& information, const Eigen::MatrixXd& cova
   const Eigen::MatrixXd own = covariance(free_, free_);
   const Eigen::VectorXd scale = own.diagonal().cwiseMax(0).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * own *
-                                                             inverse.asDiagonal());
+  const SymmetricEigen eigen = eigenOf(scaledOnBothSides(own, inverse));
   root_ =
       scale.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
@@ -305,8 +304,8 @@ Eigen::MatrixXd Posterior::covarianceOfShared() const {
     C(free_, free_) = root_ * root_.transpose();
     return C;
   }
-  const Eigen::MatrixXd inverse = factor_.solve(Eigen::MatrixXd::Identity(n, n));
-  C(free_, free_) = scale_.asDiagonal() * inverse * scale_.asDiagonal();
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
+  C(free_, free_) = scaledOnBothSides(factor_.solve(identity), scale_);
   return C;
 }
 

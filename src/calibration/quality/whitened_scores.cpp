@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "calibration/symmetric.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -30,7 +31,7 @@ struct GroupPart {
 /// with what the group knows of the board. With N = A^(-1/2) D A^(-1/2), which without a board is A, the correction A^(1/2) (I - N)^(-1/2) A^(-1/2)
 /// leads from the second back to the first.
 GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const VectorXd& score) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> own(leverage);
+  const SymmetricEigen own = eigenOf(leverage);
   const VectorXd root = own.eigenvalues().cwiseMax(0).cwiseMin(1).cwiseSqrt();
   const double least = 1e-8 * root.maxCoeff();  // directions that the group does not know
   const VectorXd inverse = root.unaryExpr([&](double r) { return r > least ? 1 / r : 0.0; });
@@ -38,7 +39,7 @@ GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const Vecto
   const MatrixXd W = on_board * U * inverse.asDiagonal();
   MatrixXd N = W.transpose() * W;
   N.diagonal() += root.cwiseAbs2();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(N);
+  const SymmetricEigen eigen = eigenOf(N);
   const VectorXd nu = eigen.eigenvalues().cwiseMax(0).cwiseMin(1);
   const auto is_alone = [](double n) { return 1 - n < alone; };
   const VectorXd correction =
@@ -50,8 +51,8 @@ GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const Vecto
   const VectorXd w = B * score;
   MatrixXd follows(leverage.rows() + on_board.rows(), leverage.cols());
   follows << leverage * B.transpose(), on_board * B.transpose();
-  return {w * w.transpose() + outer * determined_alone.asDiagonal() * outer.transpose(),
-          outer * correction.cwiseAbs2().asDiagonal() * outer.transpose(), follows};
+  return {w * w.transpose() + composed(outer, determined_alone), composed(outer, correction.cwiseAbs2()),
+          follows};
 }
 
 /// The cr1 factor of groups whose single leverages are small.
@@ -111,7 +112,7 @@ void WhitenedScores::factorise(const SharedColumns& columns, const MatrixXd& sum
   const MatrixXd all = sum.selfadjointView<Eigen::Lower>();
   const MatrixXd information = all(order, order);
   const VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> factor(scale.asDiagonal() * information * scale.asDiagonal());
+  const Eigen::LLT<MatrixXd> factor(scaledOnBothSides(information, scale));
   const auto n = Index(columns.free.size()), size = Index(order.size()), of_board = size - n;
   MatrixXd upper = MatrixXd::Zero(size, n);
   upper.bottomRows(n).setIdentity();

@@ -1,0 +1,15 @@
+#include "calibration/symmetric.hpp"
+
+namespace slom::calibration {
+
+SymmetricEigen eigenOf(const Eigen::MatrixXd& A) { return SymmetricEigen(A); }
+
+Eigen::MatrixXd scaledOnBothSides(const Eigen::MatrixXd& A, const Eigen::VectorXd& scale) {
+  return scale.asDiagonal() * A * scale.asDiagonal();
+}
+
+Eigen::MatrixXd composed(const Eigen::MatrixXd& U, const Eigen::VectorXd& values) {
+  return U * values.asDiagonal() * U.transpose();
+}
+
+}  // namespace slom::calibration
