@@ -124,8 +124,8 @@ auto branch(const Condition& condition, const Yes& yes, const No& no) {
     return condition ? yes() : no();
   } else {
     if (all(condition)) return yes();
-    if (!any(condition)) return no();
-    return selectResult(condition, yes(), no());
+    const auto other = no();
+    return any(condition) ? selectResult(condition, yes(), other) : other;
   }
 }
 

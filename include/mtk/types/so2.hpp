@@ -31,20 +31,23 @@ S withoutDerivatives(const S& x) {
 /// Angles beyond are reduced by the C library's sine and cosine, as products of whole turns lose digits.
 inline constexpr double kFarAngle = 1e3;
 
+/// The angle in [-pi, pi) that differs from `a`, which lies outside, by whole turns. Not inlined, as every product of rotations would have it.
+template <class S>
+[[gnu::noinline]] S wrapOutsideAngle(const S& a) {
+  using std::floor;
+  constexpr auto half = two_pi<S> / 2;
+  if (!allOf(a >= S(-kFarAngle) && a <= S(kFarAngle))) return S(reducedAngle(a));
+  const S turns = floor(S(a / two_pi<S> + S(0.5)));
+  S wrapped = (a - turns * two_pi<S>)-turns * two_pi_rest<S>;
+  wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
+  return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
+}
 /// The angle in [-pi, pi) that differs from `a` by whole turns.
 template <class S>
 S wrapAngle(const S& a) {
-  using std::floor;
   constexpr auto half = two_pi<S> / 2;
   return branch(
-      a >= S(-half) && a < S(half), [&] { return a; },
-      [&] {
-        if (!allOf(a >= S(-kFarAngle) && a <= S(kFarAngle))) return S(reducedAngle(a));
-        const S turns = floor(S(a / two_pi<S> + S(0.5)));
-        S wrapped = (a - turns * two_pi<S>)-turns * two_pi_rest<S>;
-        wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
-        return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
-      });
+      a >= S(-half) && a < S(half), [&] { return a; }, [&] { return wrapOutsideAngle(a); });
 }
 }  // namespace detail
 

@@ -99,11 +99,16 @@ class CallableMeasurement {
   }();
   static constexpr DerivativeSource derivatives = [] {
     using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
-    if (vectorized) return DerivativeSource::exact;
-    if (detail::is_numeric<F>) return DerivativeSource::numeric;
-    if (detail::has_jacobian<Function, Passed, Blocks>) return DerivativeSource::given;
-    return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact
-                                                                     : DerivativeSource::numeric;
+    if constexpr (vectorized) {  // others ask for instances of the function that are not called
+      return DerivativeSource::exact;
+    } else if constexpr (detail::is_numeric<F>) {
+      return DerivativeSource::numeric;
+    } else if constexpr (detail::has_jacobian<Function, Passed, Blocks>) {
+      return DerivativeSource::given;
+    } else {
+      return detail::acceptsDuals<Function, Number, Stored<Args>...>() ? DerivativeSource::exact
+                                                                       : DerivativeSource::numeric;
+    }
   }();
   static constexpr bool richardson = detail::is_richardson<F>;
 
