@@ -8,13 +8,15 @@
 ///
 /// gives a struct with these public members, a default constructor, one from all members, boxplus and
 /// boxminus, streaming, and the names of the members for messages. Types with a comma need an alias first.
-/// A plain struct with the same members is a manifold too, without any macro.
+/// A plain struct with the same members is a manifold too, without any macro. Its operations are templates, so that a program compiles those
+/// that it uses.
 #pragma once
 
 #include <array>
 #include <iosfwd>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 
 #include "mtk/detail/sequence.hpp"
 #include "mtk/manifold.hpp"
@@ -90,17 +92,21 @@
       static auto mtkMemberNames() { return Name::mtkMemberNames(); }                                        \
     };                                                                                                       \
                                                                                                              \
-    int dof() const { return ::mtk::detail::NamedTraits<Name>::dof(*this); }                                 \
-    void boxplus(::mtk::vectview<const scalar, DOF> d, scalar scale = scalar(1)) {                           \
-      ::mtk::detail::NamedTraits<Name>::boxplus(*this, d, scale);                                            \
+    template <class Self_ = Name> int dof() const { return ::mtk::detail::NamedTraits<Self_>::dof(*this); }  \
+    template <class Self_ = Name>                                                                            \
+    void boxplus(::mtk::vectview<const typename Self_::scalar, Self_::DOF> d, typename Self_::scalar scale = 1) {\
+      ::mtk::detail::NamedTraits<Self_>::boxplus(*this, d, scale);                                           \
     }                                                                                                        \
-    void boxminus(::mtk::vectview<scalar, DOF> out, const Name& y) const {                                   \
-      ::mtk::detail::NamedTraits<Name>::boxminus(out, *this, y);                                             \
+    template <class Self_ = Name>                                                                            \
+    void boxminus(::mtk::vectview<typename Self_::scalar, Self_::DOF> out, const Name& y) const {            \
+      ::mtk::detail::NamedTraits<Self_>::boxminus(out, *this, y);                                            \
     }                                                                                                        \
-    [[maybe_unused]] friend ::std::ostream& operator<<(::std::ostream& os, const Name& x) {                  \
+    template <class Self_> requires ::std::is_base_of_v<Name, Self_>                                         \
+    [[maybe_unused]] friend ::std::ostream& operator<<(::std::ostream& os, const Self_& x) {                 \
       return ::mtk::write(os, x);                                                                            \
     }                                                                                                        \
-    [[maybe_unused]] friend ::std::istream& operator>>(::std::istream& is, Name& x) {                        \
+    template <class Self_> requires ::std::is_base_of_v<Name, Self_>                                         \
+    [[maybe_unused]] friend ::std::istream& operator>>(::std::istream& is, Self_& x) {                       \
       return ::mtk::read(is, x);                                                                             \
     }                                                                                                        \
   };
