@@ -115,13 +115,6 @@ SparseDual<S, C> hypot(const T& x, const SparseDual<S, C>& y) {
   return hypot(SparseDual<S, C>(x), y);
 }
 
-/// The angle in [-pi, pi) that differs by whole turns, exact for angles of any size.
-template <class S, std::uint64_t C>
-SparseDual<S, C> reducedAngle(const SparseDual<S, C>& a) {
-  using detail::reducedAngle;
-  return {reducedAngle(a.value()), a.partials()};
-}
-
 template <class S, std::uint64_t C, detail::ConstantFor<S> T>
 SparseDual<S, C> pow(const SparseDual<S, C>& base, const T& exponent) {
   using std::pow;

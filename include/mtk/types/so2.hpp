@@ -18,16 +18,6 @@ template <class S>
 inline constexpr built_in_t<S> two_pi_rest =
     built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
 
-/// x as a constant.
-template <class S>
-S withoutDerivatives(const S& x) {
-  if constexpr (is_dual<S>) {
-    return S(x.value());
-  } else {
-    return x;
-  }
-}
-
 /// Angles beyond are reduced by the C library's sine and cosine, as products of whole turns lose digits.
 inline constexpr double kFarAngle = 1e3;
 
@@ -40,14 +30,18 @@ template <class S>
   const S turns = floor(S(a / two_pi<S> + S(0.5)));
   S wrapped = (a - turns * two_pi<S>)-turns * two_pi_rest<S>;
   wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
-  return select(wrapped < S(-half), S(wrapped + (S(-half) - withoutDerivatives(wrapped))), wrapped);
+  return select(wrapped < S(-half), S(-half), wrapped);
 }
-/// The angle in [-pi, pi) that differs from `a` by whole turns.
+/// The angle in [-pi, pi) that differs from `a` by whole turns, which have no derivatives.
 template <class S>
 S wrapAngle(const S& a) {
-  constexpr auto half = two_pi<S> / 2;
-  return branch(
-      a >= S(-half) && a < S(half), [&] { return a; }, [&] { return wrapOutsideAngle(a); });
+  if constexpr (is_dual<S>) {
+    return S(wrapAngle(a.value()), a.partials());
+  } else {
+    constexpr auto half = two_pi<S> / 2;
+    return branch(
+        a >= S(-half) && a < S(half), [&] { return a; }, [&] { return wrapOutsideAngle(a); });
+  }
 }
 }  // namespace detail
 
