@@ -17,8 +17,9 @@ endfunction()
 
 # slom_unity(<target> [MOST <n>] [TOGETHER <source>...]): its sources are compiled several at a time, so that what all of them include is
 # parsed, and what they instantiate of templates is compiled, once for several: SLOM_UNITY_BATCH_SIZE of them at most, and all groups of one
-# size. With MOST, g++ compiles n at most: a part of its time grows with the square of the types of Eigen's expressions. Those that are named after TOGETHER, as the target names them, include something large that the others do not, and are a group of their
-# own. SLOM_UNITY_BUILD=OFF compiles each alone.
+# size. With MOST, g++ compiles n at most: a part of its time grows with the square of the types of Eigen's expressions in a group. Sources after
+# TOGETHER, as the target names them, include something large that the others do not, and are a group of their own. SLOM_UNITY_BUILD=OFF
+# compiles each source alone.
 function(slom_unity target)
   cmake_parse_arguments(unity "" "MOST" "TOGETHER" ${ARGN})
   if(NOT unity_MOST OR unity_MOST GREATER SLOM_UNITY_BATCH_SIZE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU)
