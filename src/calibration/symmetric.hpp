@@ -1,4 +1,5 @@
 /// What is done to dense symmetric matrices, compiled once: Eigen's decompositions cost a compiler seconds wherever they are used.
+/// The library slom has the like in base/decompositions.hpp, but does not export it, and this is a library of its own.
 #pragma once
 
 #include <Eigen/Core>
