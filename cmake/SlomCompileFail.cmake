@@ -1,11 +1,12 @@
 # Tests of compile-time messages: sources that must not compile, each with a twin that does.
 #
 #   slom_add_compile_fail_test(<name> <source> <expected>)
-#       compiles <source> twice without making code: with -DMUST_FAIL it must be refused and the compiler's
-#       message must match the regular expression <expected>; without, it must compile.
-#       <slom/slom.hpp> is compiled once for all of them, by the test compile_fail.precompile.
+#       compiles <source> with -DMUST_FAIL, without making code: it must be refused, and the compiler's message must match
+#       the regular expression <expected>. <slom/slom.hpp> is compiled once for all of them, by the test compile_fail.precompile.
 #   slom_add_compile_fail_tests(<folder>)
-#       one such test, compile_fail.<name>, for each .cpp in the folder; its first line is `// expect: <regex>`.
+#       one such test, compile_fail.<name>, for each .cpp in the folder; its first line is `// expect: <regex>`; and their twins.
+#   slom_add_compile_fail_twins(<name> <source>...)
+#       without MUST_FAIL they must compile: the test compile_fail.<name> compiles them as one, each in a namespace of its own.
 get_target_property(eigen_dirs Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 set(slom_compile_fail_dirs "${PROJECT_SOURCE_DIR}/include;${eigen_dirs}")
 
@@ -29,6 +30,24 @@ function(slom_add_compile_fail_test name source expected)
                                                      FIXTURES_REQUIRED compile_fail_precompiled)
 endfunction()
 
+# What they include stands before the namespaces, in which it is then skipped, as each header is included once.
+function(slom_add_compile_fail_twins name)
+  set(all_includes "")
+  set(namespaces "")
+  foreach(source IN LISTS ARGN)
+    file(STRINGS "${source}" includes REGEX "^#include ")
+    list(APPEND all_includes ${includes})
+    get_filename_component(stem "${source}" NAME_WE)
+    string(APPEND namespaces "namespace ${stem} {\n#include \"${source}\"\n}\n")
+  endforeach()
+  list(REMOVE_DUPLICATES all_includes)
+  list(JOIN all_includes "\n" all_includes)
+  set(twins "${CMAKE_CURRENT_BINARY_DIR}/compile_fail_${name}.cpp")
+  file(CONFIGURE OUTPUT "${twins}" CONTENT "${all_includes}\n${namespaces}" @ONLY)
+  add_test(NAME compile_fail.${name} COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${include_flags} -fsyntax-only "${twins}")
+  set_tests_properties(compile_fail.${name} PROPERTIES LABELS "compile_fail;without_sanitizers")
+endfunction()
+
 function(slom_add_compile_fail_tests folder)
   file(GLOB sources CONFIGURE_DEPENDS "${folder}/*.cpp")
   foreach(source IN LISTS sources)
@@ -42,4 +61,5 @@ function(slom_add_compile_fail_tests folder)
     get_filename_component(name "${source}" NAME_WE)
     slom_add_compile_fail_test(${name} "${source}" "${expected}")
   endforeach()
+  slom_add_compile_fail_twins(twins ${sources})
 endfunction()

@@ -54,9 +54,9 @@ class Examination {
     const NearNullSpace& least = linearized_.nearNullSpace();
     const Index none = least.countBelow(linearized_.digitsOfDerivatives());
     result_.rank -= least.dimension(linearized_.digitsOfDerivatives());
-    const std::vector<Part> parts = connectedParts(structure_.system);
+    const std::vector<ConnectedPart> parts = connectedParts(structure_.system);
     findUnobserved(least);
-    for (const Part& part : parts) explain(part, least.direction.leftCols(none), least.scale);
+    for (const ConnectedPart& part : parts) explain(part, least.direction.leftCols(none), least.scale);
     describeWeak(least, none);
     findParts(parts);
     findBadScales(least);
@@ -126,7 +126,7 @@ class Examination {
     }
   }
 
-  void explain(const Part& part, const MatrixXd& none, const VectorXd& scale) {
+  void explain(const ConnectedPart& part, const MatrixXd& none, const VectorXd& scale) {
     MatrixXd own = none(part.unknowns, Eigen::all);
     if (own.norm() < 0.5) return;  // a near-null direction of this part has unit length
     const SVD svd = svdOf(own, Eigen::ComputeThinU);
@@ -147,7 +147,7 @@ class Examination {
     return movementAlong(direction, scale, unknowns, [this](int unknown) { return nameOf(unknown); });
   }
 
-  void describeUndetermined(const Part& part, const MatrixXd& own, const VectorXd& scale) {
+  void describeUndetermined(const ConnectedPart& part, const MatrixXd& own, const VectorXd& scale) {
     const MatrixXd basis = basisOfFewEntries(own);
     for (Index j = 0; j < basis.cols(); ++j) {
       const Movement moves = movement(part.unknowns, basis.col(j), scale);
@@ -197,10 +197,10 @@ class Examination {
     }
   }
 
-  void findParts(const std::vector<Part>& parts) {
+  void findParts(const std::vector<ConnectedPart>& parts) {
     if (parts.size() < 2) return;
     std::vector<std::string> who;
-    for (const Part& part : parts) {
+    for (const ConnectedPart& part : parts) {
       std::vector<std::string> names;
       for (const int variable : part.variables) names.push_back(problem_.variableName(variable));
       who.push_back(abridged(names));

@@ -67,7 +67,7 @@ MatrixXd basisOfFewEntries(MatrixXd basis) {
   return basis;
 }
 
-Finding findingOf(const Gauge& gauge, const Part& part, const Problem& problem,
+Finding findingOf(const Gauge& gauge, const ConnectedPart& part, const Problem& problem,
                   const ProblemStructure& structure) {
   struct Members {
     std::vector<std::string> names;

@@ -28,7 +28,7 @@ Movement movementAlong(const Eigen::VectorXd& direction, const Eigen::VectorXd& 
 Eigen::MatrixXd basisOfFewEntries(Eigen::MatrixXd basis);
 
 /// A free gauge of a part: who moves, how, and the remedy.
-Finding findingOf(const Gauge& gauge, const Part& part, const Problem& problem,
+Finding findingOf(const Gauge& gauge, const ConnectedPart& part, const Problem& problem,
                   const ProblemStructure& structure);
 
 }  // namespace slom

@@ -37,7 +37,7 @@ struct Class {
 
 /// The variables that take part in the null space, by the store of their type.
 std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, const ProblemStructure& structure,
-                                                    const Part& part, const MatrixXd& null_space) {
+                                                    const ConnectedPart& part, const MatrixXd& null_space) {
   std::map<const VariableStoreBase*, Class> classes;
   int row = 0;
   for (const int variable : part.variables) {
@@ -54,8 +54,8 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
 }
 
 /// The gauge generators on the scaled unknowns of the class.
-MatrixXd gaugeGeneratorsOf(const Problem& problem, const Part& part, const Class& own, WorldRole role,
-                           const VectorXd& scale) {
+MatrixXd gaugeGeneratorsOf(const Problem& problem, const ConnectedPart& part, const Class& own,
+                           WorldRole role, const VectorXd& scale) {
   MatrixXd all(own.rows, kGaugeGenerators);
   Index row = 0;
   for (std::size_t i = 0; i < own.variables.size(); ++i) {
@@ -90,7 +90,7 @@ MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
 }
 
 /// The rows of unknowns that no gauge generator changes.
-MatrixXd rowsElsewhere(const Problem& problem, const Part& part, const MatrixXd& null_space) {
+MatrixXd rowsElsewhere(const Problem& problem, const ConnectedPart& part, const MatrixXd& null_space) {
   std::vector<int> rows;
   int row = 0;
   for (const int variable : part.variables) {
@@ -179,7 +179,7 @@ void describe(Gauge& gauge) {
 
 }  // namespace
 
-std::vector<Part> connectedParts(const BlockStructure& structure) {
+std::vector<ConnectedPart> connectedParts(const BlockStructure& structure) {
   std::vector<int> root(at(structure.blockCount()));
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int b) {
@@ -200,7 +200,7 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
     }
   }
   std::vector<int> part_of(root.size(), -1);
-  std::vector<Part> parts;
+  std::vector<ConnectedPart> parts;
   for (int b = 0; b < structure.blockCount(); ++b) {
     if (structure.isEmpty(b)) continue;
     int& part = part_of[at(find(b))];
@@ -215,7 +215,7 @@ std::vector<Part> connectedParts(const BlockStructure& structure) {
   return parts;
 }
 
-Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part,
+Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const ConnectedPart& part,
                 const MatrixXd& null_space, const VectorXd& scale) {
   Gauge best;
   const MatrixXd elsewhere = rowsElsewhere(problem, part, null_space);

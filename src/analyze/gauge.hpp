@@ -11,13 +11,13 @@
 namespace slom {
 
 /// A part of the problem that no measurement connects with the rest.
-struct Part {
+struct ConnectedPart {
   std::vector<int> variables;  // whose blocks are not empty
   std::vector<int> unknowns;   // the unknowns of these blocks
 };
 
 /// The connected parts of a structure, in the order of their first blocks.
-std::vector<Part> connectedParts(const BlockStructure& structure);
+std::vector<ConnectedPart> connectedParts(const BlockStructure& structure);
 
 /// The gauge generators that lie in a null space.
 struct Gauge {
@@ -34,7 +34,7 @@ struct Gauge {
 
 /// `null_space`: unknowns of the part x k, orthonormal, in unknowns scaled by `scale` (all unknowns). A variable alone has no
 /// gauge: its directions are those of a thing that is not measured.
-Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const Part& part,
+Gauge findGauge(const Problem& problem, const ProblemStructure& structure, const ConnectedPart& part,
                 const Eigen::MatrixXd& null_space, const Eigen::VectorXd& scale);
 
 }  // namespace slom

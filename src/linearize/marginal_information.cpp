@@ -25,9 +25,9 @@ struct Rows {
   MatrixXd A;                  // columns of the variables one after the other, then r
 };
 
-class Elimination {
+class RowElimination {
  public:
-  Elimination(const Problem& problem, const std::vector<int>& eliminated) : problem_(problem) {
+  RowElimination(const Problem& problem, const std::vector<int>& eliminated) : problem_(problem) {
     for (const int v : eliminated) rows_of_[v];
   }
 
@@ -241,7 +241,7 @@ std::vector<InformationFactor> marginalInformation(const Problem& problem, Linea
   for (const int v : eliminated) {
     if (problem.activeSet().isOptimized(v)) unknown.push_back(v);
   }
-  Elimination elimination(problem, unknown);
+  RowElimination elimination(problem, unknown);
   for (const auto& [pool, i] : measurements) {
     Rows rows = rowsOf(problem, linearizer.linearizeOne(problem, problem.activeSet(), pool, i));
     if (!rows.variables.empty() && rows.A.rows() > 0) elimination.add(std::move(rows));

@@ -18,7 +18,7 @@ using dense::paddedToStripes;
 /// A pivot below this share of the diagonal entry of H may be rounding error, as that of thousands of others adds up in it.
 constexpr double kDoubtfulPivot = 1e-10;
 /// All blocks are reordered when the work per block has grown by this factor since the last ordering.
-constexpr double kMostGrowth = 2;
+constexpr double kMostGrowthOfWork = 2;
 constexpr double kLittleWork = 1e5;
 
 /// to[kStripe j] += a^T b_j for columns b_j, one after the other, with Rows numbers; 0: as many as `rows` says
@@ -50,7 +50,7 @@ void IncrementalCholesky::refactor() {
   rebuildTop();
   const double growth = static_cast<double>(filled_blocks_) /
                         static_cast<double>(std::max<std::size_t>(1, blocks_when_ordered_));
-  if (factor_flops_ > kLittleWork + kMostGrowth * growth * flops_when_ordered_) reorder();
+  if (factor_flops_ > kLittleWork + kMostGrowthOfWork * growth * flops_when_ordered_) reorder();
   while (!dirty_.empty()) {
     std::pop_heap(dirty_.begin(), dirty_.end(), std::greater<>());
     const auto [order, f] = dirty_.back();

@@ -1,5 +1,5 @@
 # A public header compiles alone, and can be included twice.
-#   cmake -DHEADER=<as included> -DINCLUDE_DIR=<where from> -DPREFIXES=<headers, precompiled in PRECOMPILED/<header>.gch>
+#   cmake -DHEADER=<as included> -DINCLUDE_DIR=<where from> -DPREFIXES=<headers, precompiled in PRECOMPILED/<header>.gch or .pch>
 #         -DPRECOMPILED=<folder> -DSOURCE=<includes HEADER twice> "-DCOMPILE=<compiler and flags>" -P header_alone.cmake
 #
 # What most headers begin with is parsed once for all: a prefix P is put before HEADER where HEADER includes P, directly or by others,
