@@ -25,6 +25,7 @@ const std::map<std::string, std::string> others{
     {"fuzz", "readers and fits, on any bytes"},
     {"install", "projects of users"},
     {"listings", "the listings of the paper"},
+    {"members", "names of members of plain structs, which g++ alone knows: compiled by it"},
     {"nist", "certified values for the whole fit"},
     {"quality", "a folder of src/calibration"},
     {"report", "the report of slom calibrate, in a browser"},
