@@ -127,7 +127,7 @@ TEST_F(Images, StoredCornersGiveTheSameCalibration) {
     for (json& image : (*result)["images"])
       image["worst_corner"].erase("line"), image["worst_corner"].erase("place");
     (*result)["quality"].erase("seconds");
-    for (json& corner : (*result)["quality"]["worst_corners"]) corner.erase("line"), corner.erase("photo");
+    for (json& corner : (*result)["quality"]["worst_corners"]) corner.erase("line"), corner.erase("place");
   }
   EXPECT_EQ(from_photos, from_corners);
 }

@@ -1,6 +1,10 @@
 // The page and the JSON as files: complete by themselves, of bounded size, honest about what is missing.
+#include <map>
 #include <regex>
+#include <sstream>
+#include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -69,6 +73,52 @@ TEST(Report, TheSameIsInTheJson) {
   EXPECT_EQ(quality["correlations"]["names"].size(), 24u);
   for (const char* phase : {"residuals", "covariance", "projection", "split_half", "further_views"})
     EXPECT_TRUE(quality["seconds"].contains(phase)) << phase;
+}
+
+/// Line `number` of a text, from 1 on.
+std::string lineOf(const std::string& text, int number) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int i = 0; i < number; ++i) std::getline(lines, line);
+  return line;
+}
+
+TEST(Report, WorstCornersStandWhereTheySay) {
+  const TemporaryFolder folder;
+  const std::string left = readFile(sourcePath("data/opencv_stereo/left_corners.csv"));
+  const std::size_t header = left.find('\n') + 1, middle = left.find("\n7,1,") + 1;
+  slom::testing::writeFile(folder / "first.csv", left.substr(0, middle));
+  slom::testing::writeFile(folder / "second.csv", left.substr(0, header) + left.substr(middle));
+  const std::string right = sourcePath("data/opencv_stereo/right_corners.csv").string();
+  const auto ran = testing::runCalibrate({"--camera", "left=" + (folder / "first.csv").string(), "--camera",
+                                          "left=" + (folder / "second.csv").string(), "--camera",
+                                          "right=" + right, "--quiet", "--report", folder / "report.html",
+                                          "--json", folder / "result.json"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.errors;
+  const auto in_page = dataOf(readFile(folder / "report.html"))["worst"];
+  const auto corners = nlohmann::json::parse(readFile(folder / "result.json"))["quality"]["worst_corners"];
+  ASSERT_EQ(in_page.size(), corners.size());
+  std::map<std::string, int> of_file;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto& corner = corners[i];
+    const std::string place = corner["place"];
+    const std::size_t colon = place.rfind(':');
+    const std::string file = place.substr(0, colon);
+    ++of_file[file];
+    EXPECT_EQ(place.substr(colon + 1), std::to_string(corner["line"].get<int>()));
+    const std::string line = lineOf(readFile(file), corner["line"]);
+    EXPECT_TRUE(
+        line.starts_with(fmt::format("{},{},", corner["image"].get<int>(), corner["corner"].get<int>())))
+        << line;
+    EXPECT_TRUE(line.ends_with(
+        fmt::format(",{:.4f},{:.4f}", corner["pixel"][0].get<double>(), corner["pixel"][1].get<double>())))
+        << line << " " << corner["pixel"];
+    if (corner["camera"] == "left")
+      EXPECT_EQ(in_page[i]["line"], place);
+    else
+      EXPECT_EQ(in_page[i]["line"], corner["line"]);
+  }
+  EXPECT_EQ(of_file.size(), 3u) << "so that each file has some";
 }
 
 TEST(Report, OfFiveHundredImagesIsSmall) {

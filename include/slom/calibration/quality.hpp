@@ -110,6 +110,7 @@ struct WorstResidual {
   std::size_t camera = 0;
   CornerResidual corner;
   double error_px = 0;
+  std::string place{};  ///< CameraData::place
 };
 
 /// How long a part of the assessment took.

@@ -159,7 +159,7 @@ Quality assessSorted(const Dataset& data, const Settings& settings, const Result
     camera.residuals = residualsOf((*on_board).cameras[c], rig, c);
     quality.cameras.push_back(std::move(camera));
   }
-  quality.worst = worstResiduals(quality.cameras, worst_corners);
+  quality.worst = worstResiduals(data, quality.cameras, worst_corners);
   clock.record("residuals");
   if (!result.success()) return quality;
   try {

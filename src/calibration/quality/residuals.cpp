@@ -30,16 +30,25 @@ std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig&
   return residuals;
 }
 
-std::vector<WorstResidual> worstResiduals(const std::vector<CameraQuality>& cameras, std::size_t count) {
+std::vector<WorstResidual> worstResiduals(const Dataset& data, const std::vector<CameraQuality>& cameras,
+                                          std::size_t count) {
   std::vector<WorstResidual> all;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     for (const CornerResidual& corner : cameras[c].residuals)
-      all.push_back({c, corner, corner.residual.norm()});
+      all.push_back({c, corner, corner.residual.norm(), {}});
   }
   const auto end = all.begin() + std::ptrdiff_t(std::min(count, all.size()));
   std::partial_sort(all.begin(), end, all.end(),
                     [](const WorstResidual& a, const WorstResidual& b) { return a.error_px > b.error_px; });
   all.erase(end, all.end());
+  for (WorstResidual& worst : all) {
+    const CameraData& camera = data.cameras[worst.camera];
+    const View* view = camera.find(worst.corner.image);
+    for (const Corner& corner : view->corners) {
+      if (corner.number == worst.corner.corner && corner.line == worst.corner.line)
+        worst.place = camera.place(*view, corner);
+    }
+  }
   return all;
 }
 

@@ -10,8 +10,9 @@ namespace slom::calibration {
 /// The residuals of all corners of a camera, by image.
 std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig& rig, std::size_t camera);
 
-/// The `count` corners of all cameras with the largest residuals, the worst first.
-std::vector<WorstResidual> worstResiduals(const std::vector<CameraQuality>& cameras, std::size_t count);
+/// The `count` corners of all cameras of the data with the largest residuals, which are those of residualsOf, the worst first.
+std::vector<WorstResidual> worstResiduals(const Dataset& data, const std::vector<CameraQuality>& cameras,
+                                          std::size_t count);
 
 /// As stated, or else assumed: a usual size that has room for all corners and the optical axis near its
 /// centre, or the smallest that has both.

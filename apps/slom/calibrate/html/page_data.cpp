@@ -209,7 +209,7 @@ Json worstJson(const Dataset& data, const Result& result) {
     list.push_back({{"camera", worst.camera},
                     {"image", worst.corner.image},
                     {"corner", worst.corner.corner},
-                    {"line", worst.corner.line},
+                    {"line", view && !view->file.empty() ? Json(worst.place) : Json(worst.corner.line)},
                     {"u", rounded(worst.corner.pixel.x(), 2)},
                     {"v", rounded(worst.corner.pixel.y(), 2)},
                     {"error", rounded(worst.error_px, 3)},

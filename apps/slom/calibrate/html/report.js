@@ -232,7 +232,7 @@ function board() {
 // ---- corners
 
 function worstCorners() {
-  const has_photos = data.worst.some(corner => corner.photo), has_lines = data.worst.every(corner => corner.line > 0);
+  const has_photos = data.worst.some(corner => corner.photo), has_lines = data.worst.every(corner => corner.line);
   section("corners", "The worst corners", table("Largest residuals of all cameras" + (has_lines ? "; the line is that of the corner file" : ""), [...(several ? ["camera"] : []), "image", "corner", "residual [px]", "times RMS", "u [px]", "v [px]", ...(has_lines ? ["line"] : []), ...(has_photos ? ["picture"] : [])],
     data.worst.map(corner => {
       const camera = data.cameras[corner.camera];

@@ -68,7 +68,8 @@ Json worstJson(const Result& result) {
     list.push_back({{"camera", result.cameras[worst.camera].name},
                     {"image", corner.image},
                     {"corner", corner.corner},
-                    {"line", corner.line},
+                    {"line", corner.line > 0 ? Json(corner.line) : Json()},
+                    {"place", worst.place},
                     {"error_px", worst.error_px},
                     {"pixel", {corner.pixel.x(), corner.pixel.y()}},
                     {"residual_px", {corner.residual.x(), corner.residual.y()}}});
