@@ -9,8 +9,8 @@
 # whatever the major version.
 set(slom_soversion 0)
 
-# slom_exports(<target> <room>...): what the target exports. Without a room it is the library slom, which exports the namespace slom as all public
-# headers declare it; with the room `io` it exports slom::io, as slom/io.hpp and the headers in slom/io declare it.
+# slom_exports(<target> <room>...): what the target exports. Without a room it is the library slom, which exports the namespace slom as the public
+# headers declare it, but for those of the rooms; with the room `io` it exports slom::io, as slom/io.hpp and the headers in slom/io declare it.
 function(slom_exports target)
   set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${slom_soversion} POSITION_INDEPENDENT_CODE ON)
   get_target_property(type ${target} TYPE)
@@ -28,6 +28,8 @@ function(slom_exports target)
   if(ARGN)
     set(namespace "slom::${ARGN}")
     list(FILTER headers INCLUDE REGEX "^slom/(slom|${ARGN}(/.*)?)[.]hpp$")
+  else()
+    list(FILTER headers EXCLUDE REGEX "^slom/(io|calibration)(/.*)?[.]hpp$")
   endif()
   list(TRANSFORM headers REPLACE "(.+)" "#include <\\1>")
   list(JOIN headers "\n" headers)
