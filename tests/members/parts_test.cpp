@@ -10,23 +10,16 @@
 
 #include <slom/slom.hpp>
 
+#include "support/message_of.hpp"
+
 namespace {
 
 using Eigen::MatrixXd;
+using slom::testing::messageOf;
 using SE2 = mtk::trafo<mtk::SO2<>>;
 using SE3 = mtk::trafo<mtk::SO3<>>;
 using vec2 = mtk::vect<2>;
 using vec3 = mtk::vect<3>;
-
-template <class F>
-std::string messageOf(const F& f) {
-  try {
-    f();
-  } catch (const mtk::Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 /// A pose in the plane that sees a point and two known landmarks.
 struct Plane {
