@@ -22,6 +22,31 @@
 #include "mtk/manifold.hpp"
 #include "mtk/stream.hpp"
 
+namespace mtk::detail {
+
+/// Scalar and degrees of freedom of a member. Where its type states them, its operations are not looked at before they are used: that is what
+/// cameras that a program declares and does not use would take longest to compile for.
+template <class M>
+struct Stated : ManifoldTraits<M> {
+  static_assert(
+      Manifold<M>,
+      "mtk: a member of this compound is not a manifold; its type needs `scalar`, `DOF`, `boxplus` and "
+      "`boxminus`, or must be a struct without constructors whose members are all manifolds");
+};
+template <class M>
+  requires(HasScalar<M> && HasDof<M>)
+struct Stated<M> {
+  using scalar = typename M::scalar;
+  static constexpr int DOF = int(M::DOF);
+};
+template <class First, class... M>
+struct StatedTypes {
+  using scalar = typename Stated<First>::scalar;
+  static constexpr int DOF = sumOfDof({Stated<First>::DOF, Stated<M>::DOF...});
+};
+
+}  // namespace mtk::detail
+
 // clang-format off
 #define MTK_MEMBER_A(pair) MTK_PAIR_TYPE pair MTK_PAIR_NAME pair{}; MTK_MEMBER_B
 #define MTK_MEMBER_B(pair) MTK_PAIR_TYPE pair MTK_PAIR_NAME pair{}; MTK_MEMBER_A
@@ -76,7 +101,7 @@
     Name() = default;                                                                                        \
     explicit Name(MTK_SEQUENCE(MTK_PARAMETER, members)) : MTK_SEQUENCE(MTK_INITIALIZER, members) {}          \
                                                                                                              \
-    using MtkTypes = ::mtk::detail::MemberTypes<MTK_SEQUENCE(MTK_TYPE, members)>;                            \
+    using MtkTypes = ::mtk::detail::StatedTypes<MTK_SEQUENCE(MTK_TYPE, members)>;                            \
     using scalar = MtkTypes::scalar;                                                                         \
     static constexpr int DOF = MtkTypes::DOF;                                                                \
     template <class T_> static auto mtkMembers(T_& x) { return ::std::tie(MTK_SEQUENCE(MTK_TIED, members)); } \

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -44,6 +45,16 @@ void forEachPart(TupleX&& x, TupleY&& y, F&& f) {
   }(std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
 }
 
+/// Dynamic if one of them is.
+constexpr int sumOfDof(std::initializer_list<int> dofs) {
+  int sum = 0;
+  for (const int dof : dofs) {
+    if (dof == Dynamic) return Dynamic;
+    sum += dof;
+  }
+  return sum;
+}
+
 /// Scalar and degrees of freedom of a compound of the manifolds P.
 template <class First, class... P>
 struct MemberTypes {
@@ -52,19 +63,21 @@ struct MemberTypes {
       "mtk: a member of this compound is not a manifold; its type needs `scalar`, `DOF`, `boxplus` and "
       "`boxminus`, or must be a struct without constructors whose members are all manifolds");
   using scalar = scalar_t<First>;
-  static constexpr int DOF =
-      ((DOF_v<First> == Dynamic) || ... || (DOF_v<P> == Dynamic)) ? Dynamic : (DOF_v<First> + ... + DOF_v<P>);
+  static constexpr int DOF = sumOfDof({DOF_v<First>, DOF_v<P>...});
 };
+
+template <class Tuple>
+struct MemberTypesIn;
+template <class... P>
+struct MemberTypesIn<std::tuple<P...>> : MemberTypes<std::remove_cvref_t<P>...> {};
 
 /// The operations of a compound from those of its members. `Parts::of(x)` ties the members.
 template <class M, class Parts>
 struct CompoundTraits {
   using Tuple = decltype(Parts::of(std::declval<M&>()));
-  using scalar = scalar_t<std::remove_cvref_t<std::tuple_element_t<0, Tuple>>>;
+  using scalar = typename MemberTypesIn<Tuple>::scalar;
   static constexpr bool is_manifold = true;
-  static constexpr int DOF = []<class... P>(std::type_identity<std::tuple<P...>>) {
-    return MemberTypes<std::remove_cvref_t<P>...>::DOF;
-  }(std::type_identity<Tuple>{});
+  static constexpr int DOF = MemberTypesIn<Tuple>::DOF;
 
   static int dof(const M& x) {
     if constexpr (DOF != Dynamic) {

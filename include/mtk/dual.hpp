@@ -40,6 +40,12 @@ constexpr int placeOf(std::uint64_t columns, int column) {
   return std::popcount(columns & lowColumns(column));
 }
 
+constexpr bool isIn(std::uint64_t columns, int column) { return ((columns >> column) & 1) != 0; }
+/// The same, 0 of a column that is not in the set.
+constexpr int placeIn(std::uint64_t columns, int column) {
+  return isIn(columns, column) ? placeOf(columns, column) : 0;
+}
+
 /// Partial derivatives with respect to the columns in the set C; all others are zero.
 template <class S, std::uint64_t C>
 using Partials = Lanes<S, countColumns(C)>;
@@ -50,24 +56,18 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
                            [[maybe_unused]] const Left& left, [[maybe_unused]] const Right& right) {
   if constexpr (A == B) {
     Partials<S, A> r;
-    unrolled<Partials<S, A>::count>([&](int i) { r.v[i] = both(a.v[i], b.v[i]); });
+    MTK_EACH_VECTOR(r.count, i, r.v[i] = both(a.v[i], b.v[i]));
     return r;
   } else {
     Partials<S, A | B> r;
     if constexpr (r.lanes > 1) r.v[r.count - 1] = typename Partials<S, A | B>::Vector{};  // what is left over
+    // Which of the three it is is known for each I, without a function for each.
     [&]<int... I>(std::integer_sequence<int, I...>) {
-      const auto one = [&](auto index) {
-        constexpr int column = columnAt(A | B, index);
-        constexpr bool in_a = (A >> column) & 1, in_b = (B >> column) & 1;
-        if constexpr (in_a && in_b) {
-          r.set(index, both(a.get(placeOf(A, column)), b.get(placeOf(B, column))));
-        } else if constexpr (in_a) {
-          r.set(index, left(a.get(placeOf(A, column))));
-        } else {
-          r.set(index, right(b.get(placeOf(B, column))));
-        }
-      };
-      (one(std::integral_constant<int, I>{}), ...);
+      (r.set(I, isIn(A, columnAt(A | B, I)) && isIn(B, columnAt(A | B, I))
+                    ? S(both(a.get(placeIn(A, columnAt(A | B, I))), b.get(placeIn(B, columnAt(A | B, I)))))
+                : isIn(A, columnAt(A | B, I)) ? S(left(a.get(placeIn(A, columnAt(A | B, I)))))
+                                              : S(right(b.get(placeIn(B, columnAt(A | B, I)))))),
+       ...);
     }(std::make_integer_sequence<int, countColumns(A | B)>{});
     return r;
   }
@@ -77,7 +77,7 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
 template <class S, int N, class F>
 Lanes<S, N> apply(const Lanes<S, N>& a, const F& f) {
   Lanes<S, N> r;
-  unrolled<Lanes<S, N>::count>([&](int i) { r.v[i] = f(a.v[i]); });
+  MTK_EACH_VECTOR(r.count, i, r.v[i] = f(a.v[i]));
   return r;
 }
 

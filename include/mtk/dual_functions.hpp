@@ -14,11 +14,9 @@ namespace mtk {
 #define MTK_DUAL_FUNCTION(name, derivative)                 \
   template <class S, std::uint64_t C>                       \
   SparseDual<S, C> name(const SparseDual<S, C>& argument) { \
-    using std::cos;                                         \
     using std::cosh;                                        \
     using std::exp;                                         \
     using std::name;                                        \
-    using std::sin;                                         \
     using std::sinh;                                        \
     using std::sqrt;                                        \
     const S& x = argument.value();                          \
@@ -33,8 +31,6 @@ MTK_DUAL_FUNCTION(log, detail::chainOrZero(argument, f, S(S(1) / x)))
 MTK_DUAL_FUNCTION(log1p, detail::chainOrZero(argument, f, S(S(1) / (S(1) + x))))
 MTK_DUAL_FUNCTION(log2, detail::chainOrZero(argument, f, S(S(1.4426950408889634073599246810018921L) / x)))
 MTK_DUAL_FUNCTION(log10, detail::chainOrZero(argument, f, S(S(0.4342944819032518276511289189166051L) / x)))
-MTK_DUAL_FUNCTION(sin, detail::chain(argument, f, S(cos(x))))
-MTK_DUAL_FUNCTION(cos, detail::chain(argument, f, S(-sin(x))))
 MTK_DUAL_FUNCTION(tan, detail::chain(argument, f, S(S(1) + f * f)))
 MTK_DUAL_FUNCTION(asin, detail::chainOrZero(argument, f, S(S(1) / sqrt(S((S(1) - x) * (S(1) + x))))))
 MTK_DUAL_FUNCTION(acos, detail::chainOrZero(argument, f, S(S(-1) / sqrt(S((S(1) - x) * (S(1) + x))))))
@@ -52,6 +48,23 @@ MTK_DUAL_FUNCTION(ceil, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(trunc, (SparseDual<S, C>(f)))
 #undef MTK_DUAL_FUNCTION
+
+/// Sine and cosine, which are the derivatives of each other.
+template <class S, std::uint64_t C>
+SinCos<SparseDual<S, C>> sinCos(const SparseDual<S, C>& x) {
+  const auto [sine, cosine] = sinCos(x.value());
+  return {detail::chain(x, sine, cosine), detail::chain(x, cosine, S(-sine))};
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> sin(const SparseDual<S, C>& x) {
+  const auto [sine, cosine] = sinCos(x.value());
+  return detail::chain(x, sine, cosine);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> cos(const SparseDual<S, C>& x) {
+  const auto [sine, cosine] = sinCos(x.value());
+  return detail::chain(x, cosine, S(-sine));
+}
 
 /// The derivative at 0 is 0, the middle of what is possible.
 template <class S, std::uint64_t C>

@@ -103,6 +103,18 @@ void requireSameSize(const X& x, const Y& y, const char* operation) {
 
 }  // namespace detail
 
+namespace detail {
+/// Fails to compile for a compound with a member that is no manifold, which the declaration by macro lets pass where it states a DOF.
+template <class M>
+constexpr bool membersAreManifolds() {
+  if constexpr (NamedCompound<M>) {
+    return NamedTraits<M>::DOF >= Dynamic;
+  } else {
+    return true;
+  }
+}
+}  // namespace detail
+
 /// The type brings the operations itself (or inherits them).
 template <class M>
 concept ManifoldByMembers =
@@ -116,6 +128,7 @@ concept AggregateOfManifolds =
 
 template <ManifoldByMembers M>
 struct ManifoldTraits<M> {
+  static_assert(detail::membersAreManifolds<M>());
   using scalar = typename M::scalar;
   static constexpr bool is_manifold = true;
   static constexpr int DOF = int(M::DOF);

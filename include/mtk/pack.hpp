@@ -34,38 +34,40 @@ struct PackMask {
   }
   friend PackMask operator&&(const PackMask& a, const PackMask& b) {
     PackMask r;
-    for (int i = 0; i < count; ++i) r.v[i] = a.v[i] & b.v[i];
+    MTK_EACH_VECTOR(count, i, r.v[i] = a.v[i] & b.v[i]);
     return r;
   }
   friend PackMask operator||(const PackMask& a, const PackMask& b) {
     PackMask r;
-    for (int i = 0; i < count; ++i) r.v[i] = a.v[i] | b.v[i];
+    MTK_EACH_VECTOR(count, i, r.v[i] = a.v[i] | b.v[i]);
     return r;
   }
   friend PackMask operator!(const PackMask& a) {
     PackMask r;
-    for (int i = 0; i < count; ++i) {
-      if constexpr (std::is_same_v<Native, bool>) {
-        r.v[i] = !a.v[i];
-      } else {
-        r.v[i] = ~a.v[i];
-      }
+    if constexpr (std::is_same_v<Native, bool>) {
+      MTK_EACH_VECTOR(count, i, r.v[i] = !a.v[i]);
+    } else {
+      MTK_EACH_VECTOR(count, i, r.v[i] = ~a.v[i]);
     }
     return r;
   }
   friend bool all(const PackMask& a) {
     bool result = true;
-    for (int i = 0; i < count; ++i) result &= bits(a.v[i]) == (1 << kLanes) - 1;
+    MTK_EACH_VECTOR(count, i, result &= (bits(a.v[i]) & used(i)) == used(i));
     return result;
   }
   friend bool any(const PackMask& a) {
     int result = 0;
-    for (int i = 0; i < count; ++i) result |= bits(a.v[i]);
+    MTK_EACH_VECTOR(count, i, result |= bits(a.v[i]) & used(i));
     return result != 0;
   }
 
  private:
   static constexpr int kLanes = detail::Lanes<double, Width>::lanes;
+  /// The bits of vector i that are lanes of the pack: the last one may have more.
+  static constexpr int used(int i) {
+    return i + 1 < count || Width % kLanes == 0 ? (1 << kLanes) - 1 : (1 << Width % kLanes) - 1;
+  }
   /// A bit for each lane of one vector.
   static int bits(const Native& mask) {
     if constexpr (kLanes == 1) {
@@ -100,7 +102,7 @@ class Pack {
   template <class T>
     requires std::is_arithmetic_v<T>
   Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
-    for (int i = 0; i < count; ++i) lanes.v[i] = typename Numbers::Vector{} + static_cast<double>(x);
+    MTK_EACH_VECTOR(count, i, lanes.v[i] = typename Numbers::Vector{} + static_cast<double>(x));
   }
   explicit Pack(const Numbers& x) : lanes(x) {}
 
@@ -115,26 +117,26 @@ class Pack {
 
   friend Pack operator-(const Pack& a) {
     Pack r;
-    for (int i = 0; i < count; ++i) r.lanes.v[i] = -a.lanes.v[i];
+    MTK_EACH_VECTOR(count, i, r.lanes.v[i] = -a.lanes.v[i]);
     return r;
   }
   friend Pack operator+(const Pack& a) { return a; }
-#define MTK_PACK_OPERATOR(op)                                                    \
-  friend Pack operator op(const Pack& a, const Pack& b) {                        \
-    Pack r;                                                                      \
-    for (int i = 0; i < count; ++i) r.lanes.v[i] = a.lanes.v[i] op b.lanes.v[i]; \
-    return r;                                                                    \
+#define MTK_PACK_OPERATOR(op)                                               \
+  friend Pack operator op(const Pack& a, const Pack& b) {                   \
+    Pack r;                                                                 \
+    MTK_EACH_VECTOR(count, i, r.lanes.v[i] = a.lanes.v[i] op b.lanes.v[i]); \
+    return r;                                                               \
   }
   MTK_PACK_OPERATOR(+)
   MTK_PACK_OPERATOR(-)
   MTK_PACK_OPERATOR(*)
   MTK_PACK_OPERATOR(/)
 #undef MTK_PACK_OPERATOR
-#define MTK_PACK_COMPARE(op)                                               \
-  friend PackMask<Width> operator op(const Pack& a, const Pack& b) {       \
-    PackMask<Width> r;                                                     \
-    for (int i = 0; i < count; ++i) r.v[i] = a.lanes.v[i] op b.lanes.v[i]; \
-    return r;                                                              \
+#define MTK_PACK_COMPARE(op)                                          \
+  friend PackMask<Width> operator op(const Pack& a, const Pack& b) {  \
+    PackMask<Width> r;                                                \
+    MTK_EACH_VECTOR(count, i, r.v[i] = a.lanes.v[i] op b.lanes.v[i]); \
+    return r;                                                         \
   }
   MTK_PACK_COMPARE(==)
   MTK_PACK_COMPARE(!=)
@@ -152,7 +154,7 @@ inline constexpr bool is_scalar_v<Pack<W>> = true;
 template <int W>
 Pack<W> select(const PackMask<W>& mask, const Pack<W>& a, const Pack<W>& b) {
   Pack<W> r;
-  for (int i = 0; i < r.count; ++i) r.lanes.v[i] = mask.v[i] ? a.lanes.v[i] : b.lanes.v[i];
+  MTK_EACH_VECTOR(Pack<W>::count, i, r.lanes.v[i] = mask.v[i] ? a.lanes.v[i] : b.lanes.v[i]);
   return r;
 }
 

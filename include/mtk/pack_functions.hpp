@@ -59,16 +59,39 @@ Pack<W> roundToInteger(const Pack<W>& x) {
   const Pack<W> shift(6755399441055744.0);  // 3 * 2^51: the sum has no bits for fractions
   Pack<W> sum = x + shift;
 #if defined(__GNUC__)
-  for (int i = 0; i < sum.count; ++i) asm("" : "+m"(sum.lanes.v[i]));  // keeps -ffast-math from undoing it
+  MTK_EACH_VECTOR(Pack<W>::count, i, asm("" : "+m"(sum.lanes.v[i])));  // keeps -ffast-math from undoing it
 #endif
   return sum - shift;
 }
 
+// What few numbers need is no part of the functions into which the rest is compiled.
+template <int W>
+[[gnu::noinline]] void sinCosOfFar(const Pack<W>& x, const PackMask<W>& far, SinCos<Pack<W>>& result) {
+  result.sine = select(far, laneByLane(x, [](double t) { return std::sin(t); }), result.sine);
+  result.cosine = select(far, laneByLane(x, [](double t) { return std::cos(t); }), result.cosine);
+}
+template <int W>
+[[gnu::noinline]] Pack<W> atan2ByLane(const Pack<W>& y, const Pack<W>& x) {
+  return laneByLane(y, x, [](double a, double b) { return std::atan2(a, b); });
+}
+
+}  // namespace detail
+
+template <int W>
+Pack<W> sqrt(const Pack<W>& x) {
+  Pack<W> r;
+  MTK_EACH_VECTOR(Pack<W>::count, i, r.lanes.v[i] = detail::vectorSqrt(x.lanes.v[i]));
+  return r;
+}
+template <int W>
+Pack<W> abs(const Pack<W>& x) {
+  return select(x < Pack<W>(0.0), -x, x);
+}
 /// sin(x) and cos(x); lanes beyond 10^5, where the reduction loses digits, from the C library.
 template <int W>
-void sinCos(const Pack<W>& x, Pack<W>& sine, Pack<W>& cosine) {
+SinCos<Pack<W>> sinCos(const Pack<W>& x) {
   constexpr double two_over_pi = 0.63661977236758134308;
-  const Pack<W> turns = roundToInteger(Pack<W>(x * two_over_pi));
+  const Pack<W> turns = detail::roundToInteger(Pack<W>(x * two_over_pi));
   // pi/2 in three parts, of which the first two have trailing zeros, so that their multiples are exact.
   const Pack<W> r = ((x - turns * 1.57079632673412561417e+00) - turns * 6.07710050630396597660e-11) -
                     turns * 2.02226624879595063154e-21;
@@ -78,46 +101,26 @@ void sinCos(const Pack<W>& x, Pack<W>& sine, Pack<W>& cosine) {
   static constexpr double c[] = {
       1.0 / 24,          -1.0 / 720,           1.0 / 40320,           -1.0 / 3628800,
       1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0};
-  const Pack<W> sin_r = r + r * r2 * polynomial(r2, s);
+  const Pack<W> sin_r = r + r * r2 * detail::polynomial(r2, s);
   const Pack<W> half = r2 * 0.5;
-  const Pack<W> cos_r = 1.0 - (half - r2 * r2 * polynomial(r2, c));
+  const Pack<W> cos_r = 1.0 - (half - r2 * r2 * detail::polynomial(r2, c));
   // Quadrant q = turns mod 4, one of -1, 0, 1, 2: odd ones swap sine and cosine.
-  const Pack<W> q = turns - 4.0 * roundToInteger(Pack<W>(turns * 0.25 - 0.0625));
+  const Pack<W> q = turns - 4.0 * detail::roundToInteger(Pack<W>(turns * 0.25 - 0.0625));
   const PackMask<W> plus_one = q == Pack<W>(1.0), minus_one = q == Pack<W>(-1.0), two = q == Pack<W>(2.0);
   const Pack<W> a = select(plus_one || minus_one, cos_r, sin_r),
                 b = select(plus_one || minus_one, sin_r, cos_r);
-  sine = select(minus_one || two, -a, a);
-  cosine = select(plus_one || two, -b, b);
+  SinCos<Pack<W>> result{select(minus_one || two, -a, a), select(plus_one || two, -b, b)};
   const PackMask<W> far = !((x <= Pack<W>(1e5)) && (x >= Pack<W>(-1e5)));
-  if (any(far)) {
-    sine = select(far, laneByLane(x, [](double t) { return std::sin(t); }), sine);
-    cosine = select(far, laneByLane(x, [](double t) { return std::cos(t); }), cosine);
-  }
-}
-
-}  // namespace detail
-
-template <int W>
-Pack<W> sqrt(const Pack<W>& x) {
-  Pack<W> r;
-  for (int i = 0; i < r.count; ++i) r.lanes.v[i] = detail::vectorSqrt(x.lanes.v[i]);
-  return r;
-}
-template <int W>
-Pack<W> abs(const Pack<W>& x) {
-  return select(x < Pack<W>(0.0), -x, x);
+  if (any(far)) detail::sinCosOfFar(x, far, result);
+  return result;
 }
 template <int W>
 Pack<W> sin(const Pack<W>& x) {
-  Pack<W> sine, cosine;
-  detail::sinCos(x, sine, cosine);
-  return sine;
+  return sinCos(x).sine;
 }
 template <int W>
 Pack<W> cos(const Pack<W>& x) {
-  Pack<W> sine, cosine;
-  detail::sinCos(x, sine, cosine);
-  return cosine;
+  return sinCos(x).cosine;
 }
 
 #define MTK_PACK_FUNCTION(name)                                          \
@@ -175,8 +178,7 @@ Pack<W> atan2(const Pack<W>& y, const Pack<W>& x) {
   angle = select(y < P(0.0), -angle, angle);
   const PackMask<W> ordinary = large <= P(std::numeric_limits<double>::max());
   if (all(ordinary)) return angle;
-  return select(ordinary, angle,
-                detail::laneByLane(y, x, [](double a, double b) { return std::atan2(a, b); }));
+  return select(ordinary, angle, detail::atan2ByLane(y, x));
 }
 template <int W>
 Pack<W> atan(const Pack<W>& x) {

@@ -103,6 +103,19 @@ S select(bool condition, const S& a, const S& b) {
   return condition ? a : b;
 }
 
+/// Sine and cosine of one number.
+template <class S>
+struct SinCos {
+  S sine, cosine;
+};
+/// sin(x) and cos(x), where both are wanted. Of packs, and of dual numbers, the derivative of each being the other, they are computed together.
+template <class S>
+SinCos<S> sinCos(const S& x) {
+  using std::cos;
+  using std::sin;
+  return {sin(x), cos(x)};
+}
+
 namespace detail {
 
 template <class Mask, class S, std::size_t N>

@@ -6,16 +6,40 @@
 
 #include <Eigen/Core>
 
+/// The statement for i = 0, ..., count - 1, written out. There are at most two in packs and most dual numbers, whose operations are done this way:
+/// they are thousands in a measurement function, and compilers take long over as many loops or functions.
+#define MTK_EACH_VECTOR(count, i, statement)                       \
+  do {                                                             \
+    if constexpr ((count) <= 2) {                                  \
+      if constexpr ((count) > 0) {                                 \
+        constexpr int i = 0;                                       \
+        statement;                                                 \
+      }                                                            \
+      if constexpr ((count) > 1) {                                 \
+        constexpr int i = 1;                                       \
+        statement;                                                 \
+      }                                                            \
+    } else {                                                       \
+      ::mtk::detail::unrolled<(count)>([&](int i) { statement; }); \
+    }                                                              \
+  } while (false)
+
 namespace mtk::detail {
 
 /// f(First), ..., f(First + N - 1), written out: arrays whose indices are constants can live in registers.
 template <int N, int First = 0, class F>
 void unrolled(const F& f) {
-  constexpr int most = N < 128 ? N : 128;  // clang refuses longer fold expressions
-  [&]<int... I>(std::integer_sequence<int, I...>) {
-    (f(First + I), ...);
-  }(std::make_integer_sequence<int, most>{});
-  if constexpr (N > most) unrolled<N - most, First + most>(f);
+  if constexpr (N <= 3) {  // most are; without another function
+    if constexpr (N > 0) f(First);
+    if constexpr (N > 1) f(First + 1);
+    if constexpr (N > 2) f(First + 2);
+  } else {
+    constexpr int most = N < 128 ? N : 128;  // clang refuses longer fold expressions
+    [&]<int... I>(std::integer_sequence<int, I...>) {
+      (f(First + I), ...);
+    }(std::make_integer_sequence<int, most>{});
+    if constexpr (N > most) unrolled<N - most, First + most>(f);
+  }
 }
 
 /// f(i) for the entries of a vector of `size`, known to the type as Size; written out unless they are many.
@@ -71,17 +95,15 @@ struct Lanes {
 
   // Copied one by one, which lets the compiler keep them in registers; of whole arrays it makes calls of memcpy.
   Lanes() = default;
-  Lanes(const Lanes& x) {
-    unrolled<count>([&](int i) { v[i] = x.v[i]; });
-  }
+  Lanes(const Lanes& x) { MTK_EACH_VECTOR(count, i, v[i] = x.v[i]); }
   Lanes& operator=(const Lanes& x) {
-    unrolled<count>([&](int i) { v[i] = x.v[i]; });
+    MTK_EACH_VECTOR(count, i, v[i] = x.v[i]);
     return *this;
   }
 
   static Lanes zero() {
     Lanes x;
-    unrolled<count>([&](int i) { x.v[i] = Vector{}; });
+    MTK_EACH_VECTOR(count, i, x.v[i] = Vector{});
     return x;
   }
   /// number(i) for i = 0 ... N - 1, put together in registers.

@@ -137,6 +137,16 @@ Y seededAs(const X& x, int offset, int width) {
   }
 }
 
+// Written out for each lane.
+template <class X, std::size_t W, std::size_t... Lane>
+std::array<const double*, W> dataOf(const std::array<const X*, W>& x, std::index_sequence<Lane...>) {
+  return {stateOf(*x[Lane]).data()...};
+}
+template <std::size_t Member, class P, class X, std::size_t W, std::size_t... Lane>
+std::array<const P*, W> membersAt(const std::array<const X*, W>& x, std::index_sequence<Lane...>) {
+  return {&std::get<Member>(membersOf(*x[Lane]))...};
+}
+
 /// The basic part y over packs from one measurement's x per lane.
 template <class Y, class X, std::size_t W>
 void gatherPart(Y& y, const std::array<const X*, W>& x) {
@@ -146,9 +156,7 @@ void gatherPart(Y& y, const std::array<const X*, W>& x) {
   const auto from = [&](int lane) -> const auto& { return stateOf(*x[static_cast<std::size_t>(lane)]); };
   if constexpr (EigenState<X>) {
     constexpr int size = std::remove_cvref_t<decltype(from(0))>::SizeAtCompileTime;
-    std::array<const double*, W> data;
-    unrolled<width>([&](int lane) { data[static_cast<std::size_t>(lane)] = from(lane).data(); });
-    interleave<size>(data, &to.data()->lanes);
+    interleave<size>(dataOf(x, std::make_index_sequence<W>{}), &to.data()->lanes);
   } else {
     to = Number(Number::Numbers::generate(from));
   }
@@ -161,12 +169,7 @@ void gatherParts(Y& y, const std::array<const X*, W>& x) {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       const auto one = [&]<std::size_t J>(std::integral_constant<std::size_t, J>) {
         using P = std::remove_cvref_t<std::tuple_element_t<J, Members>>;
-        std::array<const P*, W> parts;
-        unrolled<static_cast<int>(W)>([&](int lane) {
-          const auto k = static_cast<std::size_t>(lane);
-          parts[k] = &std::get<J>(membersOf(*x[k]));
-        });
-        gatherParts(std::get<J>(to), parts);
+        gatherParts(std::get<J>(to), membersAt<J, P>(x, std::make_index_sequence<W>{}));
       };
       (one(std::integral_constant<std::size_t, I>{}), ...);
     }(std::make_index_sequence<std::tuple_size_v<Members>>{});

@@ -69,11 +69,10 @@ class S2 {
           return std::array<S, 2>{S(1) - square / S(2), S(1) - square / S(6)};
         },  // series of cos(t) and sin(t)/t
         [&] {
-          using std::cos;
-          using std::sin;
           using std::sqrt;
           const S angle = sqrt(square);
-          return std::array<S, 2>{cos(angle), sin(angle) / angle};
+          const auto [sine, cosine] = sinCos(angle);
+          return std::array<S, 2>{cosine, sine / angle};
         });
     const Axes axes(v_);
     v_ = along * v_ + (across * a) * axes.a + (across * b) * axes.b;

@@ -94,9 +94,7 @@ class SO2 {
   const S& angle() const { return angle_; }
   /// 2 x 2: cos, -sin; sin, cos.
   Matrix toRotationMatrix() const {
-    using std::cos;
-    using std::sin;
-    const S c = cos(angle_), s = sin(angle_);
+    const auto [s, c] = sinCos(angle_);
     Matrix R;
     R << c, -s, s, c;
     return R;
@@ -109,11 +107,10 @@ class SO2 {
     requires(bool(D::IsVectorAtCompileTime))
   auto operator*(const Eigen::MatrixBase<D>& p) const {
     static_assert(D::SizeAtCompileTime == 2 || D::SizeAtCompileTime == Dynamic, "mtk: SO2 rotates 2-vectors");
-    using std::cos;
-    using std::sin;
-    const S c = cos(angle_), s = sin(angle_);
+    const auto [s, c] = sinCos(angle_);
     const PlainVector<typename D::Scalar, 2> q = p;
-    return vect<2, promote_t<S, typename D::Scalar>>(c * q[0] - s * q[1], s * q[0] + c * q[1]);
+    const auto &x = q.coeffRef(0), &y = q.coeffRef(1);
+    return vect<2, promote_t<S, typename D::Scalar>>(c * x - s * y, s * x + c * y);
   }
 
   void boxplus(vectview<const S, 1> d, S scale = S(1)) {

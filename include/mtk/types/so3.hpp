@@ -88,11 +88,10 @@ class SO3 {
           return std::array<S, 2>{(S(1) - square / S(24)) / S(2), S(1) - square / S(8)};
         },  // series of sin(t/2)/t and cos(t/2)
         [&] {
-          using std::cos;
-          using std::sin;
           using std::sqrt;
           const S angle = sqrt(square);
-          return std::array<S, 2>{sin(S(angle / S(2))) / angle, cos(S(angle / S(2)))};
+          const auto [sine, cosine] = sinCos(S(angle / S(2)));
+          return std::array<S, 2>{sine / angle, cosine};
         });
     SO3 result;
     result.q_ << factor * x, factor * y, factor * z, w;

@@ -94,6 +94,26 @@ class vect : public PlainVector<S, N> {
 
   using Base::operator=;
 
+  // Entries, as Eigen's vectors have them, but without the classes by which Eigen finds them, which every program would compile for every type
+  // of number.
+
+  using Base::operator[];
+  /// Entry i, counted from 0.
+  const S& operator[](Eigen::Index i) const { return entry(i); }
+  S& operator[](Eigen::Index i) { return const_cast<S&>(entry(i)); }
+  /// Entry 0.
+  const S& x() const { return named<0>(); }
+  S& x() { return const_cast<S&>(named<0>()); }
+  /// Entry 1; there is none in shorter vectors, which do not compile.
+  const S& y() const { return named<1>(); }
+  S& y() { return const_cast<S&>(named<1>()); }
+  /// Entry 2.
+  const S& z() const { return named<2>(); }
+  S& z() { return const_cast<S&>(named<2>()); }
+  /// Entry 3.
+  const S& w() const { return named<3>(); }
+  S& w() { return const_cast<S&>(named<3>()); }
+
   /// Entry I, for structured bindings.
   template <std::size_t I>
     requires(N > 0)
@@ -136,6 +156,17 @@ class vect : public PlainVector<S, N> {
   }
   /// Writes the magnitude of each entry, to which step tolerances are relative.
   void typicalSizes(vectview<S, N> out) const { detail::setMagnitudes(out, *this); }
+
+ private:
+  const S& entry(Eigen::Index i) const {
+    eigen_assert(i >= 0 && i < this->size());
+    return this->coeffRef(i);
+  }
+  template <int I>
+  const S& named() const {
+    static_assert(N == Dynamic || N > I, "mtk: this vector has fewer entries");
+    return entry(I);
+  }
 };
 
 namespace detail {
