@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
@@ -255,6 +256,12 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
 
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {
   problem().setBound(variable, problem().componentsAt(variable, path), lower, upper);
+}
+
+void Estimator::setFixed(int variable, int first, int count, bool is_fixed) {
+  std::vector<int> components(static_cast<std::size_t>(count));
+  std::iota(components.begin(), components.end(), first);
+  problem().setFixed(variable, components, is_fixed);
 }
 
 void Estimator::raiseNoMember(int variable) const {

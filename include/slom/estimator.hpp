@@ -146,10 +146,7 @@ class Estimator {
   void free(const VarID<T>& id) {
     const int variable = problem().indexOf(id);
     problem().setOptimized(variable, true);
-    std::vector<int> all(
-        static_cast<std::size_t>(problem().variables()[static_cast<std::size_t>(variable)].dof));
-    for (std::size_t c = 0; c < all.size(); ++c) all[c] = static_cast<int>(c);
-    problem().setFixed(variable, all, false);
+    setFixed(variable, 0, problem().variables()[static_cast<std::size_t>(variable)].dof, false);
   }
   /// Releases components that were fixed.
   template <class T>
@@ -618,15 +615,14 @@ class Estimator {
     const T& value = *own(id);
     const auto [first, count] = detail::componentsOf(value, &(value.*member), typeid(M), 0);
     if (first < 0) raiseNoMember(variable);
-    std::vector<int> components;
-    for (int c = first; c < first + count; ++c) components.push_back(c);
-    problem().setFixed(variable, components, is_fixed);
+    setFixed(variable, first, count, is_fixed);
   }
   void bound(int variable, const std::string& path, double lower, double upper);
   ProfiledFit profiledFit(int variable);
   ProfileInterval profile(int variable, const std::string& path, double probability);
   ProfileInterval profile(int variable, const std::string& path, const Clustered& clustered,
                           double probability);
+  void setFixed(int variable, int first, int count, bool is_fixed);
   [[noreturn]] void raiseNoMember(int variable) const;
 
   Problem& problem() const;

@@ -14,6 +14,8 @@ constexpr int kMostPatience = 16;
 constexpr double kGoodGain = 0.75;  // actual / predicted decrease
 }  // namespace
 
+std::unique_ptr<Algorithm> Algorithm::safeguarded() const { return nullptr; }
+
 std::unique_ptr<Algorithm> GaussNewton::safeguarded() const {
   return std::make_unique<SafeguardedGaussNewton>();
 }

@@ -38,6 +38,14 @@ MeasurementPool::MeasurementPool(const std::string& name, const std::string& lab
       presence_(std::make_shared<PoolPresence>(PoolPresence{this})),
       origins_(nullptr) {}
 
+MeasurementPool::SavedNoise MeasurementPool::saveNoise() const { return {noise_kind_, noise_at_, noise_}; }
+
+void MeasurementPool::restoreNoise(SavedNoise&& noise) noexcept {
+  noise_kind_.swap(noise.kind);
+  noise_at_.swap(noise.place);
+  noise_.swap(noise.numbers);
+}
+
 MeasurementPool::~MeasurementPool() { presence_->pool = nullptr; }
 
 const RuntimeMeasurement* MeasurementPool::runtimeMeasurement(int) const { return nullptr; }

@@ -7,6 +7,14 @@
 
 namespace slom {
 
+std::optional<std::span<const Change>> Problem::changesSince(std::uint64_t structure_revision) const {
+  return changes_.since(structure_revision);
+}
+
+std::optional<std::span<const int>> Problem::movedSince(std::uint64_t value_revision) const {
+  return moves_.since(value_revision);
+}
+
 void Problem::save() {
   for (const TypedStore& own : stores_) own.store->save();
   saved_travelled_ = travelled_;

@@ -24,6 +24,10 @@ class WholeInverse final : public InverseBlocks {
 
 }  // namespace
 
+std::unique_ptr<LinearSolver> LinearSolver::careful(double) const { return nullptr; }
+
+std::unique_ptr<LinearSolver> LinearSolver::makeAnother() const { return nullptr; }
+
 SolveStatus LinearSolver::invertBlocks(const BlockStructure& structure,
                                        std::unique_ptr<InverseBlocks>& blocks) {
   const Eigen::Index n = structure.unknowns();

@@ -24,9 +24,11 @@ namespace slom {
 
 inline constexpr int Dynamic = mtk::Dynamic;
 
-/// What `ret` is: a column vector, fixed or of run-time size.
+/// What `ret` is: a column vector, fixed or of run-time size (then Eigen::VectorXd).
 template <int Rows>
-using Residual = Eigen::Matrix<double, Rows, 1, Eigen::ColMajor | Eigen::DontAlign>;
+using Residual =
+    Eigen::Matrix<double, Rows, 1,
+                  Rows == Dynamic ? int(Eigen::ColMajor) : int(Eigen::ColMajor | Eigen::DontAlign)>;
 
 namespace detail {
 /// The variables of a measurement, of types T.

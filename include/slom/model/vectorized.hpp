@@ -58,12 +58,6 @@ constexpr int packWidth(int entries) {
   return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4);
 }
 
-/// Written out: of a loop over pointers compilers make gathering loads, which are slow.
-template <int Width, class F>
-void forEachLane(const F& f) {
-  mtk::detail::unrolled<Width>([&](int lane) { f(static_cast<std::size_t>(lane)); });
-}
-
 /// An argument in packs.
 template <class Stored, int Width>
 struct PackedArgument {
@@ -72,10 +66,8 @@ struct PackedArgument {
   using Packed = std::conditional_t<possible, mtk::rebind_t<ContentOf<Stored>, Numbers>, std::tuple<>>;
   Packed value{};
 
-  explicit PackedArgument(const std::array<const Stored*, Width>& x) {
-    std::array<const ContentOf<Stored>*, Width> values;
-    forEachLane<Width>([&](std::size_t lane) { values[lane] = &contentOf(*x[lane]); });
-    mtk::detail::gatherParts(value, values);
+  explicit PackedArgument(const std::array<const ContentOf<Stored>*, Width>& x) {
+    mtk::detail::gatherParts(value, x);
   }
   PackedArgument(const PackedArgument&) = delete;
 };
@@ -142,7 +134,10 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
       if constexpr (mtk::detail::is_dual<X>) {
         rows[row] = x.value();
         [&]<int... C>(std::integer_sequence<int, C...>) {
-          ((partials[C * Rows + row] = entry<X, C>(x)), ...);
+          ((partials[C * Rows + row] = mtk::detail::isIn(X::columns, C)
+                                           ? x.partials().get(mtk::detail::placeIn(X::columns, C))
+                                           : Lanes(0.0)),
+           ...);
         }(std::make_integer_sequence<int, Columns>{});
       } else {
         rows[row] = Lanes(x);
@@ -163,26 +158,18 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
 
   template <std::size_t... I>
   static Arguments gather(const Source& source, std::index_sequence<I...>) {
-    return {{PackedArgument<Stored, width>(pointers<I, Stored>(source))}...};
+    return {
+        {PackedArgument<Stored, width>(contents<I, Stored>(source, std::make_index_sequence<width>{}))}...};
   }
-  template <std::size_t I, class A>
-  static auto pointers(const Source& source) {
-    std::array<const A*, width> result;
-    forEachLane<width>([&](std::size_t lane) { result[lane] = &valueAt<I, A>(*source[lane]); });
-    return result;
+  /// Written out: of a loop over pointers compilers make gathering loads, which are slow.
+  template <std::size_t I, class A, std::size_t... Lane>
+  static std::array<const ContentOf<A>*, width> contents(const Source& source, std::index_sequence<Lane...>) {
+    return {&contentOf(valueAt<I, A>(*source[Lane]))...};
   }
   template <std::size_t... I>
   static Values<SeededArgument<Stored, width, Offset>...> seed(const Arguments& arguments,
                                                                std::index_sequence<I...>) {
     return {{SeededArgument<Stored, width, Offset>(valueAt<I>(arguments))}...};
-  }
-  template <class X, int C>
-  static Lanes entry(const X& x) {
-    if constexpr ((X::columns >> C) & 1) {
-      return x.partials().get(mtk::detail::placeOf(X::columns, C));
-    } else {
-      return Lanes(0.0);
-    }
   }
   template <class Packs, std::size_t... I>
   static auto predict(const F& f, const Packs& packs, std::index_sequence<I...>) {

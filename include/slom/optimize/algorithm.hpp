@@ -54,7 +54,7 @@ class Algorithm {
   /// Whether a step may make the RSS grow. Then a fit that does not converge goes back to the best values that it has seen.
   virtual bool mayGoUphill() const { return true; }
   /// What Options::fall_back takes in its place; null: itself.
-  virtual std::unique_ptr<Algorithm> safeguarded() const { return nullptr; }
+  virtual std::unique_ptr<Algorithm> safeguarded() const;
 };
 
 /// d = -(J^T J)^-1 J^T r, taken whatever it does to the RSS. Options::fall_back adds Levenberg-Marquardt where that leads uphill.

@@ -120,13 +120,9 @@ class MeasurementPool {
     std::vector<double> numbers;
   };
   /// A copy of it.
-  SavedNoise saveNoise() const { return {noise_kind_, noise_at_, noise_}; }
+  SavedNoise saveNoise() const;
   /// Of the same measurements in the same order.
-  void restoreNoise(SavedNoise&& noise) noexcept {
-    noise_kind_.swap(noise.kind);
-    noise_at_.swap(noise.place);
-    noise_.swap(noise.numbers);
-  }
+  void restoreNoise(SavedNoise&& noise) noexcept;
   /// Number of measurements that have a loss.
   int lossCount() const { return loss_count_; }
 

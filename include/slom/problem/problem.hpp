@@ -193,15 +193,11 @@ class Problem {
   /// Changes with every insertion, removal, fixing and releasing.
   std::uint64_t structureRevision() const { return changes_.revision(); }
   /// The events since a structureRevision(); none when they are forgotten.
-  std::optional<std::span<const Change>> changesSince(std::uint64_t structure_revision) const {
-    return changes_.since(structure_revision);
-  }
+  std::optional<std::span<const Change>> changesSince(std::uint64_t structure_revision) const;
   /// Changes whenever a value does, or what may move of it.
   std::uint64_t valueRevision() const { return moves_.revision(); }
   /// Variables whose values changed since a valueRevision(), one for each change, or kAll for all of them; none when that is forgotten.
-  std::optional<std::span<const int>> movedSince(std::uint64_t value_revision) const {
-    return moves_.since(value_revision);
-  }
+  std::optional<std::span<const int>> movedSince(std::uint64_t value_revision) const;
   static constexpr int kAll = -1;
   /// How far the variable has moved since it was inserted: the sum over all its moves of their largest component, in its tangent space.
   /// What two readings differ by bounds how far the value is from where it was. A step that is taken back counts no more; infinite once

@@ -76,13 +76,10 @@ class LinearSolver : public JacobianSink {
   virtual double leastOfColumn() const { return 0; }
   /// One that keeps the digits which this one loses by forming J^T J, for where it finds no rank; null: this one keeps them.
   /// `least` is that solver's leastOfColumn().
-  virtual std::unique_ptr<LinearSolver> careful(double least) const {
-    static_cast<void>(least);
-    return nullptr;
-  }
+  virtual std::unique_ptr<LinearSolver> careful(double least) const;
 
   /// Another one with the same settings, which knows of nothing yet, for Estimator::clone(); null: there is none.
-  virtual std::unique_ptr<LinearSolver> makeAnother() const { return nullptr; }
+  virtual std::unique_ptr<LinearSolver> makeAnother() const;
 
   /// What it is, for the summary.
   virtual std::string description() const = 0;
