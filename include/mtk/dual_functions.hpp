@@ -49,6 +49,21 @@ MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(trunc, (SparseDual<S, C>(f)))
 #undef MTK_DUAL_FUNCTION
 
+/// The derivative at 0 is 0, the middle of what is possible.
+template <class S, std::uint64_t C>
+SparseDual<S, C> abs(const SparseDual<S, C>& a) {
+  const S slope = select(a.value() < S(0), S(-1), select(a.value() > S(0), S(1), S(0)));
+  return detail::chain(a, S(slope * a.value()), slope);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> fabs(const SparseDual<S, C>& a) {
+  return abs(a);
+}
+template <class S, std::uint64_t C>
+SparseDual<S, C> abs2(const SparseDual<S, C>& a) {
+  return a * a;
+}
+
 /// Sine and cosine, which are the derivatives of each other.
 template <class S, std::uint64_t C>
 SinCos<SparseDual<S, C>> sinCos(const SparseDual<S, C>& x) {
@@ -64,21 +79,6 @@ template <class S, std::uint64_t C>
 SparseDual<S, C> cos(const SparseDual<S, C>& x) {
   const auto [sine, cosine] = sinCos(x.value());
   return detail::chain(x, cosine, S(-sine));
-}
-
-/// The derivative at 0 is 0, the middle of what is possible.
-template <class S, std::uint64_t C>
-SparseDual<S, C> abs(const SparseDual<S, C>& a) {
-  const S slope = select(a.value() < S(0), S(-1), select(a.value() > S(0), S(1), S(0)));
-  return detail::chain(a, S(slope * a.value()), slope);
-}
-template <class S, std::uint64_t C>
-SparseDual<S, C> fabs(const SparseDual<S, C>& a) {
-  return abs(a);
-}
-template <class S, std::uint64_t C>
-SparseDual<S, C> abs2(const SparseDual<S, C>& a) {
-  return a * a;
 }
 
 /// At (0, 0), where there is none, the derivative is zero.
