@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "slom/problem/growing_array.hpp"
 #include "slom/problem/measurement_pool.hpp"
 
 namespace slom {
@@ -99,7 +100,7 @@ class TypedPool final : public MeasurementPool {
     }
   }
 
-  void push(void* measurement) override { measurements_.push_back(std::move(*static_cast<M*>(measurement))); }
+  void push(void* measurement) override { measurements_.push(std::move(*static_cast<M*>(measurement))); }
 
   bool pushCopy(const MeasurementPool& from, int i, const std::vector<AnyVarID>&) override {
     if constexpr (std::is_copy_constructible_v<M>) {
@@ -111,13 +112,7 @@ class TypedPool final : public MeasurementPool {
     }
   }
 
-  void moveLastTo(int i) override {
-    if (i != size() - 1) {  // by construction: callables with captures cannot be assigned
-      std::destroy_at(&measurements_[at(i)]);
-      std::construct_at(&measurements_[at(i)], std::move(measurements_.back()));
-    }
-    measurements_.pop_back();
-  }
+  void moveLastTo(int i) override { measurements_.moveLastTo(at(i)); }
 
   VariableArgument& argument(int i, int k) override {
     return *measurements_[at(i)].variableArgs().all[at(k)];
@@ -135,7 +130,7 @@ class TypedPool final : public MeasurementPool {
     }
   }
 
-  std::vector<M> measurements_;
+  GrowingArray<M> measurements_;
 };
 
 }  // namespace slom
