@@ -27,12 +27,7 @@ namespace mtk::detail {
 /// Scalar and degrees of freedom of a member. Where its type states them, its operations are not looked at before they are used: that is what
 /// cameras that a program declares and does not use would take longest to compile for.
 template <class M>
-struct Stated : ManifoldTraits<M> {
-  static_assert(
-      Manifold<M>,
-      "mtk: a member of this compound is not a manifold; its type needs `scalar`, `DOF`, `boxplus` and "
-      "`boxminus`, or must be a struct without constructors whose members are all manifolds");
-};
+struct Stated : MemberTypes<M> {};
 template <class M>
   requires(HasScalar<M> && HasDof<M>)
 struct Stated<M> {

@@ -138,11 +138,11 @@ class SparseDual {
   S& value() { return v_; }
   Partials& partials() { return d_; }
   /// d / d column c.
-  S partial(int c) const { return (C >> c) & 1 ? d_.get(detail::placeOf(C, c)) : S(0); }
+  S partial(int c) const { return detail::isIn(C, c) ? d_.get(detail::placeOf(C, c)) : S(0); }
   /// Becomes the unknown number `column` (a constant when the column is not in C) with value x.
   void seed(const S& x, int column) {
     v_ = x;
-    const int place = column >= 0 && column < 64 && ((C >> column) & 1) ? detail::placeOf(C, column) : -1;
+    const int place = column >= 0 && column < 64 && detail::isIn(C, column) ? detail::placeOf(C, column) : -1;
     d_ = Partials::generate([&](int i) { return i == place ? S(1) : S(0); });
   }
 

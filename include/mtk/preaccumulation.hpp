@@ -41,7 +41,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
         if constexpr ((P >> column) & 1) {
           sum = by[0] * p[0].partials().get(placeOf(P, column));
           for (int j = 1; j < N; ++j) sum += by[j] * p[j].partials().get(placeOf(P, column));
-          if constexpr ((own >> column) & 1) sum += y.partials().get(placeOf(C, column));
+          if constexpr (isIn(own, column)) sum += y.partials().get(placeOf(C, column));
         } else {
           sum = y.partials().get(placeOf(C, column));
         }

@@ -1,7 +1,6 @@
 /// The measurements of one type, in an array of them: the last place that knows the user's type.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <type_traits>
 #include <typeinfo>
