@@ -38,7 +38,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
       const auto one = [&](auto index) {
         constexpr int column = columnAt(all, index);
         S sum(0);
-        if constexpr ((P >> column) & 1) {
+        if constexpr (isIn(P, column)) {
           sum = by[0] * p[0].partials().get(placeOf(P, column));
           for (int j = 1; j < N; ++j) sum += by[j] * p[j].partials().get(placeOf(P, column));
           if constexpr (isIn(own, column)) sum += y.partials().get(placeOf(C, column));
