@@ -10,21 +10,19 @@
 get_target_property(eigen_dirs Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 set(slom_compile_fail_dirs "${PROJECT_SOURCE_DIR}/include;${eigen_dirs}")
 
-# g++ takes slom/slom.hpp.gch, where it fits, in place of a slom/slom.hpp that stands behind it in the include path.
-set(slom_compile_fail_precompiled "${CMAKE_CURRENT_BINARY_DIR}/compile_fail_precompiled")
-file(CONFIGURE OUTPUT "${slom_compile_fail_precompiled}.hpp" CONTENT "#include <slom/slom.hpp>\n")
-file(MAKE_DIRECTORY "${slom_compile_fail_precompiled}/slom")
+# g++ takes the .gch in place of the header beside it.
+set(slom_compile_fail_precompiled "${CMAKE_CURRENT_BINARY_DIR}/compile_fail_precompiled.hpp")
+file(CONFIGURE OUTPUT "${slom_compile_fail_precompiled}" CONTENT "#include <slom/slom.hpp>\n")
 list(TRANSFORM slom_compile_fail_dirs PREPEND -I OUTPUT_VARIABLE include_flags)
-add_test(NAME compile_fail.precompile
-         COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${include_flags} -w -x c++-header
-                 "${slom_compile_fail_precompiled}.hpp" -o "${slom_compile_fail_precompiled}/slom/slom.hpp.gch")
+add_test(NAME compile_fail.precompile COMMAND "${CMAKE_CXX_COMPILER}" -std=c++20 ${include_flags} -w -x c++-header
+                                              "${slom_compile_fail_precompiled}" -o "${slom_compile_fail_precompiled}.gch")
 set_tests_properties(compile_fail.precompile PROPERTIES LABELS "compile_fail;without_sanitizers"
                                                         FIXTURES_SETUP compile_fail_precompiled)
 
 function(slom_add_compile_fail_test name source expected)
   add_test(NAME compile_fail.${name}
            COMMAND "${CMAKE_COMMAND}" "-DCOMPILER=${CMAKE_CXX_COMPILER}" "-DSOURCE=${source}"
-                   "-DINCLUDE_DIRS=${slom_compile_fail_precompiled};${slom_compile_fail_dirs}" "-DEXPECTED=${expected}"
+                   "-DPRECOMPILED=${slom_compile_fail_precompiled}" "-DINCLUDE_DIRS=${slom_compile_fail_dirs}" "-DEXPECTED=${expected}"
                    -P "${PROJECT_SOURCE_DIR}/cmake/compile_fail.cmake")
   set_tests_properties(compile_fail.${name} PROPERTIES LABELS "compile_fail;without_sanitizers"
                                                      FIXTURES_REQUIRED compile_fail_precompiled)

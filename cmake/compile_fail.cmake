@@ -1,7 +1,7 @@
 # The body of a compile_fail test, see SlomCompileFail.cmake.
-#   cmake -DCOMPILER=... -DSOURCE=... -DINCLUDE_DIRS=<list> -DEXPECTED=<regex> -P compile_fail.cmake
+#   cmake -DCOMPILER=... -DSOURCE=... -DPRECOMPILED=... -DINCLUDE_DIRS=<list> -DEXPECTED=<regex> -P compile_fail.cmake
 list(TRANSFORM INCLUDE_DIRS PREPEND -I)
-set(compile "${COMPILER}" -std=c++20 -fsyntax-only ${INCLUDE_DIRS} "${SOURCE}")
+set(compile "${COMPILER}" -std=c++20 -fsyntax-only ${INCLUDE_DIRS} -include "${PRECOMPILED}" "${SOURCE}")
 
 execute_process(COMMAND ${compile} -DMUST_FAIL RESULT_VARIABLE status ERROR_VARIABLE errors OUTPUT_QUIET)
 if(status EQUAL 0)
