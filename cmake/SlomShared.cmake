@@ -19,7 +19,9 @@ function(slom_exports target)
     return()
   endif()
   if(NOT type STREQUAL SHARED_LIBRARY AND NOT SLOM_UNITY_BUILD)
-    return()  # each source alone: so includes that are missing in it are found
+    # Each source alone: so includes that are missing in it are found. Nothing is exported, and no class more visible than its members.
+    target_compile_options(${target} PRIVATE -fvisibility=hidden)
+    return()
   endif()
 
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/include/*.hpp")
