@@ -30,4 +30,3 @@ function(slom_quick_target target)
   endif()
   target_compile_definitions(${target} PRIVATE ${slom_quick_definitions})
 endfunction()
-
