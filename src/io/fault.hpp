@@ -1,6 +1,7 @@
 // Errors of this folder: what is wrong, where, and what to do about it.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -23,9 +24,11 @@ namespace slom::io {
   fail(kind, place + ": " + what, place);
 }
 
-/// The first characters of a text that is longer than `most`, and three dots.
+/// The first characters of a text that is longer than `most`, and three dots. Bytes of no text, which would end a message, are question marks.
 inline std::string shortened(std::string_view text, std::size_t most) {
-  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+  std::string part = text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+  std::replace(part.begin(), part.end(), '\0', '?');
+  return part;
 }
 
 }  // namespace slom::io

@@ -69,6 +69,24 @@ TEST(CalibrateFaults, WrongHeader) {
                     "left.csv:1: the header is \"image,corner,x,world_y_m,world_z_m,u_px,v_px\"; it must "
                     "be \"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"");
 }
+TEST(CalibrateFaults, PhotographForATable) {
+  using namespace std::string_literals;
+  for (const std::string& beginning : {"\xFF\xD8\xFF\xE0\0\x10JFIF"s, "\x89PNG\r\n"s, "II*\0"s, "MM\0*"s,
+                                       "BM\0\1"s, "P5\n2 1\n255\n\xFF\0"s}) {
+    Files files;
+    files.left = beginning + files.left;
+    expectDataRefused(
+        files,
+        "left.csv: this is a photograph, where a table with the header "
+        "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\" must be; slom calibrate takes photographs by --images");
+  }
+  Files files;
+  files.left = "a\0b"s + files.left;
+  expectDataRefused(
+      files,
+      "left.csv:1: the header is \"a?bimage,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"; it must be "
+      "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"");
+}
 TEST(CalibrateFaults, ImuFileForACamera) {
   expectRefused(Files(), {"--camera", "left=DIR/imu.csv"},
                 "imu.csv:1: the header is \"image,ax_m_s2,ay_m_s2,az_m_s2,valid\"; it must be "

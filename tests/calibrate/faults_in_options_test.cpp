@@ -1,11 +1,17 @@
 // Every mistake in the options, files that cannot be written, and fits that fail.
 #include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <regex>
+#include <sstream>
+#include <string>
 
 #include "calibrate/faults.hpp"
 
 namespace slom::app::calib {
 namespace {
 
+using slom::testing::replaced;
 using testing::corner_header;
 using testing::expectRefused;
 using testing::Files;
@@ -33,10 +39,28 @@ TEST(CalibrateFaults, CameraSyntax) {
 TEST(CalibrateFaults, CameraNamedTwice) {
   expectRefused(
       Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/right.csv"},
-      "right.csv:2: image 1 of camera left is in left.csv already; number the images of all files differently, or give the "
-      "files as those of two cameras");
+      "right.csv:2: image 1 of camera left is in left.csv already; number the images of all files differently, in all cameras "
+      "alike, put the rows of one image into one file, or give the files as those of two cameras");
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/left.csv"},
                 "--camera left=left.csv: the file is given twice; give it once, or another camera's file");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "left=DIR/./left.csv"},
+                "--camera left=./left.csv: the file is given twice; give it once, or another camera's file");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--camera", "right=DIR/./left.csv"},
+                "--camera right=./left.csv: the file is camera left's already; give each camera its own");
+}
+TEST(CalibrateFaults, SeveralFilesAfterOneOption) {
+  for (const std::string files : {"left=DIR/*.csv", "left=DIR/left.csv,DIR/right.csv"}) {
+    expectRefused(
+        Files(), {"--camera", files},
+        "--camera " + replaced(files, "DIR/", "") +
+            ": there is no such file; a --camera takes one, so give the parts of a recording by one each");
+  }
+  expectRefused(
+      Files(), {"--camera", "left=DIR/left.csv", "--imu", "DIR/imu.csv", "--imu", "DIR/imu2.csv"},
+      "--imu imu2.csv: it takes one file; put the readings of all parts of the recording into one, by the numbers of their "
+      "images");
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--exclude", "left.1", "left.2", "left.3"},
+                "The following arguments were not expected: left.2 left.3; see slom calibrate --help");
 }
 TEST(CalibrateFaults, UnknownModel) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--intrinsics", "pinhole"},
@@ -166,7 +190,17 @@ TEST(CalibrateFaults, Formats) {
             ": write NAME=WIDTHxHEIGHT, as in --image-size left=640x480, 100000 pixels at most on a side");
   }
   expectRefused(Files(), with({"--image-size", "top=640x480"}),
-                "--image-size top=640x480: there is no camera top; correct the name");
+                "--image-size top=640x480: there is no camera top; correct the name: left, right");
+  expectRefused(
+      Files(), with({"--image-size", "1500x1500", "right=1500x1400", "1400x1500"}),
+      "--image-size 1400x1500: there are two sizes without a camera's name; write NAME=WIDTHxHEIGHT");
+  expectRefused(Files(), with({"--image-size", "left=1500x1500", "left=1500x1400"}),
+                "--image-size left=1500x1400: the size of camera left is given twice; keep one");
+  Files stated;
+  stated.left = "# image_size_px: 1500 x 1500\n" + stated.left;
+  expectRefused(
+      stated, with({"--image-size", "1600x1500"}),
+      "--image-size left=1600x1500: left.csv: images have 1500 x 1500 pixels; leave the option out, or correct the file");
   for (const std::string size : {"wide", "1 x 14000000", "640x", "640 480", "-1 x 2", "640 x 480 px"}) {
     Files files;
     files.left = "# image_size_px: " + size + "\n" + files.left;
@@ -174,11 +208,21 @@ TEST(CalibrateFaults, Formats) {
                   "left.csv:1: the image size is \"image_size_px: " + size +
                       "\"; write it as in # image_size_px: 640 x 480, 100000 pixels at most on a side");
   }
+  for (const std::string comment : {"image_size: 640 x 480", "Image size: 640x480", "image-size 640, 480"}) {
+    Files files;
+    files.left = "# " + comment + "\n" + files.left;
+    expectRefused(files, with({}),
+                  "left.csv:1: the image size is \"" + comment +
+                      "\"; write it as in # image_size_px: 640 x 480, 100000 pixels at most on a side");
+  }
+  Files comments;  // about something else
+  comments.left = "# image sizes differ\n" + comments.left;
+  EXPECT_EQ(runIn(slom::testing::TemporaryFolder(), comments, usual()).exit_code, 0);
 }
 TEST(CalibrateFaults, UnknownOption) {
   expectRefused(
       Files(), {"--cameras", "left=DIR/left.csv"},
-      "The following arguments were not expected: left=left.csv --cameras; see slom calibrate --help");
+      "The following arguments were not expected: --cameras left=left.csv; see slom calibrate --help");
 }
 
 TEST(CalibrateFaults, AFileWithoutAnOption) {
@@ -239,6 +283,53 @@ TEST(CalibrateFaults, AFitThatDoesNotConvergeSaysSo) {
   EXPECT_NE(result.output.find("NOT CONVERGED after 1 iteration"), std::string::npos) << result.output;
   EXPECT_NE(slom::testing::readFile(folder / "result.json").find("\"converged\": false"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder / "result.yaml"));
+}
+
+/// Photographs of different moments under one number: a fit of them may converge, but is of no use.
+TEST(CalibrateFaults, ImagesThatContradictEachOther) {
+  const std::string left = slom::testing::sourcePath("data/opencv_stereo/left_corners.csv"),
+                    right = slom::testing::readFile(
+                        slom::testing::sourcePath("data/opencv_stereo/right_corners.csv"));
+  const auto calibrated = [&](const TemporaryFolder& folder, const std::function<int(int)>& number) {
+    std::istringstream lines(right);
+    std::ostringstream changed;
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t comma = line.find(',');
+      const bool is_row = line[0] >= '0' && line[0] <= '9';
+      changed << (is_row ? std::to_string(number(std::stoi(line))) + line.substr(comma) : line) << '\n';
+    }
+    slom::testing::writeFile(folder / "right.csv", changed.str());
+    return testing::runCalibrate(
+        {"--camera", "left=" + left, "--camera", "right=" + (folder / "right.csv").string(), "--json",
+         (folder / "result.json").string(), "--output", (folder / "result.yaml").string(), "--quiet"});
+  };
+  const auto expectContradiction = [&](const std::function<int(int)>& number, const std::string& expected) {
+    const TemporaryFolder folder;
+    const auto result = calibrated(folder, number);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(std::regex_match(result.errors, std::regex(expected + "\n"))) << result.errors;
+    EXPECT_TRUE(std::filesystem::exists(folder / "result.json"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "result.yaml"));
+  };
+  // This fit converges, that of two swapped images may, and that of one image less for all does not.
+  expectContradiction(
+      [](int i) { return i < 11    ? i
+                         : i == 14 ? 11
+                                   : i + 1; },
+      "slom: the calibration (is of no use|failed): [34] images contradict the others, by [0-9]+ to [0-9]+ px: "
+      "right.1[0-9](, right.1[0-9])+; leave them out by --exclude, or correct their numbers");
+  expectContradiction(
+      [](int i) { return i == 12   ? 13
+                         : i == 13 ? 12
+                                   : i; },
+      "slom: the calibration (is of no use|failed): 2 images contradict the others, by 78 px: right.12, right.13; "
+      "leave them out by --exclude, or correct their numbers");
+  expectContradiction(
+      [](int i) { return i + 1; },
+      "slom: the calibration failed: [0-9]+ images contradict the others, by [0-9]+ to [0-9]+ px: "
+      "(right.[0-9]+, ){4}right.[0-9]+ and [0-9]+ more; leave them out by --exclude, or correct their numbers");
+  const TemporaryFolder folder;
+  EXPECT_EQ(calibrated(folder, [](int i) { return i; }).exit_code, 0);
 }
 
 /// Two views of a board that is parallel in both: intrinsics are not determined.

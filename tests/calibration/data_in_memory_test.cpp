@@ -133,6 +133,23 @@ TEST(DataInMemory, PixelsAndPlacesThatAreNoNumbers) {
             corner + "(0.1, 0.2, 2e+06) m in the world" + m);
 }
 
+TEST(DataInMemory, CornersOutsideOfTheImages) {
+  const auto refusalOf = [](const vec2& pixel) {
+    return refusal([&](Dataset& data) {
+      data.cameras[1].image_size = ImageSize{2000, 1000};
+      data.cameras[1].views[2].corners[7].pixel = pixel;
+    });
+  };
+  const auto expected = [](const std::string& pixel, const std::string& question) {
+    return "[slom.calibration.bad-corner] corner 7 of image 2 of camera right is at the pixel " + pixel +
+           ", outside of images of 2000 x 1000 px" + question + "; correct the size, or remove the corner";
+  };
+  EXPECT_EQ(refusalOf({2001.5, 3.}), expected("(2001.5, 3)", ""));
+  EXPECT_EQ(refusalOf({-1.5, 3.}), expected("(-1.5, 3)", ""));
+  EXPECT_EQ(refusalOf({3., -1.5}), expected("(3, -1.5)", ""));
+  EXPECT_EQ(refusalOf({3., 1001.5}), expected("(3, 1001.5)", " (are width and height exchanged?)"));
+}
+
 TEST(DataInMemory, CornersWithoutNumbersAreNamedByTheirIndex) {
   const Spoil spoil = [](Dataset& data) {
     for (Corner& corner : data.cameras[0].views[1].corners) corner.number = 0;

@@ -91,7 +91,8 @@ TEST(CornerFiles, PartsThatDoNotFit) {
   EXPECT_EQ(
       refusal({a, b}),
       "[slom.calibration.bad-file] " + b + ":2: image 1 of camera left is in " + a +
-          " already; number the images of all files differently, or give the files as those of two cameras");
+          " already; number the images of all files differently, in all cameras alike, put the rows of one image into one file, or "
+          "give the files as those of two cameras");
   EXPECT_EQ(refusal({a, small, large}),
             "[slom.calibration.bad-file] " + large +
                 ": images are of 640 x 480 pixels, but of 320 x 240 in a file before it; give files of one "

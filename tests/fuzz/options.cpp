@@ -21,7 +21,7 @@ SLOM_FUZZ_TARGET(options) {
     if (name == "format") raw.format = value;
     if (name == "model") raw.model = value;
     if (name == "output") raw.rest.yaml_file = value;
-    if (name == "imu") raw.rest.imu_file = value;
+    if (name == "imu") raw.imu_files.push_back(value);
     if (name == "robust") fit.loss = value;
     if (name == "solver") fit.solver = value;
     if (name == "algorithm") fit.algorithm = value;

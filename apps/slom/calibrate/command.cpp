@@ -1,5 +1,6 @@
 // `slom calibrate`: options, then read -> calibrate -> report and files.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -24,6 +25,7 @@
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "output_files.hpp"
+#include "plausible.hpp"
 #include "printable.hpp"
 
 namespace slom::app {
@@ -47,8 +49,8 @@ time; images and corners may be missing in some cameras.
 )";
 
 constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), the run was
-cut short, or standard output could not be written, 2 wrong options or data.)";
+    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), images
+contradict each other, the run was cut short, or standard output could not be written, 2 wrong options or data.)";
 
 Dataset readDataset(const CommandSettings& settings) {
   Dataset data;
@@ -60,7 +62,16 @@ Dataset readDataset(const CommandSettings& settings) {
   }
   for (CameraData& camera : data.cameras) {
     const auto given = settings.image_sizes.find(camera.name);
-    if (given != settings.image_sizes.end()) camera.image_size = given->second;
+    if (given == settings.image_sizes.end()) continue;
+    const ImageSize& size = given->second;
+    const std::optional<ImageSize>& known = camera.image_size;
+    if (known && (known->width != size.width || known->height != size.height)) {
+      throw UserError(fmt::format(
+          "--image-size {}={}x{}: {} {} x {} pixels; leave the option out{}", camera.name, size.width,
+          size.height, settings.board ? "the photographs have" : camera.file + ": images have", known->width,
+          known->height, settings.board ? "" : ", or correct the file"));
+    }
+    camera.image_size = size;
   }
   if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
   inWordsOfOptions(settings, [&] {
@@ -94,7 +105,36 @@ Progress printedProgress() {
           }};
 }
 
-/// A result that failed goes to JSON, which says so, but not to YAML, whose readers would take it for good.
+/// Views that contradict the others, in one sentence; empty: none.
+std::string contradiction(const Result& result) {
+  constexpr std::size_t most = 5;
+  if (result.strays.empty()) return "";
+  std::vector<std::string> names;
+  double least = most_px, largest = 0;
+  for (const Stray& stray : result.strays) {
+    const double error = std::isfinite(stray.error_px) ? stray.error_px : most_px;
+    least = std::min(least, error);
+    largest = std::max(largest, error);
+    if (names.size() < most) names.push_back(fmt::format("{}.{}", stray.camera, stray.image));
+  }
+  const std::size_t count = result.strays.size();
+  const std::string errors[] = {fixedDecimals(least, 0), fixedDecimals(largest, 0)};
+  const std::string by = errors[0] == errors[1] ? errors[0] : errors[0] + " to " + errors[1];
+  const std::string all = fmt::format("{}{}", fmt::join(names, ", "),
+                                      count > most ? fmt::format(" and {} more", count - most) : "");
+  if (count == 1)
+    return fmt::format(
+        "an image contradicts the others, by {} px: {}; leave it out by --exclude, or correct its number", by,
+        all);
+  return fmt::format(
+      "{} images contradict the others, by {} px: {}; leave them out by --exclude, or correct their numbers",
+      count, by, all);
+}
+
+/// Whether what was found can be used.
+bool isSound(const Result& result) { return result.success() && result.strays.empty(); }
+
+/// A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would take it for good.
 void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings) {
   OutputFiles files;
   std::string said;
@@ -102,14 +142,16 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
     files.add(settings.json_file, toJson(result));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
-  if (result.success() && !settings.yaml_file.empty()) {
+  if (isSound(result) && !settings.yaml_file.empty()) {
     for (const OutputText& output : outputTexts(result, settings)) {
       files.add(output.file, output.text);
       said += fmt::format("written: {}\n", oneLine(output.file));
     }
   } else {
     for (const std::string& file : outputFiles(settings))
-      said += fmt::format("not written, because the fit failed: {}\n", oneLine(file));
+      said +=
+          fmt::format("not written, because {}: {}\n",
+                      result.success() ? "images contradict each other" : "the fit failed", oneLine(file));
   }
   if (!settings.report_file.empty()) {
     files.add(settings.report_file, toHtml(data, result));
@@ -201,13 +243,16 @@ Dataset readInTime(const CommandSettings& settings) {
 
 /// What is missing in a run that did not do all that it was asked for; empty otherwise.
 std::string failureOf(const Result& result) {
-  if (!result.success()) {
-    const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
+  const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
+  if (!result.success() && (result.strays.empty() || is_cut_short)) {
     return "the calibration failed: " +
            (result.undetermined.empty() || is_cut_short
                 ? result.message
                 : "the data do not determine all parameters: " + result.undetermined);
   }
+  if (!isSound(result))
+    return (result.success() ? "the calibration is of no use: " : "the calibration failed: ") +
+           contradiction(result);
   for (const std::optional<Comparison>& comparison : {result.comparison, result.board_comparison}) {
     if (comparison && !comparison->cut_short.empty())
       return "the comparison was cut short: " + comparison->cut_short;
@@ -227,7 +272,8 @@ void refuseExtras(const CLI::App& command) {
         "{0}: say which camera this is of: --camera NAME={0} for corners, --images NAME={0} for photographs",
         words.front()));
   }
-  throw CLI::ExtrasError(command.get_name(), words);
+  throw CLI::ExtrasError(command.get_name(),
+                         {words.rbegin(), words.rend()});  // it lists them from the last on
 }
 
 void run(const RawOptions& raw) {
@@ -302,8 +348,9 @@ void addCalibrateCommand(CLI::App& app) {
       .add_option("--corners-out", settings.corners_folder,
                   "folder for the corners found in photographs: NAME_corners.csv, which --camera reads")
       ->type_name("FOLDER");
-  command.add_option("--imu", settings.imu_file, "accelerometer readings, one for an image at most")
-      ->type_name("FILE");
+  command.add_option("--imu", raw->imu_files, "accelerometer readings, one for an image at most")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   command.add_option("--intrinsics", raw->model, "model of all cameras, by its parameters:\n" + modelTable())
       ->type_name("MODEL")
       ->default_str("opencv5");
@@ -392,7 +439,8 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("opencv|ros|kalibr");
   command
       .add_option("--image-size", raw->image_sizes,
-                  "of cameras with corner files, where these do not say it [px]; one or several")
+                  "of cameras with corner files, where these do not say it [px]; one or several, or one\n"
+                  "without a name, for those that are not named")
       ->type_name("NAME=WxH ...");
   command.add_flag("--quiet", settings.quiet, "print errors only");
   command.allow_extras();

@@ -328,6 +328,12 @@ void checkPaths(const CommandSettings& settings) {
 
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
+  if (raw.imu_files.size() > 1) {
+    throw UserError(fmt::format(
+        "--imu {}: it takes one file; put the readings of all parts of the recording into one, by the numbers of their images",
+        raw.imu_files.back()));
+  }
+  if (!raw.imu_files.empty()) settings.imu_file = raw.imu_files.front();
   parseSources(raw, settings);
   settings.robust = parseRobust(raw.robust);
   parseSigmaBy(raw, settings);

@@ -50,7 +50,7 @@ struct CommandSettings : Settings {
 
 /// The options as text, as CLI11 hands them over.
 struct RawOptions {
-  std::vector<std::string> cameras, images;
+  std::vector<std::string> cameras, images, imu_files;
   BoardOptions board;
   std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;

@@ -1,6 +1,10 @@
 #include "calibrate/sources.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -44,15 +48,36 @@ CameraFile& withName(const std::string& name, std::vector<CameraFile>& cameras) 
   return known != cameras.end() ? *known : cameras.emplace_back(CameraFile{name, "", {}, {}});
 }
 
+/// The file itself, by whatever path.
+std::string realPath(const std::string& file) {
+  std::error_code ignored;
+  const std::filesystem::path path = std::filesystem::canonical(file, ignored);
+  return ignored ? file : path.string();
+}
+
+/// A shell leaves a pattern within a word as it is.
+void requireNoPattern(const std::string& text, const std::string& file) {
+  std::error_code ignored;
+  if (file.find_first_of("*?,") == std::string::npos || std::filesystem::exists(file, ignored)) return;
+  throw UserError(fmt::format(
+      "--camera {}: there is no such file; a --camera takes one, so give the parts of a recording by one each",
+      text));
+}
+
 std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
   std::vector<CameraFile> cameras;
+  std::map<std::string, std::string> camera_of;  // file -> camera
   for (const std::string& text : texts) {
     const CameraFile one = parseNamed("--camera", text, "NAME=FILE, as in --camera left=left_corners.csv");
-    std::vector<std::string>& files = withName(one.name, cameras).files;
-    if (std::find(files.begin(), files.end(), one.file) != files.end())
+    requireNoPattern(text, one.file);
+    const auto [known, is_new] = camera_of.emplace(realPath(one.file), one.name);
+    if (!is_new && known->second == one.name)
       throw UserError(
           fmt::format("--camera {}: the file is given twice; give it once, or another camera's file", text));
-    files.push_back(one.file);
+    if (!is_new)
+      throw UserError(fmt::format("--camera {}: the file is camera {}'s already; give each camera its own",
+                                  text, known->second));
+    withName(one.name, cameras).files.push_back(one.file);
   }
   for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.files, " "));
   return cameras;
@@ -101,6 +126,7 @@ void parseSources(const RawOptions& raw, CommandSettings& settings) {
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
                                                  const std::vector<CameraFile>& cameras) {
   std::map<std::string, ImageSize> sizes;
+  std::set<std::string> named;  // "": the size of those that are not
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);
@@ -115,14 +141,24 @@ std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>&
           fmt::format("--image-size {}: write NAME=WIDTHxHEIGHT, as in --image-size left=640x480, {} pixels "
                       "at most on a side",
                       text, most_side_px));
-    bool is_known = false;
-    for (const CameraFile& camera : cameras) {
-      if (!name.empty() && camera.name != name) continue;
-      is_known = true;
-      sizes[camera.name] = size;
+    if (!named.insert(name).second) {
+      throw UserError(
+          name.empty()
+              ? fmt::format(
+                    "--image-size {}: there are two sizes without a camera's name; write NAME=WIDTHxHEIGHT",
+                    text)
+              : fmt::format("--image-size {}: the size of camera {} is given twice; keep one", text, name));
     }
-    if (!is_known)
-      throw UserError(fmt::format("--image-size {}: there is no camera {}; correct the name", text, name));
+    std::vector<std::string> names;
+    for (const CameraFile& camera : cameras) names.push_back(camera.name);
+    if (name.empty()) {
+      for (const std::string& camera : names) sizes.emplace(camera, size);
+    } else if (std::find(names.begin(), names.end(), name) != names.end()) {
+      sizes[name] = size;
+    } else {
+      throw UserError(fmt::format("--image-size {}: there is no camera {}; correct the name: {}", text, name,
+                                  fmt::join(names, ", ")));
+    }
   }
   return sizes;
 }

@@ -152,7 +152,7 @@ struct GrossCorner {
   std::string place{};  ///< CameraData::place
 };
 
-/// A view that the start values of the rig, the consensus of all common images, do not fit.
+/// A view that the start values of the rig, the consensus of all common images, do not fit, nor the calibration, if there is one.
 struct Stray {
   std::string camera;
   int image = 0;

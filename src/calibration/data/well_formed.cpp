@@ -68,15 +68,40 @@ void requireImagesOnce(const CameraData& camera) {
   }
 }
 
+/// Where to find a corner, if it is of a file with lines or a photograph, and its name.
+std::string placeAndName(const CameraData& camera, const View& view, const Corner& corner) {
+  const bool has_place = corner.line > 0 || !view.photo.empty() || !camera.file.empty();
+  return (has_place ? camera.place(view, corner) + ": " : "") + nameOf(camera, view, corner);
+}
+
 [[noreturn]] void refuse(const CameraData& camera, const View& view, const Corner& corner,
                          const std::string& what, double most, const char* unit) {
-  // A file and a line, or a photograph, help to find it.
-  const bool has_place = corner.line > 0 || !view.photo.empty() || !camera.file.empty();
   throw DataError(
       "slom.calibration.bad-corner",
-      fmt::format("{}{} {}; give finite coordinates of magnitude {:g} {} at most, or remove the corner",
-                  has_place ? camera.place(view, corner) + ": " : "", nameOf(camera, view, corner), what,
-                  most, unit),
+      fmt::format("{} {}; give finite coordinates of magnitude {:g} {} at most, or remove the corner",
+                  placeAndName(camera, view, corner), what, most, unit),
+      camera.name);
+}
+
+/// Pixel centres may have whole coordinates, or halves, and what finds corners may miss by a fraction.
+constexpr double beyond_border_px = 1;
+
+bool isInside(const vec2& pixel, double width, double height) {
+  return pixel.x() >= -beyond_border_px && pixel.x() <= width + beyond_border_px &&
+         pixel.y() >= -beyond_border_px && pixel.y() <= height + beyond_border_px;
+}
+
+void requireInside(const CameraData& camera, const View& view, const Corner& corner) {
+  const auto& [width, height] = *camera.image_size;
+  if (isInside(corner.pixel, width, height)) return;
+  throw DataError(
+      "slom.calibration.bad-corner",
+      fmt::format("{} is at the pixel {}, outside of images of {} x {} px{}; correct the size, or remove "
+                  "the corner",
+                  placeAndName(camera, view, corner), textOf(corner.pixel), width, height,
+                  isInside(corner.pixel, height, width) && width != height
+                      ? " (are width and height exchanged?)"
+                      : ""),
       camera.name);
 }
 
@@ -96,6 +121,7 @@ void requireCorners(const CameraData& camera, const View& view) {
       refuse(camera, view, corner, fmt::format("is at {} m in the world", textOf(corner.world)),
              most_corner_m, "m");
     }
+    if (camera.image_size) requireInside(camera, view, corner);
     if (corner.sigma >= least_corner_sigma && corner.sigma <= most_corner_sigma) continue;
     throw DataError(
         "slom.calibration.bad-corner",

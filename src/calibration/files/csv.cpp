@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,6 +52,17 @@ struct Lines {
 constexpr std::size_t longest_text =
     80;  // in a message: a file that is not a table may have lines of any length
 
+/// By its first bytes: JPEG, PNG, TIFF of either order of bytes, BMP, or PGM and PPM with binary numbers.
+bool isPhotograph(std::string_view text) {
+  constexpr std::string_view beginnings[] = {"\xFF\xD8\xFF", "\x89PNG", std::string_view("II*\0", 4),
+                                             std::string_view("MM\0*", 4)};
+  if (std::any_of(std::begin(beginnings), std::end(beginnings),
+                  [&](std::string_view beginning) { return text.starts_with(beginning); }))
+    return true;
+  return (text.starts_with("BM") || text.starts_with("P5") || text.starts_with("P6")) &&
+         text.substr(0, 1024).find_first_of(std::string_view("\0\xFF", 2)) != std::string_view::npos;
+}
+
 }  // namespace
 
 CsvRow::CsvRow(const std::string& file, const std::vector<std::string>& columns, int line,
@@ -90,6 +102,12 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
     : file_(std::move(file)), columns_(std::move(columns)) {
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));
   text_ = io::readWhole(file_);
+  if (isPhotograph(text_)) {
+    badFile(fmt::format(
+        "{}: this is a photograph, where a table with the header \"{}\" must be; slom calibrate takes photographs by "
+        "--images",
+        file_, header));
+  }
   Lines lines{text_};
   std::string_view text;
   if (!lines.next(text, comments_)) {

@@ -19,16 +19,27 @@ namespace {
 
 constexpr std::size_t longest_comment = 80;  // in a message
 
+/// Whether a comment is meant to state the size, however it is written: `Image size: 640x480`.
+bool isAboutSize(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](char c) {
+    return c == ' ' || c == '-' ? '_' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  });
+  return text.starts_with("image_size") && text.find_first_of("0123456789") != std::string::npos;
+}
+
 /// `image_size_px: 640 x 480`
 std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment) {
   constexpr std::string_view key = "image_size_px:";
-  if (!comment.text.starts_with(key)) return {};
-  const std::string_view text = trimmed(std::string_view(comment.text).substr(key.size()));
-  const std::size_t x = std::min(text.find('x'), text.size());
-  ImageSize size;
-  if (io::parseNumber(trimmed(text.substr(0, x)), size.width) && x < text.size() &&
-      io::parseNumber(trimmed(text.substr(x + 1)), size.height) && isPlausible(size))
-    return size;
+  const bool has_key = comment.text.starts_with(key);
+  if (!has_key && !isAboutSize(comment.text)) return {};
+  if (has_key) {
+    const std::string_view text = trimmed(std::string_view(comment.text).substr(key.size()));
+    const std::size_t x = std::min(text.find('x'), text.size());
+    ImageSize size;
+    if (io::parseNumber(trimmed(text.substr(0, x)), size.width) && x < text.size() &&
+        io::parseNumber(trimmed(text.substr(x + 1)), size.height) && isPlausible(size))
+      return size;
+  }
   badFile(
       fmt::format("{}:{}: the image size is \"{}\"; write it as in # image_size_px: 640 x 480, {} pixels at "
                   "most on a side",
@@ -96,8 +107,8 @@ CameraData readCorners(const std::string& camera_name, const std::vector<std::st
       const auto [known, is_new] = file_of.emplace(view.image, file);
       if (!is_new) {
         badFile(fmt::format(
-            "{}:{}: image {} of camera {} is in {} already; number the images of all files differently, or give the "
-            "files as those of two cameras",
+            "{}:{}: image {} of camera {} is in {} already; number the images of all files differently, in all cameras alike, put the rows "
+            "of one image into one file, or give the files as those of two cameras",
             file, view.corners.front().line, view.image, camera_name, known->second));
       }
       view.file = file;

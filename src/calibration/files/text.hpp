@@ -1,6 +1,7 @@
 // Texts in files, and what is said of those that are not as they should be.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -20,9 +21,11 @@ inline std::string_view trimmed(std::string_view text) {
                                          : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// The first characters of a text that is longer than `most`, and three dots.
+/// The first characters of a text that is longer than `most`, and three dots. Bytes of no text, which would end a message, are question marks.
 inline std::string shortened(std::string_view text, std::size_t most) {
-  return text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+  std::string part = text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
+  std::replace(part.begin(), part.end(), '\0', '?');
+  return part;
 }
 
 }  // namespace slom::calibration

@@ -61,6 +61,22 @@ std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& ca
   return views;
 }
 
+/// Without those that the fit of all fits as its camera's alone: the start values were far off there, not the images.
+inline void keepUnfitted(Result& result) {
+  constexpr double as_alone = 3;
+  if (!result.success()) return;
+  std::erase_if(result.strays, [&](const Stray& stray) {
+    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+      if (result.cameras[c].name != stray.camera) continue;
+      for (const ImageResult& image : result.images) {
+        if (image.image == stray.image && image.rms_px[c])
+          return *image.rms_px[c] <= as_alone * result.cameras[c].rms_px_single;
+      }
+    }
+    return false;
+  });
+}
+
 /// Whether they are most views of some camera: its numbers are not those of the others, and no fit of all is to be expected.
 inline bool areMost(const std::vector<Stray>& strays, const Dataset& data) {
   return std::any_of(data.cameras.begin(), data.cameras.end(), [&](const CameraData& camera) {
@@ -158,6 +174,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_single = rms_px_single[c];
   result.strays = strays;
+  keepUnfitted(result);
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
     result.imu->sign_evidence = imu->sign_evidence;

@@ -178,6 +178,20 @@ std::string unusedText(const CameraData& camera) {
   return text;
 }
 
+/// Images that none of the other cameras has: they say nothing of where the cameras are.
+std::string aloneText(const Dataset& data, const CameraData& camera) {
+  std::vector<std::string> images;
+  for (const View& view : camera.views) {
+    const bool is_alone = std::none_of(
+        data.cameras.begin(), data.cameras.end(),
+        [&](const CameraData& other) { return &other != &camera && other.find(view.image) != nullptr; });
+    if (is_alone) images.push_back(std::to_string(view.image));
+  }
+  if (data.cameras.size() < 2 || images.empty()) return "";
+  return fmt::format("  {}: in no other camera: {} {}\n", camera.name,
+                     images.size() == 1 ? "image" : "images", abridged(std::move(images)));
+}
+
 }  // namespace
 
 std::string dataText(const Dataset& data) {
@@ -186,7 +200,7 @@ std::string dataText(const Dataset& data) {
     text += fmt::format("  {:<10}{:>5} images {:>7} corners    {}\n", camera.name, camera.views.size(),
                         camera.cornerCount(), oneLine(camera.file));
   }
-  for (const CameraData& camera : data.cameras) text += unusedText(camera);
+  for (const CameraData& camera : data.cameras) text += unusedText(camera) + aloneText(data, camera);
   if (data.imu)
     text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "",
                         oneLine(data.imu->file));
