@@ -240,7 +240,7 @@ Comparison compared(const Dataset& data) {
 
 TEST(Comparison, ChoosesTheModelThatMadeTheData) {
   int too_large = 0;
-  for (unsigned seed = 0; seed < (slom::testing::has_sanitizers ? 1 : 5); ++seed) {
+  for (unsigned seed = 0; seed < (slom::testing::hasSanitizers() ? 1 : 5); ++seed) {
     const Dataset data =
         simulated(Opencv4<>{420., 425., 322., 243., -0.28, 0.09, 0.001, -0.0015}, Scene{}, seed);
     const Comparison comparison = compared(data);
@@ -257,7 +257,7 @@ TEST(Comparison, ChoosesTheModelThatMadeTheData) {
 TEST(Comparison, ChoosesAFisheyeForOne) {
   Scene scene;
   scene.nearest = 0.12;
-  for (unsigned seed = 0; seed < (slom::testing::has_sanitizers ? 1 : 3); ++seed) {
+  for (unsigned seed = 0; seed < (slom::testing::hasSanitizers() ? 1 : 3); ++seed) {
     const Comparison comparison = compared(simulated(fisheye, scene, seed));
     ASSERT_TRUE(comparison.chosen);
     EXPECT_EQ(comparison.chosenTrial().model, Model("fisheye")) << seed;

@@ -13,6 +13,7 @@
 #include "detect/rendered_board.hpp"
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -464,9 +465,7 @@ long peakMemory() {
 }
 
 TEST_F(Images, ManyTakeNoMoreMemoryThanFew) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the sanitizer keeps freed memory";
-#endif
+  if (slom::testing::hasSanitizers()) GTEST_SKIP() << "sanitizers keep freed memory";
   const json few = calibrated(stereo());
   const long memory_of_few = peakMemory();
   multiply(folder, 100);

@@ -91,7 +91,7 @@ TEST(Fuzz, CasesEndWell) {
 TEST(Fuzz, SpoiltCasesEndWell) {
   const char* const wanted = std::getenv("SLOM_FUZZ_MUTANTS");
   // Under the sanitizers the fuzzers themselves go on from here.
-  const int usual = slom::testing::has_sanitizers ? 20 : 200;
+  const int usual = slom::testing::hasSanitizers() ? 20 : 200;
   const int mutants = wanted == nullptr ? usual : std::atoi(wanted);
   for (const Target& target : targets()) {
     std::mt19937 random(1);

@@ -140,7 +140,7 @@ std::string corridors(int count) {
 }
 
 TEST(GraphStart, LongWaysTakeFewIterationsFromTheDefaultStart) {
-  const std::string content = corridors(slom::testing::has_sanitizers ? 500 : 4000);
+  const std::string content = corridors(slom::testing::hasSanitizers() ? 500 : 4000);
   const auto automatic = fitted(content);
   EXPECT_LE(automatic["iterations"].get<int>(), 10);
   const double redundancy = automatic["redundancy"];

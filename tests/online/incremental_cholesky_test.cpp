@@ -37,7 +37,7 @@ TEST(IncrementalCholesky, IsTheFactorFromScratchBitByBitAndSolves) {
       factor.setA(e, A);
       factor.setGradient(e, g);
     };
-    for (int i = 0; i < (testing::has_sanitizers ? 60 : 300); ++i) {
+    for (int i = 0; i < (testing::hasSanitizers() ? 60 : 300); ++i) {
       const int b = static_cast<int>(blocks.size());
       factor.insertBlock(b, 1 + b % 3);
       blocks.push_back(b);

@@ -148,7 +148,7 @@ class Walk {
 
 void expectOptimumAfterAnyOperations(unsigned seed, const Loss& loss, double most) {
   Walk walk(seed, loss);
-  for (int i = 0; i < (testing::has_sanitizers ? 60 : 200); ++i) {
+  for (int i = 0; i < (testing::hasSanitizers() ? 60 : 200); ++i) {
     walk.any();
     if (walk.uniform() < 0.3) continue;  // several changes at once
     const UpdateSummary online = walk.est.update();
@@ -212,7 +212,7 @@ TEST(OnlineFit, DoesNoMoreAlongALongerChain) {
   std::vector<VarID<Pose>> poses{est.insertRV(Pose(), false)};
   Pose truth;
   double linearized = 0, fronts = 0;
-  const int count = testing::has_sanitizers ? 1000 : 4000;
+  const int count = testing::hasSanitizers() ? 1000 : 4000;
   for (int i = 1; i < count; ++i) {
     const Pose motion({1, 0}, mtk::SO2<>(noise(0.1)));
     truth = truth * motion;

@@ -283,15 +283,15 @@ void expectToFollow(unsigned seed, int operations) {
 }
 
 TEST(Changes, LeadToTheStructureThatIsMadeFromScratch) {
-  const int operations = slom::testing::has_sanitizers ? 2000 : 10'000;
+  const int operations = slom::testing::hasSanitizers() ? 2000 : 10'000;
   for (unsigned seed = 1; seed <= 3 && !HasFailure(); ++seed) expectToFollow(seed, operations);
   // Small problems, in which what there is goes away again.
-  const unsigned last = slom::testing::has_sanitizers ? 100 : 1000;
+  const unsigned last = slom::testing::hasSanitizers() ? 100 : 1000;
   for (unsigned seed = 4; seed <= last && !HasFailure(); ++seed) expectToFollow(seed, 60);
 }
 
 TEST(Changes, LeadToTheFitsThatAreMadeFromScratchBitByBit) {
-  const int operations = slom::testing::has_sanitizers ? 1000 : 10'000;
+  const int operations = slom::testing::hasSanitizers() ? 1000 : 10'000;
   Play play(4);
   Fit follows(play.problem);
   long kept = 0, fits = 0;

@@ -15,6 +15,7 @@
 #include "calibration/fit/measurements.hpp"
 #include "calibration/quality/split_half.hpp"
 #include "quality/calibrated_rig.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -22,11 +23,7 @@ namespace {
 using testing::RigOptions;
 using testing::RigTruth;
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr int runs = 20;
-#else
-constexpr int runs = 200;
-#endif
+const int runs = slom::testing::hasSanitizers() ? 20 : 200;
 constexpr double normal_quantile = 3.2905;  // 1e-3, two-sided
 constexpr double at_infinity = std::numeric_limits<double>::infinity();
 

@@ -1,6 +1,7 @@
 #pragma once
 // Where tests find the source tree, the public data sets and the built command.
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -19,8 +20,11 @@ inline std::filesystem::path sharedDataPath(const std::string& relative) {
 }
 
 #ifdef SLOM_COMMAND
-/// The built command slom.
-inline std::filesystem::path commandPath() { return SLOM_COMMAND; }
+/// The built command slom, or what the environment variable SLOM_COMMAND names: another build's.
+inline std::filesystem::path commandPath() {
+  const char* other = std::getenv("SLOM_COMMAND");
+  return other ? other : SLOM_COMMAND;
+}
 #endif
 
 }  // namespace slom::testing

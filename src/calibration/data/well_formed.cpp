@@ -91,17 +91,29 @@ bool isInside(const vec2& pixel, double width, double height) {
          pixel.y() >= -beyond_border_px && pixel.y() <= height + beyond_border_px;
 }
 
-void requireInside(const CameraData& camera, const View& view, const Corner& corner) {
+/// Where more corners than are gross now and then lie outside of the images, it is the size that is wrong.
+void requireInside(const CameraData& camera) {
+  constexpr double most_outside = 0.05;  // of the corners
   const auto& [width, height] = *camera.image_size;
-  if (isInside(corner.pixel, width, height)) return;
+  const View* view = nullptr;
+  const Corner* first = nullptr;
+  std::size_t count = 0, swapped = 0;
+  for (const View& one : camera.views) {
+    for (const Corner& corner : one.corners) {
+      swapped += !isInside(corner.pixel, height, width);
+      if (isInside(corner.pixel, width, height) || count++ > 0) continue;
+      view = &one;
+      first = &corner;
+    }
+  }
+  if (double(count) <= most_outside * double(camera.cornerCount())) return;
   throw DataError(
       "slom.calibration.bad-corner",
-      fmt::format("{} is at the pixel {}, outside of images of {} x {} px{}; correct the size, or remove "
-                  "the corner",
-                  placeAndName(camera, view, corner), textOf(corner.pixel), width, height,
-                  isInside(corner.pixel, height, width) && width != height
-                      ? " (are width and height exchanged?)"
-                      : ""),
+      fmt::format(
+          "{} is at the pixel {}, outside of images of {} x {} px, as {} of {} corners are{}; correct the "
+          "size, or the corners",
+          placeAndName(camera, *view, *first), textOf(first->pixel), width, height, count,
+          camera.cornerCount(), swapped == 0 ? " (are width and height exchanged?)" : ""),
       camera.name);
 }
 
@@ -121,7 +133,6 @@ void requireCorners(const CameraData& camera, const View& view) {
       refuse(camera, view, corner, fmt::format("is at {} m in the world", textOf(corner.world)),
              most_corner_m, "m");
     }
-    if (camera.image_size) requireInside(camera, view, corner);
     if (corner.sigma >= least_corner_sigma && corner.sigma <= most_corner_sigma) continue;
     throw DataError(
         "slom.calibration.bad-corner",
@@ -176,6 +187,7 @@ void requireWellFormed(const Dataset& data) {
     requireImageSize(camera);
     requireImagesOnce(camera);
     for (const View& view : camera.views) requireCorners(camera, view);
+    if (camera.image_size) requireInside(camera);
   }
   if (data.imu) requireReadings(*data.imu);
 }
