@@ -30,8 +30,8 @@ TEST(CalibrateHostile, CornersOutsideOfTheStatedImages) {
   EXPECT_EQ(
       result.errors,
       "slom: " + hostile("nl.csv") +
-          ":3: corner 5 of image 1 of camera l is at the pixel (655.85, 112.477), outside of images of 640 x 480 px; correct "
-          "the size, or remove the corner\n");
+          ":3: corner 5 of image 1 of camera l is at the pixel (655.85, 112.477), outside of images of 640 x 480 px, as 128 of "
+          "144 corners are; correct the size, or the corners\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 
