@@ -16,6 +16,7 @@
 #include <slom/solve/dense_qr.hpp>
 
 #include "solve/random_problem.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace {
 
@@ -159,11 +160,7 @@ TEST(Solvers, TakeNoNoticeOfEmptyBlocks) {
 
 TEST(Solvers, AgreeOnChainsStarsGridsCliquesAndIslands) {
   std::mt19937 rng(11);
-#ifdef __SANITIZE_ADDRESS__
-  constexpr unsigned seeds = 1;  // a hundred times slower
-#else
-  constexpr unsigned seeds = 4;
-#endif
+  const unsigned seeds = slom::testing::hasSanitizers() ? 1 : 4;  // a hundred times slower
   for (unsigned seed = 0; seed < seeds; ++seed) {
     const int n = 25;
     RandomProblem chain(randomSizes(n, rng), seed), star(randomSizes(n, rng), seed),

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "calibration/fit/single_camera.hpp"
 #include "calibration/initialization/parallel_views.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/median.hpp"
 #include "slom/calibration/calibrate.hpp"
 #include "slom/calibration/comparison.hpp"
 #include "slom/calibration/error.hpp"
@@ -61,19 +64,26 @@ std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& ca
   return views;
 }
 
-/// Without those that the fit of all fits as its camera's alone: the start values were far off there, not the images.
+/// Without those that the fit fits like the other views of their camera: the start values were far off there, not the images.
 inline void keepUnfitted(Result& result) {
-  constexpr double as_alone = 3;
+  constexpr double much_worse = 3, least_px = 0.1;
   if (!result.success()) return;
-  std::erase_if(result.strays, [&](const Stray& stray) {
-    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-      if (result.cameras[c].name != stray.camera) continue;
-      for (const ImageResult& image : result.images) {
-        if (image.image == stray.image && image.rms_px[c])
-          return *image.rms_px[c] <= as_alone * result.cameras[c].rms_px_single;
-      }
+  std::map<std::string, std::size_t> index_of;
+  std::vector<double>
+      usual_px;  // of a camera's views; where most of them contradict others, that of the camera alone
+  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
+    std::vector<double> all;
+    for (const ImageResult& image : result.images) {
+      if (image.rms_px[c]) all.push_back(*image.rms_px[c]);
     }
-    return false;
+    usual_px.push_back(std::fmax(least_px, std::fmin(medianOf(all), result.cameras[c].rms_px_single)));
+    index_of[result.cameras[c].name] = c;
+  }
+  std::erase_if(result.strays, [&](const Stray& stray) {
+    const std::size_t c = index_of.at(stray.camera);
+    return std::any_of(result.images.begin(), result.images.end(), [&](const ImageResult& image) {
+      return image.image == stray.image && image.rms_px[c] && *image.rms_px[c] <= much_worse * usual_px[c];
+    });
   });
 }
 
