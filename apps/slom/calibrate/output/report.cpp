@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -192,6 +195,28 @@ std::string aloneText(const Dataset& data, const CameraData& camera) {
                      images.size() == 1 ? "image" : "images", abridged(std::move(images)));
 }
 
+/// How large the board is: by a slip of its unit all distances would be wrong, and a camera alone would come out the same.
+std::string boardText(const Dataset& data) {
+  const auto less = [](const vec3& a, const vec3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::set<vec3, decltype(less)> points(less);
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) {
+      for (const Corner& corner : view.corners) points.insert(corner.world);
+    }
+  }
+  if (points.empty()) return "";
+  const auto farthestFrom = [&](const vec3& origin) {
+    return *std::max_element(points.begin(), points.end(), [&](const vec3& a, const vec3& b) {
+      return (a - origin).squaredNorm() < (b - origin).squaredNorm();
+    });
+  };
+  const vec3 one = farthestFrom(*points.begin());  // at one end of the board, whatever its axes
+  return fmt::format("  {:<10}{:>5} points{:20}{:.3g} m across\n", "board", points.size(), "",
+                     (farthestFrom(one) - one).norm());
+}
+
 }  // namespace
 
 std::string dataText(const Dataset& data) {
@@ -201,6 +226,7 @@ std::string dataText(const Dataset& data) {
                         camera.cornerCount(), oneLine(camera.file));
   }
   for (const CameraData& camera : data.cameras) text += unusedText(camera) + aloneText(data, camera);
+  text += boardText(data);
   if (data.imu)
     text += fmt::format("  {:<10}{:>5} readings{:18}{}\n", "imu", data.imu->readings.size(), "",
                         oneLine(data.imu->file));
