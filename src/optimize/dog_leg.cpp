@@ -100,13 +100,14 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
         promised_damped = evaluator.predictedDecrease(ignored, damping);
     }
     const double rss = evaluator.tryStep(outcome.step);
-    const bool finite = std::isfinite(rss);
+    bool finite = std::isfinite(rss);
     const double decrease = outcome.rss_before - rss;
     const bool is_judged =
         !evaluator.mayBeRounding(decrease) || !evaluator.mayBeRounding(outcome.predicted_decrease);
     const bool is_noise = !is_judged && std::abs(decrease) <= Evaluator::kNoise * outcome.rss_before;
-    const bool is_better = finite && ((decrease > 0 && !is_noise) ||
-                                      (!is_judged && evaluator.cameCloser(damping, promised_damped)));
+    bool is_better = finite && ((decrease > 0 && !is_noise) ||
+                                (!is_judged && evaluator.cameCloser(damping, promised_damped)));
+    if (is_better && !evaluator.hasFiniteDerivatives()) is_better = finite = false;
     const double rho = !finite ? -1 : is_judged ? decrease / outcome.predicted_decrease : is_better ? 1 : 0;
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());

@@ -136,14 +136,23 @@ double Evaluator::tryLikelyStep(const Eigen::VectorXd& d) {
   }
 }
 
-bool Evaluator::cameCloser(const Eigen::VectorXd& damping, double promised) {
-  saved_is_linearized_ = false;
+bool Evaluator::hasFiniteDerivatives() {
+  if (linearized_at_ != problem_.valueRevision()) saved_is_linearized_ = false;
   try {
     linearize();
+    return true;
+  } catch (const Error& error) {
+    if (error.id() == "slom.not-finite" || error.id() == "slom.overflow") return false;
+    undo();
+    throw;
   } catch (...) {
     undo();
     throw;
   }
+}
+
+bool Evaluator::cameCloser(const Eigen::VectorXd& damping, double promised) {
+  if (!hasFiniteDerivatives()) return false;
   Eigen::VectorXd next;
   return (damping.size() == 0 ? solveUndamped(next) : solveDamped(damping, next)).ok &&
          predictedDecrease(next, damping) < promised;

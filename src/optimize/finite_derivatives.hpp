@@ -1,4 +1,4 @@
-/// Steps to a bound at which derivatives are not finite, as those of sqrt(limit - x) are.
+/// Steps to where derivatives are not finite, as those of sqrt(limit - x) at a bound or of 1 / (1 + exp(x)) for a large x.
 #pragma once
 
 #include "slom/optimize/algorithm.hpp"
@@ -6,9 +6,9 @@
 
 namespace slom {
 
-/// Linearises at the end of a step that was taken; where derivatives are not finite there, takes a part of the step in its place. Without
-/// bounds nothing is done. The outcome is not_finite, at the values before the step, where no part has finite derivatives and a
-/// smaller RSS.
+/// Linearises at the end of a step that an algorithm has taken. If derivatives are not finite there, replaces the step by a part of it that
+/// ends where they are and has a smaller RSS. If there is none, the outcome is not_finite and the values are those before the step.
+/// The algorithms of the library ask by themselves, except GaussNewton, which has no damping to raise.
 void shortenToFiniteDerivatives(Evaluator& evaluator, StepOutcome& outcome);
 
 }  // namespace slom

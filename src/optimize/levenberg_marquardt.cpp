@@ -90,7 +90,9 @@ StepOutcome LevenbergMarquardt::step(Evaluator& evaluator, const Options& option
       const bool is_better =
           (decrease > 0 && !is_noise) ||
           (was_finite && !is_judged && evaluator.cameCloser(damping, outcome.predicted_decrease));
-      if (is_better && outcome.predicted_decrease > 0) {
+      const bool is_candidate = is_better && outcome.predicted_decrease > 0;
+      if (is_candidate && !evaluator.hasFiniteDerivatives()) was_finite = false;
+      if (is_candidate && was_finite) {
         const double rho = is_judged ? decrease / outcome.predicted_decrease : 1;
         mu_ *= std::max(1.0 / 3, 1 - std::pow(2 * rho - 1, 3));
         nu_ = 2;

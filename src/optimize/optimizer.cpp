@@ -67,8 +67,14 @@ class Run {
     is_fresh_ = false;
     step_limits_ = limits_;
     std::optional<StopReason> reason;
-    while (!reason)
-      reason = summary_.iterations < limits_.max_iterations ? iterateOnce() : StopReason::max_iterations;
+    try {
+      while (!reason)
+        reason = summary_.iterations < limits_.max_iterations ? iterateOnce() : StopReason::max_iterations;
+    } catch (...) {  // the values stay the best ones reached
+      algorithm_->finish(evaluator_);
+      goBackToBest();
+      throw;
+    }
     algorithm_->finish(evaluator_);
     if (!isConverged(*reason)) {
       summary_.final_rss = evaluator_.rss();
@@ -184,7 +190,7 @@ class Run {
     if (!Restart::isCalledFor(first, summary_)) return first;
     restart.begin(first, summary_);
     Algorithm* const own = std::exchange(algorithm_, &restart.algorithm());
-    const StopReason second = iterate();
+    const StopReason second = iterateFrom(restart);
     algorithm_ = own;
     if (restart.hasSucceeded(second, summary_.final_rss)) {
       summary_.warnings.push_back(restart.warning());
@@ -193,6 +199,15 @@ class Run {
     const auto stop = interruption_.reason();
     const StopReason reason = restart.settle(second, summary_.final_rss);
     return stop.value_or(reason);
+  }
+
+  StopReason iterateFrom(Restart& restart) {
+    try {
+      return iterate();
+    } catch (...) {
+      restart.settle(StopReason::not_finite, summary_.final_rss);
+      throw;
+    }
   }
 
   // ---- stages of graduated non-convexity

@@ -82,7 +82,8 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
       if (best_ == nullptr) return outcome;
       takeBack(evaluator);  // uphill, to where the rank is missing
     } else {
-      const bool is_finite = outcome.kind == StepOutcome::Kind::taken;
+      const bool is_taken = outcome.kind == StepOutcome::Kind::taken;
+      const bool is_finite = is_taken && evaluator.hasFiniteDerivatives();
       if (is_finite && isAcceptable(evaluator, outcome)) return outcome;
       if (is_finite && best_ == nullptr && evaluator.isNearlyNothing(outcome.predicted_decrease, options)) {
         takeBack(evaluator);
@@ -91,9 +92,11 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
         return outcome;
       }
       event = std::string("the Gauss-Newton step made ") +
-              (is_finite ? "the RSS grow" : "a residual not finite") +
+              (is_finite  ? "the RSS grow"
+               : is_taken ? "a derivative not finite"
+                          : "a residual not finite") +
               "; it was taken back and Levenberg-Marquardt went on from there";
-      if (is_finite || best_ != nullptr) takeBack(evaluator);
+      if (is_taken || best_ != nullptr) takeBack(evaluator);
     }
     trials = outcome.trials;
     is_newton_ = false;

@@ -46,9 +46,12 @@ class Evaluator {
   /// The same for a step that is likely to stay: linearises there at once where derivatives cost little.
   double tryLikelyStep(const Eigen::VectorXd& d);
   /// Whether the last step led closer to the solution, judged without the RSS: linearises there, and checks whether the decrease
-  /// predicted for the solver's step with this damping is below `promised`, the predictedDecrease from before. Throws as
-  /// linearize, with the step taken back.
+  /// predicted for the solver's step with this damping is below `promised`, the predictedDecrease from before. Returns false where a
+  /// derivative is not finite.
   bool cameCloser(const Eigen::VectorXd& damping, double promised);
+  /// Linearises where the last tried step has led to. Returns false where a derivative or the RSS is not finite there. An algorithm accepts
+  /// a step only if it returns true.
+  bool hasFiniteDerivatives();
   /// `d`, shortened in each component that it would take beyond a bound.
   Eigen::VectorXd withinBounds(const Eigen::VectorXd& d) const;
   /// Takes the last tried step back; the linearisation is valid again.
