@@ -7,6 +7,7 @@
 #include "analyze/covariance.hpp"
 #include "analyze/diagnose.hpp"
 #include "analyze/fit_tables.hpp"
+#include "analyze/free_directions.hpp"
 #include "analyze/preflight.hpp"
 #include "analyze/profile.hpp"
 #include "analyze/residual_tests.hpp"
@@ -51,11 +52,13 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   current.reset();
   Summary before;
   fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
-  SolveStatus singular_at;
-  Summary summary =
-      run([&] { return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, singular_at); });
+  RankAtEnd rank;
+  Summary summary = run([&] {
+    return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, rank,
+                        [this] { return analyze(&findFreeDirections); });
+  });
   summary.groups = std::move(before.groups);
-  complete(summary, options, singular_at);
+  complete(summary, options, rank);
   return summary;
 }
 

@@ -10,6 +10,7 @@
 #include "base/threads.hpp"
 #include "online/online_fit.hpp"
 #include "slom/estimator.hpp"
+#include "slom/optimize/optimizer.hpp"
 #include "slom/solve/block_solver.hpp"
 
 namespace slom {
@@ -60,8 +61,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   GroupRefits refitGroups(const ClusterOptions& options);
   /// StepRecord::free_directions.
   int freeDirectionsAfterStep(const StepOutcome& outcome);
-  /// Completes what the optimisation has filled. `singular_at`: where the rank ran out, if it did.
-  void complete(Summary& summary, const Options& options, const SolveStatus& singular_at);
+  /// Completes what the optimisation has filled.
+  void complete(Summary& summary, const Options& options, const RankAtEnd& rank);
 
  private:
   void fillSizes(Summary& summary);
@@ -69,7 +70,7 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   void fillTables(Summary& summary, const Options& options);
   void addWarnings(Summary& summary, const Options& options);
   void explainRankDeficiency(Summary& summary, const Options& options);
-  std::string messageFor(const Summary& summary, const Options& options, const SolveStatus& singular_at);
+  std::string messageFor(const Summary& summary, const Options& options, const RankAtEnd& rank);
 };
 
 }  // namespace slom

@@ -39,6 +39,15 @@ std::string iterationLimitMessage(const Summary& summary) {
                          : "");
 }
 
+std::string lostRankMessage(const Problem& problem, const ProblemStructure& structure,
+                            const std::vector<int>& lost) {
+  std::vector<std::string> names;
+  for (const int unknown : lost) names.push_back(unknownName(problem, structure, unknown));
+  return "[slom.rank-deficient] the measurements determine " + listed(names) +
+         " at the start, but not where the fit has ended: it is a plateau or a saddle, not a minimum; start from "
+         "other values, or add bounds or priors that keep the fit away from there";
+}
+
 std::string noProgressMessage(const Evaluator::Promise& promise) {
   return std::string(toString(StopReason::no_progress)) +
          (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
@@ -48,9 +57,9 @@ std::string noProgressMessage(const Evaluator::Promise& promise) {
 }
 }  // namespace
 
-void Estimator::State::complete(Summary& summary, const Options& options, const SolveStatus& singular_at) {
+void Estimator::State::complete(Summary& summary, const Options& options, const RankAtEnd& rank) {
   fillSizes(summary);
-  summary.message = messageFor(summary, options, singular_at);
+  summary.message = messageFor(summary, options, rank);
   countFreeDirections(summary, options);
   fillTables(summary, options);
   addWarnings(summary, options);
@@ -110,10 +119,11 @@ void Estimator::State::explainRankDeficiency(Summary& summary, const Options& op
 }
 
 std::string Estimator::State::messageFor(const Summary& summary, const Options& options,
-                                         const SolveStatus& singular_at) {
+                                         const RankAtEnd& rank) {
   switch (summary.stop_reason) {
     case StopReason::rank_deficient:
-      return singularError(problem, evaluator.structure(), singular_at).what();
+      return rank.lost.empty() ? singularError(problem, evaluator.structure(), rank.singular_at).what()
+                               : lostRankMessage(problem, evaluator.structure(), rank.lost);
     case StopReason::max_iterations:
       return iterationLimitMessage(summary);
     case StopReason::no_progress:

@@ -10,6 +10,7 @@
 #include "optimize/graduation.hpp"
 #include "optimize/interruption.hpp"
 #include "optimize/lengths.hpp"
+#include "optimize/lost_rank.hpp"
 #include "optimize/options.hpp"
 #include "optimize/restart.hpp"
 #include "problem/value_snapshot.hpp"
@@ -22,19 +23,21 @@ namespace {
 /// One fit: iterations until there is a reason to stop; around them a second attempt or the stages of graduated non-convexity.
 class Run {
  public:
-  Run(Evaluator& evaluator, Algorithm& algorithm, const Options& options, bool sigma_is_estimated)
+  Run(Evaluator& evaluator, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
+      const std::function<FreeDirections()>& find_free)
       : evaluator_(evaluator),
         safeguarded_(options.fall_back ? algorithm.safeguarded() : nullptr),
         algorithm_(safeguarded_ ? safeguarded_.get() : &algorithm),
         options_(options),
         limits_(options),
         convergence_(evaluator, options, sigma_is_estimated),
-        interruption_(options) {
+        interruption_(options),
+        lost_rank_(evaluator, find_free) {
     evaluator_.setInterruption([this] { return interruption_.reason().has_value(); });
   }
   ~Run() { evaluator_.setInterruption({}); }
 
-  Summary go(SolveStatus& singular_at) {
+  Summary go(RankAtEnd& rank) {
     summary_.initial_rss = summary_.final_rss = evaluator_.linearize();
     most_iterations_ = limits_.max_iterations =
         iterationLimit(options_, evaluator_.structure().system.unknowns());
@@ -43,7 +46,7 @@ class Run {
     summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
                            : options_.graduated_non_convexity ? graduate()
                            : safeguarded_ != nullptr          ? iterateOrRestart()
-                                                              : iterate();
+                                                              : iterateToRank();
     if (summary_.stages > 0 && summary_.final_rss > summary_.initial_rss) warnOfRise();
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
@@ -51,7 +54,9 @@ class Run {
     const PhaseSeconds now = evaluator_.seconds();
     summary_.phases = {now.setup - before_.setup, now.linearize - before_.linearize,
                        now.factorize - before_.factorize, now.solve - before_.solve};
-    singular_at = singular_at_;
+    rank.singular_at = singular_at_;
+    if (has_lost_rank_ && summary_.stop_reason == StopReason::rank_deficient && lost_rank_.examine())
+      rank.lost = lost_rank_.unknowns();
     return std::move(summary_);
   }
 
@@ -82,6 +87,23 @@ class Run {
     }
     best_.reset();
     return *reason;
+  }
+
+  /// Iterates; where that ends at a saddle or on a plateau, leaves it by a step along a direction that has become free, if one leads
+  /// downhill, and goes on.
+  StopReason iterateToRank() {
+    constexpr int most_escapes = 20;
+    StopReason reason = iterate();
+    for (int escapes = 0; lost_rank_.isInDoubt(reason) && lost_rank_.examine(); ++escapes) {
+      if (escapes == most_escapes || !lost_rank_.escape()) {
+        has_lost_rank_ = true;
+        return StopReason::rank_deficient;
+      }
+      summary_.final_rss = evaluator_.linearize();
+      algorithm_->reset();
+      reason = iterate();
+    }
+    return reason;
   }
 
   /// Remembers the current values where they are the best so far, and the algorithm may leave them for worse ones.
@@ -186,7 +208,7 @@ class Run {
   /// ones found stays.
   StopReason iterateOrRestart() {
     Restart restart(evaluator_);
-    const StopReason first = iterate();
+    const StopReason first = iterateToRank();
     if (!Restart::isCalledFor(first, summary_)) return first;
     restart.begin(first, summary_);
     Algorithm* const own = std::exchange(algorithm_, &restart.algorithm());
@@ -203,7 +225,7 @@ class Run {
 
   StopReason iterateFrom(Restart& restart) {
     try {
-      return iterate();
+      return iterateToRank();
     } catch (...) {
       restart.settle(StopReason::not_finite, summary_.final_rss);
       throw;
@@ -218,7 +240,7 @@ class Run {
       summary_.warnings.push_back(
           "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass one to "
           "insertMeasurement, such as slom::GemanMcClure(3)");
-      return iterate();
+      return iterateToRank();
     }
     for (;;) {
       ++summary_.stages;
@@ -226,7 +248,7 @@ class Run {
       limits_ = graduation.limits(summary_.iterations, most_iterations_);
       if (graduation.isLast()) {
         if (summary_.stages > 1) algorithm_->reset();
-        return iterate();
+        return iterateToRank();
       }
       const StopReason reason = iterate();
       if (!endsTheFit(reason)) continue;
@@ -258,6 +280,8 @@ class Run {
   bool is_fresh_ = false;  // no step was taken since the algorithm was reset where it was stuck
   Convergence convergence_;
   Interruption interruption_;
+  LostRank lost_rank_;
+  bool has_lost_rank_ = false;
   std::optional<ValueSnapshot> best_;  // of an algorithm that may go uphill
   double best_rss_ = 0;
   int most_iterations_ = 0;
@@ -269,9 +293,10 @@ class Run {
 }  // namespace
 
 Summary runAlgorithm(Evaluator& evaluator, Algorithm& algorithm, const Options& options,
-                     bool sigma_is_estimated, SolveStatus& singular_at) {
+                     bool sigma_is_estimated, RankAtEnd& rank,
+                     const std::function<FreeDirections()>& find_free) {
   requireValid(options);
-  return Run(evaluator, algorithm, options, sigma_is_estimated).go(singular_at);
+  return Run(evaluator, algorithm, options, sigma_is_estimated, find_free).go(rank);
 }
 
 }  // namespace slom

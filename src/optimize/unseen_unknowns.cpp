@@ -73,6 +73,20 @@ std::vector<int> Evaluator::unseenUnknowns(const Eigen::VectorXd& d) {
   return unseen;
 }
 
+std::vector<int> Evaluator::unseenAtRest() {
+  std::vector<int> unseen;
+  const Eigen::VectorXd H = solver_->diagonal(), size = typicalSizes();
+  const Eigen::VectorXd effect = H.cwiseSqrt().cwiseProduct(size);
+  if (H.size() == 0) return unseen;
+  const double rounding =
+      std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
+  for (int i = 0; i < static_cast<int>(H.size()); ++i) {
+    if (H[i] > 0 && size[i] > 0 && effect[i] < rounding && !isTrueColumn(i, 1 / std::sqrt(H[i])))
+      unseen.push_back(i);
+  }
+  return unseen;
+}
+
 /// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
 /// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
 /// would gain. A column of rounding errors stays one everywhere.

@@ -243,9 +243,9 @@ struct Fit {
     static_cast<void>(
         evaluator.solveDamped(Eigen::VectorXd::Constant(result.diagonal.size(), 0.1), result.step));
     slom::LevenbergMarquardt algorithm;
-    slom::SolveStatus singular;
+    slom::RankAtEnd rank;
     const slom::Summary summary =
-        slom::runAlgorithm(evaluator, algorithm, {.max_iterations = 5}, false, singular);
+        slom::runAlgorithm(evaluator, algorithm, {.max_iterations = 5}, false, rank, {});
     result.end = coordinatesOf(problem);
     result.rss = summary.final_rss;
     result.iterations = summary.iterations;

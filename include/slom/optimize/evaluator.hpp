@@ -91,6 +91,11 @@ class Evaluator {
   Promise promise(bool carefully = true, double most = std::numeric_limits<double>::infinity());
   /// Takes the step of a promise if the RSS falls by at least a quarter of the predicted decrease. Returns whether it has.
   bool advance(const Promise& promise);
+  /// Unknowns whose columns of J are so short that moving them by their own size changes no residual beyond rounding, and whose moves by
+  /// 1 / |J_i| do not change the residuals as the column says: a fit has led to where nothing depends on them. Linearise first.
+  std::vector<int> unseenAtRest();
+  /// |x_i| of every unknown (1 for angles).
+  Eigen::VectorXd typicalSizes();
   /// The share of the length of a column of J above which it is more than errors of the derivatives and rounding in long chains of unknowns.
   static double digitsOfDerivatives(const Problem& problem);
   static constexpr double kExactDigits = 1e-10, kNumericDigits = 1e-8;
@@ -147,8 +152,6 @@ class Evaluator {
   void analyze();
   void requireRange();
   SolveStatus lookAgain(SolveStatus status, bool& has_changed);
-  /// |x_i| of every unknown (1 for angles).
-  Eigen::VectorXd typicalSizes();
 
   Problem& problem_;
   Linearizer& linearizer_;

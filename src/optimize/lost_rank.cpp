@@ -1,0 +1,133 @@
+#include "optimize/lost_rank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace slom {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Directions along which steps are tried, at most: each may need several hundred evaluations.
+constexpr Index kMostTried = 6;
+/// Entries below this share of a direction's largest do not count as moving.
+constexpr double kMoves = 1e-5;
+/// Least decrease of the RSS that a step along a free direction is taken for, relative to the RSS.
+constexpr double kLeastGain = 1e-9;
+
+/// Change of the RSS, relative to the RSS, up to which a move has left it the same.
+constexpr double kFlat = 1e-6;
+/// Lengths of steps, of moves that leave the RSS the same, and of steps from there: the largest change of a component, relative to its
+/// size.
+constexpr double kSteps[] = {10, 3, 1, 0.3, 0.1, 0.03, 0.01, 1e-3};
+constexpr double kFlatSteps[] = {0.25, 0.5, 0.75, 1.02, 1.1, 1.25, 1.5, 2, 3, 5, 10, 30, 100, 1e3, 1e4};
+constexpr double kSplitSteps[] = {0.3, 0.1, 0.03, 0.01};
+
+}  // namespace
+
+LostRank::LostRank(Evaluator& evaluator, const std::function<FreeDirections()>& find_free)
+    : evaluator_(evaluator), find_free_(find_free) {
+  if (find_free && evaluator.structure().system.unknowns() <= Summary::kMostCounted)
+    start_.emplace(evaluator.problem());
+}
+
+bool LostRank::isInDoubt(StopReason reason) {
+  if (!start_ || evaluator_.mustStop()) return false;
+  if (reason == StopReason::no_progress) return true;
+  return isConverged(reason) && reason != StopReason::nothing_to_do && !evaluator_.hadFullRank();
+}
+
+FreeDirections LostRank::find() {
+  FreeDirections found = find_free_();
+  evaluator_.linearize();
+  const Index n = evaluator_.structure().system.unknowns(), known = found.basis.cols();
+  std::vector<int> unseen = evaluator_.unseenAtRest();
+  std::erase_if(unseen, [&](int i) { return known > 0 && found.basis.row(i).cwiseAbs().maxCoeff() > 0; });
+  MatrixXd all = MatrixXd::Zero(n, known + static_cast<Index>(unseen.size()));
+  if (known > 0) all.leftCols(known) = found.basis;
+  for (std::size_t k = 0; k < unseen.size(); ++k) all(unseen[k], known + static_cast<Index>(k)) = 1;
+  found.count += static_cast<int>(unseen.size());
+  found.basis = std::move(all);
+  return found;
+}
+
+int LostRank::atStart() {
+  if (!at_start_) {
+    ValueSnapshot end(evaluator_.problem());
+    start_->restore();
+    const FreeDirections found = find();
+    at_start_ = found.count - found.gauge;
+    end.restore();
+  }
+  return *at_start_;
+}
+
+/// Directions as steps: the largest change of a component, relative to its size, is 1.
+MatrixXd LostRank::asSteps(MatrixXd basis) {
+  const VectorXd sizes =
+      evaluator_.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+  for (Index k = 0; k < basis.cols(); ++k) basis.col(k) /= basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+  return basis.leftCols(std::min(basis.cols(), kMostTried));
+}
+
+bool LostRank::examine() {
+  unknowns_.clear();
+  const FreeDirections found = find();
+  if (found.count - found.gauge <= 0 || found.count - found.gauge <= atStart()) return false;
+  steps_ = asSteps(found.basis);
+  for (Index i = 0; i < found.basis.rows(); ++i) {
+    const VectorXd moves = found.basis.row(i).cwiseAbs();
+    const VectorXd largest = found.basis.cwiseAbs().colwise().maxCoeff();
+    if ((moves.array() > kMoves * largest.array()).any()) unknowns_.push_back(static_cast<int>(i));
+  }
+  return true;
+}
+
+/// Tries steps along these directions from the current values. Remembers in `best_` where the RSS falls below `least_`.
+void LostRank::tryAlong(const MatrixXd& steps, std::span<const double> lengths) {
+  for (Index k = 0; k < steps.cols() && !evaluator_.mustStop(); ++k) {
+    for (const double length : lengths) {
+      for (const double sign : {1.0, -1.0}) {
+        const double rss = evaluator_.tryStep(sign * length * steps.col(k));
+        if (rss < least_ && evaluator_.hasFiniteDerivatives()) {
+          least_ = rss;
+          best_ = std::make_unique<ValueSnapshot>(evaluator_.problem());
+        }
+        evaluator_.undo();
+      }
+    }
+  }
+}
+
+/// Goes along each direction as far as the RSS stays the same, and tries steps along those that are free there.
+void LostRank::tryFromFlatMoves(double rss) {
+  ValueSnapshot here(evaluator_.problem());
+  for (Index k = 0; k < steps_.cols(); ++k) {
+    for (const double length : kFlatSteps) {
+      for (const double sign : {1.0, -1.0}) {
+        if (evaluator_.mustStop()) return;
+        const double moved = evaluator_.tryStep(sign * length * steps_.col(k));
+        if (std::abs(moved - rss) <= kFlat * rss && evaluator_.hasFiniteDerivatives())
+          tryAlong(asSteps(find().basis), kSplitSteps);
+        here.restore();
+      }
+    }
+  }
+}
+
+bool LostRank::escape() {
+  const double rss = evaluator_.linearize();
+  least_ = rss - kLeastGain * rss;
+  best_.reset();
+  tryAlong(steps_, kSteps);
+  if (best_ == nullptr) tryFromFlatMoves(rss);
+  if (best_ == nullptr) return false;
+  best_->restore();
+  return true;
+}
+
+}  // namespace slom
