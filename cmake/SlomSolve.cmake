@@ -46,6 +46,8 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # Its vectors are passed among its own functions alone, so nobody else need know how.
   set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp" APPEND PROPERTY COMPILE_OPTIONS -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    # Multiply-adds are written out: the same bits from every compiler and instruction set with FMA.
+    set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_OPTIONS -ffp-contract=off)
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
     set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
                  APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq)

@@ -59,6 +59,8 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   });
   summary.groups = std::move(before.groups);
   complete(summary, options, rank);
+  unconverged = summary.converged ? "" : toString(summary.stop_reason);
+  unconverged_revision = problem.valueRevision();
   return summary;
 }
 
@@ -226,14 +228,19 @@ void Estimator::addParametersTo(Summary& summary) const {
 }
 
 Diagnosis Estimator::diagnose() const {
-  return state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
+  Diagnosis result =
+      state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
+  result.unconverged = state_->whyUnconverged();
+  return result;
 }
 
 OutlierReport Estimator::outliers(const OutlierOptions& options) const {
   const double factor = state_->varianceFactor();
-  return state_->analyze([&](const LinearizedProblem& linearized) {
+  OutlierReport result = state_->analyze([&](const LinearizedProblem& linearized) {
     return checkResiduals(linearized, options, factor, state_->gauge);
   });
+  result.unconverged = state_->whyUnconverged();
+  return result;
 }
 
 Preflight Estimator::preflight() const {

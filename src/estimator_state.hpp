@@ -27,6 +27,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
+  std::string unconverged;                 ///< why the last fit has not converged; empty: it has
+  std::uint64_t unconverged_revision = 0;  ///< of the values where it ended
   GivenDerivatives given_derivatives;
 
   State() { evaluator.setSolver(*solver); }
@@ -53,6 +55,10 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
 
   /// A fit by this algorithm from the current values.
   Summary optimize(Algorithm& by, const Options& options);
+  /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
+  std::string whyUnconverged() const {
+    return problem.valueRevision() == unconverged_revision ? unconverged : "";
+  }
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
   /// Whether the current values count as a minimum, for statements that hold at one alone.

@@ -8,6 +8,7 @@
 #include "analyze/singular.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
+#include "problem/stated_noise.hpp"
 #include "slom/analyze/losses.hpp"
 
 namespace slom {
@@ -29,6 +30,14 @@ std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
 /// Whether a fit may take more time for what is said of it.
 bool hasTime(const Summary& summary, const Options& options) {
   return summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
+}
+
+/// Of the measurements that there are; `all` where there are none.
+StatedNoise statedNoise(const Problem& problem) {
+  if (statesAllNoise(problem)) return StatedNoise::all;
+  const bool any = std::any_of(problem.pools().begin(), problem.pools().end(),
+                               [](const auto& pool) { return statesNoise(*pool); });
+  return any ? StatedNoise::some : StatedNoise::none;
 }
 
 std::string iterationLimitMessage(const Summary& summary) {
@@ -74,6 +83,7 @@ void Estimator::State::fillSizes(Summary& summary) {
   summary.unknowns = structure.system.unknowns() - problem.activeSet().fixedOrActiveCount();
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = sigma == Sigma::estimated;
+  summary.stated_noise = statedNoise(problem);
 }
 
 void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {

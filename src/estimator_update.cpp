@@ -133,9 +133,12 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
     summary.optimize_iterations = fit.iterations;
     summary.message = "optimize() took over: " + fit.message;
     if (has_bounds) return summary;
-    // What it has left, by the factor that later calls go on from.
-    if (state.online->run(options, summary) && summary.converged != fit.converged)
+    // What it has left, by the factor that later calls go on from. Where optimize() has converged, rounding may hide from the factor that it
+    // has.
+    const bool is_known = state.online->run(options, summary);
+    if (is_known && summary.converged && !fit.converged)
       summary.message += "; " + messageOf(summary, options);
+    summary.converged = fit.converged || (is_known && summary.converged);
     return summary;
   });
 }

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <mtk/error.hpp>
+#include <slom/solve/instruction_set.hpp>
 
 #include "error.hpp"
 #include "printable.hpp"
@@ -107,7 +108,8 @@ int main(int argc, char** argv) {
       "Sparse least squares on manifolds: fits models to measurements and says how well it knows them.\n",
       "slom");
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_version_flag("--version", "slom " SLOM_VERSION);
+  app.set_version_flag(
+      "--version", [] { return fmt::format("slom {}, kernels: {}", SLOM_VERSION, slom::instructionSet()); });
   app.require_subcommand(1);
 #define SLOM_COMMAND(add) add(app);
 #include <commands.inc>

@@ -37,7 +37,8 @@ TEXT = """# Errors
 What a caller does wrong is an exception, `mtk::Error`, from which `slom::calibration::DataError` and `slom::initialize::Unreached` derive. Its
 text is one sentence: `[id] fault; remedy`. The id is stable between versions, so that a program can branch on `error.id()`;
 `error.subject()` names the variable, measurement, option or file, and `error.remedy()` is what stands after the last semicolon. After an
-exception the estimator is as it was before the call. What goes wrong in a fit for numerical reasons is no exception, but a `stop_reason` and a
+exception the estimator is as it was before the call; if a measurement function throws during a fit, the values are the best ones reached. What
+goes wrong in a fit for numerical reasons is no exception, but a `stop_reason` and a
 message of the summary.
 
 The messages are those of the tests that trigger them; `docs/site/errors.py --write` writes this page. Names and numbers are examples.

@@ -463,7 +463,8 @@ VectorXd ClusterScores::factorsOf(ClusterCorrection correction, int g) const {
   return factor.leverage.unaryExpr([&](double leverage) {
     const double left = 1 - leverage;
     if (left < kAlone) return 0.0;
-    if (correction == ClusterCorrection::cr2) return 1 / std::sqrt(left);
+    if (correction == ClusterCorrection::cr2 || correction == ClusterCorrection::by_leverage)
+      return 1 / std::sqrt(left);
     return correction == ClusterCorrection::cr3 ? 1 / left : 1.0;
   });
 }

@@ -31,6 +31,10 @@ class VariableNotes {
       if (share > kSaidShare)
         stated_.push_back(components[static_cast<std::size_t>(i)] + " " + number(100 * share, 2) + " %");
     }
+    for (std::size_t i = 0; i < covariance.carriers.size(); ++i) {
+      if (!covariance.carriers[i].empty())
+        carried_.push_back(components[i] + " (" + covariance.carriers[i] + ")");
+    }
     if (covariance.was_indefinite) indefinite_.push_back(name);
     if (covariance.was_smaller) smaller_.push_back(name);
     if (!state.isSeries()) return;
@@ -47,6 +51,8 @@ class VariableNotes {
     say("of the stated variance a part is determined by one group alone, or by measurements without a group, "
         "and is taken as stated: ",
         stated_);
+    say("single groups carry some values, and the standard deviations of these are by cr3, in brackets the group that counts most: ",
+        carried_);
     say("the covariance by several ways had negative eigenvalues, which count as 0: ", indefinite_);
     say("several ways together gave a smaller variance than one of them alone, which is taken: ", smaller_);
     say("the variance still grows at the largest length of blocks of which there are enough; errors are shared "
@@ -69,7 +75,7 @@ class VariableNotes {
     }
   }
 
-  std::vector<std::string> stated_, indefinite_, smaller_, growing_, alike_;
+  std::vector<std::string> stated_, carried_, indefinite_, smaller_, growing_, alike_;
 };
 
 }  // namespace

@@ -23,6 +23,7 @@ constexpr std::size_t kMostRecent = 8;  // variables whose columns are kept
 constexpr double kNoShare = 1e-6;       // of the stated variance: rounding
 constexpr int kMostWays = 4;
 constexpr double kRoundedVariance = 1e-9;  // relative difference of variances that is rounding
+constexpr double kLeverageMatters = 1.2;   // ratio of the standard deviations by cr3 and cr2
 
 /// The ways of grouping that are meant where none is named.
 std::vector<ClusterBy> usualWays(const Problem& problem) {
@@ -147,6 +148,26 @@ MatrixXd Clustered::State::refitted(const std::vector<int>& variables) const {
   return result;
 }
 
+VectorXd Clustered::State::wideningByLeverage(const ClusterScores& scores, const MatrixXd& Z,
+                                              std::vector<std::string>* carriers) const {
+  VectorXd ratio = VectorXd::Ones(Z.cols());
+  if (options.correction != ClusterCorrection::by_leverage || options.ordered) return ratio;
+  const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2),
+                 wide = scores.effects(Z, ClusterCorrection::cr3);
+  const double factor = scores.factorOf(ClusterCorrection::cr3);
+  for (Index i = 0; i < Z.cols(); ++i) {
+    const double square = usual.col(i).squaredNorm();
+    const double more = square > 0 ? std::sqrt(factor * wide.col(i).squaredNorm() / square) : 1;
+    if (!(more > kLeverageMatters)) continue;
+    ratio[i] = more;
+    if (carriers == nullptr) continue;
+    Index most = 0;
+    wide.col(i).cwiseAbs().maxCoeff(&most);
+    (*carriers)[at(i)] = scores.clustering().names[at(most)];
+  }
+  return ratio;
+}
+
 Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::vector<int>& variables) {
   const LinearizedProblem& all = problem();
   Index n = 0;
@@ -162,6 +183,7 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   const MatrixXd image = all.times(Z);
   stated = image.transpose() * image;
   Covariance result{MatrixXd::Zero(n, n), VectorXd::Zero(n)};
+  result.carriers.resize(at(n));
   MatrixXd as_stated = MatrixXd::Zero(n, n);
   VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
   for (const Term& term : level(l).terms) {
@@ -176,6 +198,8 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
       rest.row(i).setZero();
       rest.col(i).setZero();
     }
+    const VectorXd widening = wideningByLeverage(term.scores, Z, term.is_single ? &result.carriers : nullptr);
+    effects = (effects * widening.asDiagonal()).eval();
     const MatrixXd C =
         term.scores.factorOf(options.correction) * (effects.transpose() * effects) + variance_factor * rest;
     result.C += term.sign * C;
@@ -224,7 +248,12 @@ VectorXd Clustered::State::degreesOfFreedom(int variable, int l) {
     if (!term.is_single) continue;
     VectorXd rest = stated - term.scores.vouchedFor(Z, Z).diagonal();
     rest = (rest.array() > kNoShare * stated.array()).select(rest, 0).eval();
-    const VectorXd dof = satterthwaite(problem(), gauge, term.scores, options.correction, Z, rest);
+    VectorXd dof = satterthwaite(problem(), gauge, term.scores, options.correction, Z, rest);
+    const VectorXd widening = wideningByLeverage(term.scores, Z, nullptr);
+    if ((widening.array() > 1).any()) {
+      const VectorXd wide = satterthwaite(problem(), gauge, term.scores, ClusterCorrection::cr3, Z, rest);
+      dof = (widening.array() > 1).select(wide, dof).eval();
+    }
     least = least.size() == 0 ? dof : least.cwiseMin(dof).eval();
   }
   return least;

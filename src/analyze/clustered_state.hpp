@@ -44,6 +44,8 @@ struct [[gnu::visibility("hidden")]] Clustered::State {  // declared in a public
     Eigen::VectorXd stated_share;
     bool was_indefinite = false;
     bool was_smaller = false;  // than that by one way alone, which takes its place
+    std::vector<std::string>
+        carriers;  // by component: the group that carries it, where cr3 took the place of cr2; else empty
   };
 
   /// The problem; throws [slom.stale-clustered].
@@ -55,6 +57,10 @@ struct [[gnu::visibility("hidden")]] Clustered::State {  // declared in a public
   /// Columns of H^-1, or of what a robust cost has in its place; 0 for what is fixed or at an active bound. Unknowns x dof.
   Eigen::MatrixXd columns(int variable);
   Covariance covarianceAt(int l, const std::vector<int>& variables);
+  /// By how much standard deviations by cr3 are larger than those by cr2, by column of Z; 1 where that is within a fifth, or the user has
+  /// chosen the correction. `carriers` gets the group that contributes most where it is more.
+  Eigen::VectorXd wideningByLeverage(const ClusterScores& scores, const Eigen::MatrixXd& Z,
+                                     std::vector<std::string>* carriers) const;
   Covariance covariance(const std::vector<int>& variables);
   /// The columns of GroupRefits::change of these variables.
   Eigen::MatrixXd refitted(const std::vector<int>& variables) const;

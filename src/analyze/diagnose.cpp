@@ -107,6 +107,14 @@ class Examination {
     }
   }
 
+  bool dependsByDifferences(int variable) const {
+    bool depends = false;
+    problem_.forEachUse(variable, [&](const MeasurementPool& pool, int) {
+      depends = depends || pool.derivatives() == DerivativeSource::numeric;
+    });
+    return depends;
+  }
+
   void findUnobserved(const NearNullSpace& least) {
     std::map<int, std::vector<std::string>> components_of;  // by variable
     for (const int unknown : least.unobserved) {
@@ -119,8 +127,11 @@ class Examination {
       } else {
         add(Kind::unobserved_component, true,
             "no residual changes with " + listed(names) +
-                ", to first order: add measurements that do or a prior, or fix " +
-                (names.size() == 1 ? "it" : "them"),
+                (dependsByDifferences(variable)
+                     ? ", by differences of small steps: if the function rounds its results, pass larger "
+                       "steps, as in slom::numeric(f, slom::differences(1e-2)); otherwise add"
+                     : ", to first order: add") +
+                " measurements that do or a prior, or fix " + (names.size() == 1 ? "it" : "them"),
             names, static_cast<int>(names.size()));
       }
     }
@@ -312,8 +323,8 @@ class Examination {
 Diagnosis diagnose(const LinearizedProblem& linearized) { return Examination(linearized).run(); }
 
 std::string Diagnosis::text() const {
-  std::string all = "rank " + std::to_string(rank) + " of " + counted(unknowns, "unknown") + ", " +
-                    counted(residuals, "residual") + "\n";
+  std::string all = unconvergedLine(unconverged) + "rank " + std::to_string(rank) + " of " +
+                    counted(unknowns, "unknown") + ", " + counted(residuals, "residual") + "\n";
   for (const Finding& finding : findings)
     all += std::string(finding.is_fault ? "  fault: " : "  hint: ") + finding.text + "\n";
   return all;

@@ -113,6 +113,24 @@ std::string groupChiSquares(const Summary& summary) {
   return text;
 }
 
+/// What the standard deviations of measurements are; where none was stated, what the residuals say of the 1 that stands in for them.
+std::string sigmaWords(const Summary& summary) {
+  const double factor = std::sqrt(summary.chi2PerDof());
+  const bool states_none = summary.stated_noise == StatedNoise::none;
+  if (summary.sigma_is_estimated)
+    return format(states_none ? "standard deviations are estimated: %.4g for each residual"
+                              : "standard deviations are estimated: those stated, times %.4g",
+                  factor);
+  if (states_none)
+    return "no standard deviation was stated, 1 is assumed" +
+           (summary.hasLosses() || !summary.converged
+                ? std::string()
+                : format("; the residuals show %.3g: setSigma(slom::Sigma::estimated) takes that", factor));
+  return summary.stated_noise == StatedNoise::some
+             ? "standard deviations are taken as stated, and as 1 where none was"
+             : "standard deviations are taken as stated";
+}
+
 std::string freeDirections(const Summary& summary) {
   return summary.free_directions == 0 ? "" : " + " + counted(summary.free_directions, "free direction");
 }
@@ -133,10 +151,7 @@ std::string report(const Summary& summary) {
   if (summary.redundancy > 0) {
     text += format("  %s / dof = %.6g; ", summary.hasLosses() ? "robust RSS" : "chi-square",
                    summary.chi2PerDof());
-    text += summary.sigma_is_estimated
-                ? format("standard deviations are estimated: those stated, times %.4g\n",
-                         std::sqrt(summary.chi2PerDof()))
-                : std::string("standard deviations are taken as stated\n");
+    text += sigmaWords(summary) + "\n";
   }
   text += groupChiSquares(summary);
   if (!summary.parameters.empty()) text += parameterTable(summary);

@@ -1,10 +1,12 @@
 #include "analyze/residual_tests.hpp"
 
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <ostream>
 
+#include "analyze/singular.hpp"
 #include "base/classic_numbers.hpp"
 #include "base/decompositions.hpp"
 #include "base/index.hpp"
@@ -182,7 +184,7 @@ int OutlierReport::suspects() const {
 
 std::string OutlierReport::text() const {
   const ClassicNumbers points;
-  std::string all;
+  std::string all = unconvergedLine(unconverged);
   char line[200];
   for (const GroupCheck& group : groups) {
     std::snprintf(line, sizeof line,

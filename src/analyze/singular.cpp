@@ -10,6 +10,12 @@ std::string unmeasured(const std::string& name) {
          ", so nothing determines it; add measurements or fix it with fix(id)";
 }
 
+std::string unconvergedLine(const std::string& reason) {
+  return reason.empty() ? ""
+                        : "the last fit has not converged (" + reason +
+                              "): what follows holds at the values where it ended\n";
+}
+
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
   const int variable = variableOf(structure, unknown), component = unknown - structure.offsetOf(variable);
   return problem.componentNames(variable)[static_cast<std::size_t>(component)];

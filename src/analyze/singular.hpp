@@ -22,4 +22,7 @@ std::string unmeasured(const std::string& name);
 /// A sentence for each optimised variable that no measurement depends on.
 std::vector<std::string> unmeasuredVariables(const Problem& problem);
 
+/// The first line of what is said of values at which a fit has ended without having converged, for this reason; empty without one.
+std::string unconvergedLine(const std::string& reason);
+
 }  // namespace slom

@@ -184,6 +184,9 @@ std::string Summary::json() const {
       .add("final_rss", final_rss)
       .add("chi2_per_dof", chi2PerDof())
       .add("sigma", jsonText(sigma_is_estimated ? "estimated" : "known"))
+      .add("stated_noise", jsonText(stated_noise == StatedNoise::all    ? "all"
+                                    : stated_noise == StatedNoise::some ? "some"
+                                                                        : "none"))
       .add("seconds", secondsJson(*this))
       .add("groups", jsonArray(groups, each))
       .add("parameters", jsonArray(parameters, each))

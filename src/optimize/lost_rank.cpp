@@ -15,15 +15,15 @@ using Eigen::VectorXd;
 /// Directions along which steps are tried, at most: each may need several hundred evaluations.
 constexpr Index kMostTried = 6;
 /// Entries below this share of a direction's largest do not count as moving.
-constexpr double kMoves = 1e-5;
+constexpr double kMovesAlong = 1e-5;
 /// Least decrease of the RSS that a step along a free direction is taken for, relative to the RSS.
 constexpr double kLeastGain = 1e-9;
 
 /// Change of the RSS, relative to the RSS, up to which a move has left it the same.
-constexpr double kFlat = 1e-6;
+constexpr double kSameRss = 1e-6;
 /// Lengths of steps, of moves that leave the RSS the same, and of steps from there: the largest change of a component, relative to its
 /// size.
-constexpr double kSteps[] = {10, 3, 1, 0.3, 0.1, 0.03, 0.01, 1e-3};
+constexpr double kEscapeSteps[] = {10, 3, 1, 0.3, 0.1, 0.03, 0.01, 1e-3};
 constexpr double kFlatSteps[] = {0.25, 0.5, 0.75, 1.02, 1.1, 1.25, 1.5, 2, 3, 5, 10, 30, 100, 1e3, 1e4};
 constexpr double kSplitSteps[] = {0.3, 0.1, 0.03, 0.01};
 
@@ -70,7 +70,8 @@ int LostRank::atStart() {
 MatrixXd LostRank::asSteps(MatrixXd basis) {
   const VectorXd sizes =
       evaluator_.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
-  for (Index k = 0; k < basis.cols(); ++k) basis.col(k) /= basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+  for (Index k = 0; k < basis.cols(); ++k)
+    basis.col(k) /= basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
   return basis.leftCols(std::min(basis.cols(), kMostTried));
 }
 
@@ -82,7 +83,7 @@ bool LostRank::examine() {
   for (Index i = 0; i < found.basis.rows(); ++i) {
     const VectorXd moves = found.basis.row(i).cwiseAbs();
     const VectorXd largest = found.basis.cwiseAbs().colwise().maxCoeff();
-    if ((moves.array() > kMoves * largest.array()).any()) unknowns_.push_back(static_cast<int>(i));
+    if ((moves.array() > kMovesAlong * largest.array()).any()) unknowns_.push_back(static_cast<int>(i));
   }
   return true;
 }
@@ -111,7 +112,7 @@ void LostRank::tryFromFlatMoves(double rss) {
       for (const double sign : {1.0, -1.0}) {
         if (evaluator_.mustStop()) return;
         const double moved = evaluator_.tryStep(sign * length * steps_.col(k));
-        if (std::abs(moved - rss) <= kFlat * rss && evaluator_.hasFiniteDerivatives())
+        if (std::abs(moved - rss) <= kSameRss * rss && evaluator_.hasFiniteDerivatives())
           tryAlong(asSteps(find().basis), kSplitSteps);
         here.restore();
       }
@@ -123,7 +124,7 @@ bool LostRank::escape() {
   const double rss = evaluator_.linearize();
   least_ = rss - kLeastGain * rss;
   best_.reset();
-  tryAlong(steps_, kSteps);
+  tryAlong(steps_, kEscapeSteps);
   if (best_ == nullptr) tryFromFlatMoves(rss);
   if (best_ == nullptr) return false;
   best_->restore();

@@ -93,7 +93,7 @@ class Run {
   /// downhill, and goes on.
   StopReason iterateToRank() {
     constexpr int most_escapes = 20;
-    StopReason reason = iterate();
+    StopReason reason = iterateToFullRank();
     for (int escapes = 0; lost_rank_.isInDoubt(reason) && lost_rank_.examine(); ++escapes) {
       if (escapes == most_escapes || !lost_rank_.escape()) {
         has_lost_rank_ = true;
@@ -101,9 +101,24 @@ class Run {
       }
       summary_.final_rss = evaluator_.linearize();
       algorithm_->reset();
-      reason = iterate();
+      reason = iterateToFullRank();
     }
     return reason;
+  }
+
+  /// Iterates; where Gauss-Newton has gone on with damping past unknowns that large residuals have hidden, asks at the end for the rank, as
+  /// undamped steps do.
+  StopReason iterateToFullRank() {
+    const StopReason reason = iterate();
+    if (safeguarded_ == nullptr || algorithm_ != safeguarded_.get() || !isConverged(reason) ||
+        evaluator_.hadFullRank() || !evaluator_.isSolverExact())
+      return reason;
+    Eigen::VectorXd ignored;
+    evaluator_.linearize();
+    const SolveStatus status = evaluator_.solveUndamped(ignored);
+    if (status.ok || !evaluator_.wasHidden()) return reason;
+    singular_at_ = status;
+    return StopReason::rank_deficient;
   }
 
   /// Remembers the current values where they are the best so far, and the algorithm may leave them for worse ones.

@@ -117,10 +117,12 @@ SolveStatus Evaluator::solveUndamped(Eigen::VectorXd& step) {
   SolveStatus status = lookAgain(solve({}, step), has_changed);
   if (has_changed) status = solve({}, step);
   full_rank_at_ = ~structured_at_;
+  was_hidden_ = false;
   if (!status.ok) return status;
   clearConstrained(step);
   const std::vector<int> unseen = unseenUnknowns(step);
-  if (!unseen.empty()) return {false, unseen.front(), 0, 0};
+  was_hidden_ = !unseen.empty();
+  if (was_hidden_) return {false, unseen.front(), 0, 0};
   full_rank_at_ = structured_at_;
   return status;
 }

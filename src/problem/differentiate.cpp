@@ -3,14 +3,19 @@
 /// The best step h of a component of typical size |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
 /// bends over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). For components
 /// near zero the value does not show its scale; there the step shrinks until two steps agree.
+/// Within bounds: where x_c +- h leaves them, differences of second order to one side,
+///   J(:, c) = s (-3 f(x) + 4 f(x [+] s h e_c) - f(x [+] 2 s h e_c)) / 2h,  s = +-1
 /// Extrapolated (Richardson): (4 D(h/2) - D(h)) / 3 of steps about eps^(1/5), with an error of order h^4.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "base/words.hpp"
 #include "slom/problem/measurement_pool.hpp"
 
 namespace slom {
@@ -96,6 +101,13 @@ class CentralDifferences {
         kind_(kind),
         evaluate_(evaluate) {}
 
+  /// How far the component may move down and up before it leaves its bounds.
+  void setRoom(double down, double up) {
+    down_ = down;
+    up_ = up;
+  }
+  /// The derivative along component c by steps of this length.
+  int columnBy(int c, double step, double* out) { return difference(c, step, out); }
   /// The derivative along component c, whose size is given. Returns the length of the residual; `out` is complete when
   /// that is the right one.
   int column(int c, double size, double* out) {
@@ -111,13 +123,24 @@ class CentralDifferences {
 
  private:
   int difference(int c, double h, double* out) {
+    if (h > down_ || h > up_) return oneSided(c, h, out);
     if (const int got = shifted(c, h, plus_); got != rows_) return got;
     if (const int got = shifted(c, -h, minus_); got != rows_) return got;
     for (int i = 0; i < rows_; ++i) out[i] = (plus_[i] - minus_[i]) / (2 * h);
     return rows_;
   }
 
+  int oneSided(int c, double h, double* out) {
+    const double side = up_ >= down_ ? 1 : -1, room = std::max(up_, down_);
+    h = side * std::min(h, room / 2);
+    if (const int got = shifted(c, h, plus_); got != rows_) return got;
+    if (const int got = shifted(c, 2 * h, minus_); got != rows_) return got;
+    for (int i = 0; i < rows_; ++i) out[i] = (4 * plus_[i] - 3 * here_[i] - minus_[i]) / (2 * h);
+    return rows_;
+  }
+
   int forward(int c, double h, double* out) {
+    if (h > up_) h = -std::min(h, down_);
     if (const int got = shifted(c, h, plus_); got != rows_) return got;
     for (int i = 0; i < rows_; ++i) out[i] = (plus_[i] - here_[i]) / h;
     return rows_;
@@ -188,13 +211,46 @@ class CentralDifferences {
   const double* here_;
   Differences kind_;
   const Evaluate& evaluate_;
+  double down_ = kNoGap, up_ = kNoGap;
 };
+
+/// How far component c at coordinate x may move before it leaves its bounds.
+std::pair<double, double> roomOf(const std::vector<ComponentBound>& bounds, int c, double x) {
+  for (const ComponentBound& bound : bounds) {
+    if (bound.component == c && bound.upper > bound.lower)
+      return {std::max(0.0, x - bound.lower), std::max(0.0, bound.upper - x)};
+  }
+  return {kNoGap, kNoGap};
+}
 
 }  // namespace
 
-int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differences kind) {
+DifferenceStep differences(double relative, std::vector<double> sizes) {
+  const auto require = [](double number, const char* what) {
+    if (number > 0 && std::isfinite(number)) return;
+    throw Error(
+        "slom.bad-option",
+        std::string(what) + " of differences is " + slom::number(number, 6) + "; pass a positive number",
+        "differences");
+  };
+  require(relative, "the step");
+  for (const double size : sizes) require(size, "a typical size");
+  return {relative, std::move(sizes)};
+}
+
+int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differences kind,
+                                   const DifferenceStep* step) {
   if (const int got = evaluateOne(i, rows, r); got != rows) return got;
   const auto evaluate = [&](double* out) { return evaluateOne(i, rows, out); };
+  std::size_t columns = 0;
+  if (step != nullptr && !step->sizes.empty() && step->sizes.size() != at(this->columns(i))) {
+    throw Error("slom.bad-option",
+                std::to_string(step->sizes.size()) +
+                    " typical sizes were passed to differences, but measurement " + measurementName(i) +
+                    " has " + counted(this->columns(i), "component") +
+                    " of its variables; pass one for each, or none",
+                measurementName(i));
+  }
   for (int k = 0; k < arity_; ++k) {
     const VariableRecord& record = table_[at(variables(i)[k])];
     const int dof = record.dof;
@@ -208,11 +264,23 @@ int MeasurementPool::differentiate(int i, int rows, double* r, double* J, Differ
       Redirected variable(argument(i, k), *record.store);
       record.store->typicalSizesOf(variable.original(), sizes);
       CentralDifferences differences(variable, rows, delta, sizes + dof, r, kind, evaluate);
+      const std::vector<ComponentBound>& bounds = active_.bounds(variables(i)[k]);
+      std::vector<double> x(bounds.empty() ? 0 : at(dof));
+      if (!x.empty()) record.store->coordinates(variable.original(), x.data());
       for (int c = 0; c < dof; ++c) {
         double* const column = J + static_cast<std::ptrdiff_t>(c) * rows;
-        if (const int got = differences.column(c, sizes[c], column); got != rows) return got;
+        if (!x.empty()) {
+          const auto [down, up] = roomOf(bounds, c, x[at(c)]);
+          differences.setRoom(down, up);
+        }
+        const double size = step == nullptr || step->sizes.empty() ? sizes[c] : step->sizes[columns + at(c)];
+        const int got = step != nullptr
+                            ? differences.columnBy(c, step->relative * (size > 0 ? size : 1), column)
+                            : differences.column(c, size, column);
+        if (got != rows) return got;
       }
     }
+    columns += at(dof);
     J += static_cast<std::ptrdiff_t>(rows) * dof;
   }
   return rows;

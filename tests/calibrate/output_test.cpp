@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <slom/solve/instruction_set.hpp>
+
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/json.hpp"
@@ -202,7 +204,7 @@ TEST(Report, CommandWithoutOrWithUnknownSubcommand) {
   EXPECT_EQ(unknown_one.errors, "slom: callibrate is not a subcommand; see slom --help\n");
   EXPECT_EQ(unknown_one.exit_code, 2);
   const auto version = slom::testing::runCommand({command, "--version"});
-  EXPECT_EQ(version.output, "slom " SLOM_VERSION "\n");
+  EXPECT_EQ(version.output, std::string("slom " SLOM_VERSION ", kernels: ") + slom::instructionSet() + "\n");
   EXPECT_EQ(version.exit_code, 0);
 }
 

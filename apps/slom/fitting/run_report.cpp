@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
+#include <slom/solve/instruction_set.hpp>
+
 #include "fitting/progress.hpp"
 
 namespace slom::app {
@@ -79,6 +81,7 @@ std::string toJson(const RunReport& report) {
                {"sigma", s.sigma_is_estimated ? "estimated" : "known"},
                {"threads", report.threads},
                {"solver", s.solver},
+               {"kernels", instructionSet()},
                {"seconds",
                 {{"load", report.load_seconds},
                  {"setup", report.setup_seconds + phases.setup},

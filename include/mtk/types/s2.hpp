@@ -2,7 +2,8 @@
 ///   state    v in R^3, |v| = 1 (kept to a few rounding errors)            [1]
 ///   tangent  (a, b): arc along two axes orthogonal to v, DOF = 2          [rad]
 ///   x [+] d  walks |d| along the great circle; injective for |d| < pi
-///   y [-] x  the shortest such d; for y = -x, where all are shortest, (pi, 0)
+///   y [-] x  the shortest such d; for y = -x, where all are shortest, (pi, 0), with derivatives along that great circle, so that a fit
+///            which starts there leaves it
 ///   source   Hertzberg et al. 2013, appendix A.4; axes: Duff et al., "Building an orthonormal basis,
 ///            revisited", 2017, listing 3
 #pragma once
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mtk/detail/long_turn.hpp"
 #include "mtk/types/so2.hpp"
 #include "mtk/types/so3.hpp"
 
@@ -61,8 +63,13 @@ class S2 {
   const S& z() const { return v_[2]; }
 
   void boxplus(vectview<const S, 2> d, S scale = S(1)) {
-    const S a = scale * d[0], b = scale * d[1];
-    const S square = a * a + b * b;
+    S a = scale * d[0], b = scale * d[1];
+    S square = a * a + b * b;
+    if (!detail::allOf(square <= S(detail::kLongestTurn<S> * detail::kLongestTurn<S>))) {
+      a = detail::shortenedTurn(a);
+      b = detail::shortenedTurn(b);
+      square = a * a + b * b;
+    }
     const auto [along, across] = detail::branch(
         square < S(detail::epsilon<S>),
         [&] {
@@ -92,7 +99,8 @@ class S2 {
           return S(atan2(across, along) / across);
         });
     const auto opposite = !(square > S(0)) && along <= S(0);
-    out << select(opposite, S(detail::two_pi<S> / 2), S(factor * a)), select(opposite, S(0), S(factor * b));
+    out << select(opposite, S(S(detail::two_pi<S> / 2) - a), S(factor * a)),
+        select(opposite, b, S(factor * b));
   }
 
   struct MtkState {

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/long_turn.hpp"
 #include "mtk/types/vect.hpp"
 
 namespace mtk {
@@ -80,8 +81,14 @@ class SO3 {
 
   /// Rotation by the angle |scale * d| about the axis d.
   static SO3 exp(vectview<const S, 3> d, S scale = S(1)) {
-    const S x = scale * d[0], y = scale * d[1], z = scale * d[2];
-    const S square = x * x + y * y + z * z;
+    S x = scale * d[0], y = scale * d[1], z = scale * d[2];
+    S square = x * x + y * y + z * z;
+    if (!detail::allOf(square <= S(detail::kLongestTurn<S> * detail::kLongestTurn<S>))) {
+      x = detail::shortenedTurn(x);
+      y = detail::shortenedTurn(y);
+      z = detail::shortenedTurn(z);
+      square = x * x + y * y + z * z;
+    }
     const auto [factor, w] = detail::branch(
         square < S(detail::epsilon<S>),
         [&] {

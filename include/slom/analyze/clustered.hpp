@@ -39,6 +39,7 @@ enum class ClusterCorrection : std::uint8_t {
   cr1,  ///< by the factor G / (G - 1) (N - 1) / (N - K) of all variances: G groups, N residuals, K unknowns
   cr2,  ///< (I - H_gg)^(-1/2) r_g: unbiased where the stated uncertainties hold after all
   cr3,  ///< sqrt((G - 1) / G) (I - H_gg)^-1 r_g: the jackknife, leaving out one group at a time; variances are too large rather than too small
+  by_leverage,  ///< cr2; for a component whose standard deviation by cr3 is larger by more than a fifth, as single groups carry it, that by cr3
 };
 
 /// A measurement, as functions that form groups see it.
@@ -112,7 +113,9 @@ struct ClusterOptions {
   /// board. Variances are at least those of each way alone. Empty: the groups made by slom::group without a name or, where there are none, those of its only name.
   ///   source   Cameron, Gelbach and Miller, "Robust inference with multiway clustering", 2011
   std::vector<ClusterBy> by{};
-  ClusterCorrection correction = ClusterCorrection::cr2;
+  /// cr2 is too small where the fit follows a group closely, as where one is much larger than the others: the default notices.
+  ///   source   MacKinnon, Nielsen and Webb, "Cluster-robust inference: a guide to empirical practice", 2023, sections 3 and 7
+  ClusterCorrection correction = ClusterCorrection::by_leverage;
   /// Groups of the first way follow each other, by number or as they came, and neighbours may share errors, too. From 32 groups on, blocks of
   /// 1, 2, 4, ... groups are taken together, until the variance no longer grows; up to 100 groups, what they contribute counts as an autoregressive
   /// series, if that gives the wider interval.

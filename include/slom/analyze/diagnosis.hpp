@@ -34,6 +34,8 @@ struct Diagnosis {
   int unknowns = 0;
   int rank = 0;  ///< rank of J: unknowns less the directions that change no residual
   std::vector<Finding> findings;
+  std::string
+      unconverged;  ///< why the last fit, whose values these are, has not converged; empty: it has, or there was none
 
   /// Whether the measurements determine all unknowns.
   bool isDetermined() const { return rank == unknowns; }

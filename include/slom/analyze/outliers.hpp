@@ -59,6 +59,8 @@ struct GroupCheck {
 struct OutlierReport {
   double significance = 0;     ///< significance level of each single test
   double variance_factor = 1;  ///< divisor of chi2 and T: 1 for Sigma::known
+  std::string
+      unconverged;  ///< why the last fit, whose values these are, has not converged; empty: it has, or there was none
   std::vector<GroupCheck> groups;
 
   /// The number of measurements whose test fails, in all groups.

@@ -7,8 +7,8 @@
 ///              offset  what the instrument adds to each distance: a number or mtk::Scalar
 ///   datum      a number, in the unit of the coordinates
 ///   residual   |b - a| (+ offset) - z
-/// Where a and b are the same point the distance has no derivative; zero is taken, so such a measurement
-/// pulls nowhere. Start values of a and b should differ.
+/// If a and b are the same point, all directions are equal; the derivative is that along the first axis, so that a fit leaves the
+/// point. Start values of a and b should differ.
 #pragma once
 
 #include <cmath>
@@ -20,9 +20,8 @@ namespace slom {
 struct Range {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& a, const auto& b) const {
-    using std::sqrt;
     const auto difference = detail::positionOf(b) - detail::positionOf(a);
-    return sqrt(difference.squaredNorm());
+    return detail::lengthOf(difference);
   }
   auto operator()(const auto& a, const auto& b, const auto& offset) const {
     return (*this)(a, b) + detail::numberOf(offset);

@@ -10,8 +10,8 @@
 ///   datum      mtk::SO2<> of the angle [rad], so that 0 and 400 gon are the same
 ///   residual   the difference of angles in [-pi, pi) [rad]
 ///   source     Ghilani and Wolf, "Adjustment computations", 2006, chapters 14 to 16
-/// Vertically above each other, azimuths do not exist: the angle 0 with zero derivatives is taken. No
-/// refraction, no curvature of the Earth.
+/// If one point is vertically above the other, azimuths do not exist: the angle 0 with zero derivatives is taken. The zenith angle has the
+/// derivative along the first axis there, so that a fit leaves the place. No refraction, no curvature of the Earth.
 #pragma once
 
 #include <cmath>
@@ -45,9 +45,8 @@ struct ZenithAngle {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& station, const auto& target) const {
     using std::atan2;
-    using std::sqrt;
     const auto way = detail::positionOf(target) - detail::positionOf(station);
-    return mtk::SO2(atan2(sqrt(way[0] * way[0] + way[1] * way[1]), way[2]));
+    return mtk::SO2(atan2(detail::lengthOf(mtk::vector(way[0], way[1])), way[2]));
   }
 };
 

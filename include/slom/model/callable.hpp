@@ -111,6 +111,12 @@ class CallableMeasurement {
     }
   }();
   static constexpr bool richardson = detail::is_richardson<F>;
+  /// Steps of the user's own.
+  const DifferenceStep& differenceStep() const
+    requires(detail::has_difference_step<F>)
+  {
+    return f_.how;
+  }
 
   /// What messages call measurements of this callable: its type, `lambda` or `function`.
   static std::string groupName() {

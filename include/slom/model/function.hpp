@@ -6,6 +6,7 @@
 #include <functional>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 /// Before a function that is to be compiled as one piece, with all that it calls: dual numbers stay in registers. Left out
 /// under sanitizers and with SLOM_NO_FLATTEN, which compile faster.
@@ -41,6 +42,18 @@ constexpr const char* toString(DerivativeSource source) {
 /// functions that are narrow beside their argument.
 struct Richardson {};
 
+/// Steps of central differences that the user chooses, as for a simulator that rounds its output.
+struct DifferenceStep {
+  double relative = 0;  ///< step of a component over its typical size, > 0
+  std::vector<double>
+      sizes;  ///< typical sizes of the components of all variables, in their order; empty: |x|, and 1 where that is 0
+};
+
+/// Steps of `relative` times the typical size of each component: `slom::numeric(f, slom::differences(1e-2))`. As diff_step of SciPy's
+/// least_squares. `sizes`: typical sizes of the components of all variables of the measurement, in their order; empty: |x|, and 1 where
+/// that is 0. Throws [slom.bad-option] unless all are positive and finite.
+DifferenceStep differences(double relative, std::vector<double> sizes = {});
+
 namespace detail {
 
 /// std::invoke(f, x...); what is not a pointer to a member is called without its three layers, which would be compiled for each f.
@@ -58,6 +71,7 @@ struct NoExtrapolation {};
 template <class F, class Extrapolation>
 struct NumericFunction {
   F f;
+  [[no_unique_address]] Extrapolation how{};
   template <class... A>
   auto operator()(const A&... a) const -> decltype(std::invoke(f, a...)) {
     return std::invoke(f, a...);
@@ -81,6 +95,10 @@ template <class F>
 inline constexpr bool is_richardson = false;
 template <class F>
 inline constexpr bool is_richardson<NumericFunction<F, Richardson>> = true;
+template <class F>
+inline constexpr bool has_difference_step = false;
+template <class F>
+inline constexpr bool has_difference_step<NumericFunction<F, DifferenceStep>> = true;
 template <class F>
 inline constexpr bool is_vectorized = false;
 template <class F>
@@ -115,6 +133,11 @@ auto numeric(F f) {
 template <class F>
 auto numeric(F f, Richardson) {
   return detail::NumericFunction<F, Richardson>{std::move(f)};
+}
+/// The same with steps of one's own: `slom::numeric(f, slom::differences(1e-2))`.
+template <class F>
+auto numeric(F f, DifferenceStep step) {
+  return detail::NumericFunction<F, DifferenceStep>{std::move(f), std::move(step)};
 }
 
 /// Lets f work on several measurements at once: all its parameters, data included, are `const auto&`, numbers are never

@@ -115,6 +115,8 @@ class Evaluator {
   /// the step would move by more than its typical size, though such a move changes the residuals by less than rounding does, and
   /// whose moves do not change the residuals as the column says.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
+  /// Whether the last solveUndamped has failed at such an unknown, and not for the rank of J.
+  bool wasHidden() const { return was_hidden_; }
   /// The step with this damping, in which such unknowns stay where they are.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
   /// The decrease of the RSS that the linear model predicts for the step d: -(2 g d + |J d|^2).
@@ -169,6 +171,7 @@ class Evaluator {
   double rss_ = 0;
   double squared_norm_ = 0;  // of r as the solver got it
   std::function<bool()> must_stop_;
+  bool was_hidden_ = false;
   bool saved_is_linearized_ =
       false;  // the linearisation is that of the values before the step that was tried last
   double setup_seconds_ = 0, linearize_seconds_ = 0;

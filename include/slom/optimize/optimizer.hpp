@@ -28,7 +28,8 @@ struct RankAtEnd {
 /// changes of the algorithm, and `rank`. `find_free` examines the current values; it is asked only where a fit ends without the solver
 /// having found full rank. With `sigma_is_estimated` standard deviations are estimated from the residuals. Throws [slom.bad-option]. If
 /// a user's function throws, the values are the best ones reached.
-Summary runAlgorithm(Evaluator& evaluator, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
-                     RankAtEnd& rank, const std::function<FreeDirections()>& find_free);
+Summary runAlgorithm(Evaluator& evaluator, Algorithm& algorithm, const Options& options,
+                     bool sigma_is_estimated, RankAtEnd& rank,
+                     const std::function<FreeDirections()>& find_free);
 
 }  // namespace slom

@@ -171,6 +171,9 @@ struct CorrelationSummary {
   double correlation = 0;
 };
 
+/// Whether measurements state their uncertainty; those that do not have 1 in each component.
+enum class StatedNoise { all, some, none };
+
 /// How a fit ended, and what came out of it.
 struct Summary {
   bool converged = false;
@@ -187,6 +190,7 @@ struct Summary {
   int free_directions = 0;          ///< which no measurement determines; counted up to kMostCounted unknowns
   int redundancy = 0;               ///< measurements - unknowns + free_directions
   bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
+  StatedNoise stated_noise = StatedNoise::all;
   std::vector<std::string>
       active_bounds;  ///< `camera.k3 is at its upper bound 0.5`; covariances hold on that condition
   double initial_rss = 0;

@@ -206,7 +206,8 @@ class MeasurementPool {
   virtual VariableArgument& argument(int i, int k) = 0;
 
   /// Residual and differences by the free variables of measurement i. Returns what evaluateOne does.
-  int differentiate(int i, int rows, double* r, double* J, Differences kind);
+  int differentiate(int i, int rows, double* r, double* J, Differences kind,
+                    const DifferenceStep* step = nullptr);
 
  private:
   int sumOfDof(int i) const;

@@ -122,6 +122,8 @@ class TypedPool final : public MeasurementPool {
     M& measurement = measurements_[at(i)];
     if constexpr (requires { measurement.linearize(rows, r, J); }) {
       return measurement.linearize(rows, r, J);
+    } else if constexpr (requires { measurement.differenceStep(); }) {
+      return differentiate(i, rows, r, J, Differences::central, &measurement.differenceStep());
     } else {
       return differentiate(
           i, rows, r, J,

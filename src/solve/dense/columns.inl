@@ -13,7 +13,7 @@ SLOM_INLINE inline int factorizeUnit(int d, double* V, const double* least,
     for (int k = 0; k < j; ++k) {
       const double scaled =
           V[k * n + j] * V[k * n + k];  // an entry of L D, as earlier columns are scaled when they are finished
-      for (int i = j; i < n; ++i) column[i] -= V[k * n + i] * scaled;
+      for (int i = j; i < n; ++i) column[i] = minusProduct(column[i], V[k * n + i], scaled);
     }
     if (!(column[j] > least[j])) {
       *pivot = column[j];
@@ -33,14 +33,14 @@ void forwardColumnOf(int d, int count, const int* height, const double* V, const
   const int n = D > 0 ? D : d;
   double scaled[kMost];
   for (int k = 0; k < n; ++k) {
-    for (int i = k + 1; i < n; ++i) x[i] -= V[k * n + i] * x[k];
+    for (int i = k + 1; i < n; ++i) x[i] = minusProduct(x[i], V[k * n + i], x[k]);
     scaled[k] = x[k] * V[k * n + k];
   }
   for (int i = 0; i < count; ++i) {
     const int rows = D > 0 ? D : height[i];
     double* const y = below[i];
     for (int k = 0; k < n; ++k) {
-      for (int r = 0; r < rows; ++r) y[r] -= W[k * rows + r] * scaled[k];
+      for (int r = 0; r < rows; ++r) y[r] = minusProduct(y[r], W[k * rows + r], scaled[k]);
     }
     W += rows * n;
   }
@@ -57,16 +57,16 @@ int eliminateThrees(int count, double* V, double* W, double* const* target, cons
   const Vector scale[3] = {all(V[0]), all(V[4]), all(V[8])};
   Vector scaled[3];
   if (x != nullptr) {
-    x[1] -= l10 * x[0];
-    x[2] -= l20 * x[0] + l21 * x[1];
+    x[1] = minusProduct(x[1], l10, x[0]);
+    x[2] = minusProduct(minusProduct(x[2], l20, x[0]), l21, x[1]);
     for (int k = 0; k < 3; ++k) scaled[k] = all(x[k]) * scale[k];
   }
   Three part[kMostThrees][3];
   for (int i = 0; i < count; ++i, W += 9) {
     Vector y[3];
     columnsOf(W, y);
-    y[1] -= y[0] * all(l10);
-    y[2] -= y[0] * all(l20) + y[1] * all(l21);
+    y[1] = minusProduct(y[1], y[0], all(l10));
+    y[2] = minusProduct(minusProduct(y[2], y[0], all(l20)), y[1], all(l21));
     store(W, __builtin_shufflevector(y[0], y[1], 0, 1, 2, 4));
     store(W + 4, __builtin_shufflevector(y[1], y[2], 1, 2, 4, 5));
     W[8] = y[2][2];
@@ -74,7 +74,7 @@ int eliminateThrees(int count, double* V, double* W, double* const* target, cons
     for (int k = 0; k < 3; ++k) part[i][k] = Three(y[k], y[k] * scale[k]);
     if (x != nullptr) {
       double* const to = below[i];
-      const Vector change = y[0] * scaled[0] + y[1] * scaled[1] + y[2] * scaled[2];
+      const Vector change = plusProduct(plusProduct(y[0] * scaled[0], y[1], scaled[1]), y[2], scaled[2]);
       for (int r = 0; r < 3; ++r) to[r] -= change[r];
     }
     for (int j = 0; j <= i; ++j) {
@@ -100,7 +100,7 @@ int eliminateAny(int d, int count, const int* height, double* V, double* W, doub
     for (int k = 0; k < n; ++k) {
       for (int c = 0; c < k; ++c) {
         const double l = V[c * n + k];
-        for (int r = 0; r < rows; ++r) Wi[k * rows + r] -= Wi[c * rows + r] * l;
+        for (int r = 0; r < rows; ++r) Wi[k * rows + r] = minusProduct(Wi[k * rows + r], Wi[c * rows + r], l);
       }
     }
     const double* Wj = W;
@@ -110,7 +110,7 @@ int eliminateAny(int d, int count, const int* height, double* V, double* W, doub
       for (int c = 0; c < columns; ++c) {
         for (int k = 0; k < n; ++k) {
           const double z = Wj[k * columns + c] * V[k * n + k];
-          for (int r = 0; r < rows; ++r) H[c * rows + r] -= Wi[k * rows + r] * z;
+          for (int r = 0; r < rows; ++r) H[c * rows + r] = minusProduct(H[c * rows + r], Wi[k * rows + r], z);
         }
       }
       Wj += columns * n;
@@ -154,13 +154,13 @@ void backwardColumnOf(int d, int count, const int* height, const double* V, cons
     const int rows = D > 0 ? D : height[i];
     const double* const y = below[i];
     for (int k = 0; k < n; ++k) {
-      for (int r = 0; r < rows; ++r) rest[k] -= W[k * rows + r] * y[r];
+      for (int r = 0; r < rows; ++r) rest[k] = minusProduct(rest[k], W[k * rows + r], y[r]);
     }
     W += rows * n;
   }
   for (int k = n - 1; k >= 0; --k) {
     rest[k] *= V[k * n + k];
-    for (int i = k + 1; i < n; ++i) rest[k] -= V[k * n + i] * rest[i];
+    for (int i = k + 1; i < n; ++i) rest[k] = minusProduct(rest[k], V[k * n + i], rest[i]);
     x[k] = rest[k];
   }
 }

@@ -28,7 +28,7 @@ void solveRight(int d, int k, const double* L, const double* W, double* Y) {
     for (int i = 0; i < k; ++i) y[i] = W[c * k + i];
     for (int i = k; i < padded(k); ++i) y[i] = 0;
     for (int j = 0; j < c; ++j) {
-      for (int i = 0; i < k; ++i) y[i] -= L[j * d + c] * Y[j * padded(k) + i];
+      for (int i = 0; i < k; ++i) y[i] = minusProduct(y[i], L[j * d + c], Y[j * padded(k) + i]);
     }
     for (int i = 0; i < k; ++i) y[i] *= L[c * d + c];
   }
@@ -80,9 +80,9 @@ void subtractNines(int count, const Pair* pairs, const double* Y, double* H) {
       const double last = A[r * padded(9) + 8];
       const double* const b = B + r * padded(9);
 #pragma GCC unroll 9
-      for (int w = 0; w < 9; ++w) x[w] -= a * allWide(b[w]);
-      row -= allWide(last) * loadWide(b);
-      corner -= last * b[8];
+      for (int w = 0; w < 9; ++w) x[w] = minusProduct(x[w], a, allWide(b[w]));
+      row = minusProduct(row, allWide(last), loadWide(b));
+      corner = minusProduct(corner, last, b[8]);
     }
   }
 #pragma GCC unroll 9
@@ -118,7 +118,7 @@ void subtractOuters(int d, int k, int l, int count, const Pair* pairs, const dou
     const double* const B = Y + static_cast<std::size_t>(pair->b) * kRowPadding;
     for (int j = 0; j < l; ++j) {
       for (int i = 0; i < k; ++i) {
-        for (int r = 0; r < d; ++r) H[j * k + i] -= A[r * padded(k) + i] * B[r * padded(l) + j];
+        for (int r = 0; r < d; ++r) H[j * k + i] = minusProduct(H[j * k + i], A[r * padded(k) + i], B[r * padded(l) + j]);
       }
     }
   }
@@ -139,7 +139,7 @@ void subtractProduct(int d, int k, const double* W, const double* x, double* y) 
     default: break;
   }
   for (int c = 0; c < d; ++c) {
-    for (int i = 0; i < k; ++i) y[i] -= W[c * k + i] * x[c];
+    for (int i = 0; i < k; ++i) y[i] = minusProduct(y[i], W[c * k + i], x[c]);
   }
 }
 
@@ -152,7 +152,7 @@ void subtractTransposedProductOf(const double* W, const double* y, double* x) {
   for (int c = 0; c < D; ++c) {
     const auto column = loadColumn<K>(W + c * K);
 #pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) sum[c] += column.part(v) * rows.part(v);
+    for (int v = 0; v < kVectors; ++v) sum[c] = plusProduct(sum[c], column.part(v), rows.part(v));
   }
   const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
 #pragma GCC unroll 3
@@ -166,7 +166,7 @@ void subtractTransposedProduct(int d, int k, const double* W, const double* y, d
     default: break;
   }
   for (int c = 0; c < d; ++c) {
-    for (int i = 0; i < k; ++i) x[c] -= W[c * k + i] * y[i];
+    for (int i = 0; i < k; ++i) x[c] = minusProduct(x[c], W[c * k + i], y[i]);
   }
 }
 

@@ -43,7 +43,7 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
   for (int j = 0; j < l; ++j) {
     for (int i = 0; i < k; ++i) {
       double sum = 0;
-      for (int r = 0; r < rows; ++r) sum += A[i * rows + r] * B[j * rows + r];
+      for (int r = 0; r < rows; ++r) sum = plusProduct(sum, A[i * rows + r], B[j * rows + r]);
       H[j * k + i] += sum;
     }
   }
@@ -81,7 +81,7 @@ SLOM_INLINE inline void transpose(const double* A, ColumnOf<K> (&rows)[R]) {
 SLOM_INLINE inline void addToThree(const Vector (&rows)[3], const double* r, double* to) {
   Vector sum{to[0], to[1], to[2], 0};
 #pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) sum += rows[i] * all(r[i]);
+  for (int i = 0; i < 3; ++i) sum = plusProduct(sum, rows[i], all(r[i]));
   for (int i = 0; i < 3; ++i) to[i] = sum[i];
 }
 

@@ -25,7 +25,7 @@ SLOM_INLINE inline void forwardBlock(const double* L, const double* inverse, int
     const Vector own = all(rest[K / kLanes][K % kLanes] * inverse[K]);
     x[K] = own[0];
 #pragma GCC unroll 3
-    for (int h = K / kLanes; h < 3; ++h) rest[h] -= load(L + kStripe * K + kLanes * h) * own;
+    for (int h = K / kLanes; h < 3; ++h) rest[h] = minusProduct(rest[h], load(L + kStripe * K + kLanes * h), own);
     forwardBlock<K + 1>(L, inverse, count, rest, x);
   }
 }
@@ -38,7 +38,7 @@ void forwardPivots(const double* D, const double* inverse, int p, double* x) {
     for (int j = 0; j < first; ++j) {
       const Vector own = all(x[j]);
 #pragma GCC unroll 3
-      for (int h = 0; h < 3; ++h) rest[h] -= load(D + kStripe * j + kLanes * h) * own;
+      for (int h = 0; h < 3; ++h) rest[h] = minusProduct(rest[h], load(D + kStripe * j + kLanes * h), own);
     }
     forwardBlock<0>(D + kStripe * first, inverse + first, count, rest, x + first);
   }
@@ -54,7 +54,7 @@ SLOM_INLINE inline void subtractTransposed(const double* B, std::ptrdiff_t dista
 #pragma GCC unroll 4
     for (int w = 0; w < W; ++w) {
 #pragma GCC unroll 3
-      for (int h = 0; h < 3; ++h) sum[w] += load(B + kStripe * w + kLanes * h) * rows[h];
+      for (int h = 0; h < 3; ++h) sum[w] = plusProduct(sum[w], load(B + kStripe * w + kLanes * h), rows[h]);
     }
   }
   const Vector result = sums(sum[0], sum[1], sum[2], sum[3]);
@@ -84,7 +84,7 @@ void backwardPivots(const double* D, const double* inverse, int p, double* x) {
     for (int k = count - 1; k >= 0; --k) {
       own[k] *= inverse[first + k];
       x[first + k] = own[k];
-      for (int j = 0; j < k; ++j) own[j] -= block[kStripe * j + k] * own[k];
+      for (int j = 0; j < k; ++j) own[j] = minusProduct(own[j], block[kStripe * j + k], own[k]);
     }
   }
 }
@@ -97,13 +97,13 @@ void forwardRows(const double* B, int p, int u, const double* x, double* y) {
     for (; j + 2 <= p; j += 2, column += 2 * kStripe) {
 #pragma GCC unroll 3
       for (int h = 0; h < 3; ++h) {
-        sum[h] -= load(column + kLanes * h) * all(x[j]);
-        odd[h] -= load(column + kStripe + kLanes * h) * all(x[j + 1]);
+        sum[h] = minusProduct(sum[h], load(column + kLanes * h), all(x[j]));
+        odd[h] = minusProduct(odd[h], load(column + kStripe + kLanes * h), all(x[j + 1]));
       }
     }
 #pragma GCC unroll 3
     for (int h = 0; h < 3; ++h) {
-      if (j < p) sum[h] -= load(column + kLanes * h) * all(x[j]);
+      if (j < p) sum[h] = minusProduct(sum[h], load(column + kLanes * h), all(x[j]));
       store(y + kLanes * h, sum[h] + odd[h]);
     }
   }

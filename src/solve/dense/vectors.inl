@@ -4,6 +4,10 @@
 
 #include "kernels.hpp"
 
+#if defined(__FMA__)
+#include <immintrin.h>
+#endif
+
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // how vectors are passed does not matter: nothing of it leaves this source
 #endif
@@ -23,6 +27,39 @@ typedef Vector VectorInMemory __attribute__((aligned(alignof(double)), may_alias
 SLOM_INLINE inline Vector load(const double* p) { return *reinterpret_cast<const VectorInMemory*>(p); }
 SLOM_INLINE inline void store(double* p, Vector x) { *reinterpret_cast<VectorInMemory*>(p) = x; }
 SLOM_INLINE inline Vector all(double x) { return Vector{x, x, x, x}; }
+
+// Multiply-adds are written as such, and the kernels are compiled without contraction: then no compiler and no choice of registers changes
+// the bits.
+
+/// x + a b and x - a b, rounded once where the processor can; for numbers and vectors.
+SLOM_INLINE inline double plusProduct(double x, double a, double b) {
+#if defined(__FMA__)
+  return __builtin_fma(a, b, x);
+#else
+  return x + a * b;
+#endif
+}
+SLOM_INLINE inline double minusProduct(double x, double a, double b) {
+#if defined(__FMA__)
+  return __builtin_fma(-a, b, x);
+#else
+  return x - a * b;
+#endif
+}
+SLOM_INLINE inline Vector plusProduct(Vector x, Vector a, Vector b) {
+#if defined(__FMA__)
+  return (Vector)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)x);
+#else
+  return x + a * b;
+#endif
+}
+SLOM_INLINE inline Vector minusProduct(Vector x, Vector a, Vector b) {
+#if defined(__FMA__)
+  return (Vector)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)x);
+#else
+  return x - a * b;
+#endif
+}
 
 /// The sum of each vector's lanes.
 SLOM_INLINE inline Vector sums(Vector a, Vector b, Vector c, Vector d) {
@@ -54,6 +91,12 @@ typedef Wide WideInMemory __attribute__((aligned(alignof(double)), may_alias));
 SLOM_INLINE inline Wide loadWide(const double* p) { return *reinterpret_cast<const WideInMemory*>(p); }
 SLOM_INLINE inline void storeWide(double* p, Wide x) { *reinterpret_cast<WideInMemory*>(p) = x; }
 SLOM_INLINE inline Wide allWide(double x) { return Wide{x, x, x, x, x, x, x, x}; }
+SLOM_INLINE inline Wide plusProduct(Wide x, Wide a, Wide b) {
+  return (Wide)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)x);
+}
+SLOM_INLINE inline Wide minusProduct(Wide x, Wide a, Wide b) {
+  return (Wide)_mm512_fnmadd_pd((__m512d)a, (__m512d)b, (__m512d)x);
+}
 SLOM_INLINE inline Vector lower(Wide x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
 SLOM_INLINE inline Vector upper(Wide x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
 
@@ -103,13 +146,13 @@ struct Column {
   }
   SLOM_INLINE void add(const Column& a, const Factor& b) {
 #pragma GCC unroll 4
-    for (int i = 0; i < kWide; ++i) wide[i] += a.wide[i] * b.wide;
-    if constexpr (H % 2 != 0) narrow += a.narrow * b.narrow;
+    for (int i = 0; i < kWide; ++i) wide[i] = plusProduct(wide[i], a.wide[i], b.wide);
+    if constexpr (H % 2 != 0) narrow = plusProduct(narrow, a.narrow, b.narrow);
   }
   SLOM_INLINE void subtract(const Column& a, const Factor& b) {
 #pragma GCC unroll 4
-    for (int i = 0; i < kWide; ++i) wide[i] -= a.wide[i] * b.wide;
-    if constexpr (H % 2 != 0) narrow -= a.narrow * b.narrow;
+    for (int i = 0; i < kWide; ++i) wide[i] = minusProduct(wide[i], a.wide[i], b.wide);
+    if constexpr (H % 2 != 0) narrow = minusProduct(narrow, a.narrow, b.narrow);
   }
   SLOM_INLINE void scale(const Factor& b) {
 #pragma GCC unroll 4
@@ -170,11 +213,11 @@ struct Column {
   }
   SLOM_INLINE void add(const Column& a, const Factor& b) {
 #pragma GCC unroll 4
-    for (int h = 0; h < H; ++h) v[h] += a.v[h] * b.all_lanes;
+    for (int h = 0; h < H; ++h) v[h] = plusProduct(v[h], a.v[h], b.all_lanes);
   }
   SLOM_INLINE void subtract(const Column& a, const Factor& b) {
 #pragma GCC unroll 4
-    for (int h = 0; h < H; ++h) v[h] -= a.v[h] * b.all_lanes;
+    for (int h = 0; h < H; ++h) v[h] = minusProduct(v[h], a.v[h], b.all_lanes);
   }
   SLOM_INLINE void scale(const Factor& b) {
 #pragma GCC unroll 4
@@ -208,12 +251,12 @@ struct Nine {
     rows == 9 ? void(p[8] = last) : store(p + 8, Vector{last, 0, 0, 0});
   }
   SLOM_INLINE void add(const Nine& a, const Factor& b) {
-    wide += a.wide * b.wide;
-    last += a.last * b.narrow[0];
+    wide = plusProduct(wide, a.wide, b.wide);
+    last = plusProduct(last, a.last, b.narrow[0]);
   }
   SLOM_INLINE void subtract(const Nine& a, const Factor& b) {
-    wide -= a.wide * b.wide;
-    last -= a.last * b.narrow[0];
+    wide = minusProduct(wide, a.wide, b.wide);
+    last = minusProduct(last, a.last, b.narrow[0]);
   }
   SLOM_INLINE void scale(const Factor& b) {
     wide *= b.wide;
@@ -275,14 +318,14 @@ struct ThreeByThree {
   ThreeByThree() = default;
   explicit ThreeByThree(const double* p) : first(load(p)), second(load(p + 4)), last(p[8]) {}
   void add(const Three& y, const Three& z) {
-    first += y.rows[0] * z.columns[0];
-    second += y.rows[1] * z.columns[1];
-    last += y.last_row * z.last_column;
+    first = plusProduct(first, y.rows[0], z.columns[0]);
+    second = plusProduct(second, y.rows[1], z.columns[1]);
+    last = plusProduct(last, y.last_row, z.last_column);
   }
   void subtract(const Three& y, const Three& z) {
-    first -= y.rows[0] * z.columns[0];
-    second -= y.rows[1] * z.columns[1];
-    last -= y.last_row * z.last_column;
+    first = minusProduct(first, y.rows[0], z.columns[0]);
+    second = minusProduct(second, y.rows[1], z.columns[1]);
+    last = minusProduct(last, y.last_row, z.last_column);
   }
   void storeTo(double* p) const {
     store(p, first);
