@@ -182,7 +182,9 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   // Z^T H Z, the stated covariance; times() adds the rows by which components do not move, where Z is 0.
   const MatrixXd image = all.times(Z);
   stated = image.transpose() * image;
-  Covariance result{MatrixXd::Zero(n, n), VectorXd::Zero(n)};
+  Covariance result;
+  result.C = MatrixXd::Zero(n, n);
+  result.stated_share = VectorXd::Zero(n);
   result.carriers.resize(at(n));
   MatrixXd as_stated = MatrixXd::Zero(n, n);
   VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
