@@ -23,12 +23,31 @@ inline void expectPlausibleSeconds(const nlohmann::json& seconds) {
 inline void expectRunJson(const nlohmann::json& json) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
-  EXPECT_EQ(keys, (std::vector<std::string>{
-                      "active_bounds",   "chi2_per_dof", "converged",   "correlations",   "final_rss",
-                      "free_directions", "groups",       "initial_rss", "iterations",     "kernels",
-                      "measurements",    "message",      "parameters",  "peak_memory_mb", "redundancy",
-                      "seconds",         "sigma",        "solver",      "stop_reason",    "threads",
-                      "trace",           "unknowns",     "variables",   "warnings"}));
+  EXPECT_EQ(keys, (std::vector<std::string>{"active_bounds",
+                                            "chi2_per_dof",
+                                            "converged",
+                                            "correlations",
+                                            "final_rss",
+                                            "free_directions",
+                                            "free_directions_are_all",
+                                            "groups",
+                                            "initial_rss",
+                                            "iterations",
+                                            "kernels",
+                                            "measurements",
+                                            "message",
+                                            "parameters",
+                                            "peak_memory_mb",
+                                            "redundancy",
+                                            "seconds",
+                                            "sigma",
+                                            "solver",
+                                            "stop_reason",
+                                            "threads",
+                                            "trace",
+                                            "unknowns",
+                                            "variables",
+                                            "warnings"}));
   double rss = 0;
   for (const auto& group : json["groups"]) rss += group["final_rss"].get<double>();
   EXPECT_NEAR(rss, json["final_rss"].get<double>(), 1e-9 * rss);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "bundle/fit/free_directions.hpp"
+#include "bundle/fit/parts.hpp"
 #include "error.hpp"
 #include "text.hpp"
 
@@ -29,6 +31,8 @@ class Faulty {
   std::string text() const {
     return fmt::format("{} (number{} {})", plural(count_, kind_), count_ == 1 ? "" : "s", names_);
   }
+  /// `3, 7`
+  const std::string& names() const { return names_; }
   const char* choose(const char* for_one, const char* for_many) const {
     return count_ == 1 ? for_one : for_many;
   }
@@ -78,9 +82,41 @@ void refusePointsWithoutImage(const Scene& scene) {
   }
 }
 
+SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
+  SceneCheck check;
+  auto& warnings = check.warnings;
+  const Sightings sightings(scene);
+  const std::vector<Part> parts = sightings.parts();
+  if (parts.size() > 1) {
+    Faulty first("part");
+    for (const Part& part : parts) first.add(std::size_t(part.cameras.front()));
+    warnings.push_back(fmt::format(
+        "the scene falls into {} parts that share no point, with the cameras {}: nothing says how they lie to "
+        "each other; add observations of common points, or fit each part by itself",
+        parts.size(), first.names()));
+  }
+  Faulty few("camera");
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    if (sightings.pointsOf(int(c)).size() <= few_points) few.add(c);
+  }
+  if (!few.isEmpty()) {
+    warnings.push_back(fmt::format(
+        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: damping alone holds the rest; add "
+        "observations, or remove {}",
+        few.text(), few.choose("sees", "see"), few_points + 1, few.choose("it", "them")));
+  }
+  if (!seen_once.isEmpty()) {
+    warnings.push_back(fmt::format("{} {} seen by one camera alone: damping alone holds {} along the ray",
+                                   seen_once.text(), seen_once.choose("is", "are"),
+                                   seen_once.choose("it", "them")));
+  }
+  check.parts = int(parts.size());
+  return check;
+}
+
 }  // namespace
 
-std::vector<std::string> checkScene(const Scene& scene) {
+SceneCheck checkScene(const Scene& scene) {
   const Views views(scene);
   Faulty cameras("camera"), unseen("point"), seen_once("point");
   for (std::size_t c = 0; c < views.has_camera.size(); ++c) {
@@ -93,9 +129,7 @@ std::vector<std::string> checkScene(const Scene& scene) {
   refuseUnseen(scene, cameras);
   refuseUnseen(scene, unseen);
   refusePointsWithoutImage(scene);
-  if (seen_once.isEmpty()) return {};
-  return {fmt::format("{} {} seen by one camera alone: damping alone holds {} along the ray",
-                      seen_once.text(), seen_once.choose("is", "are"), seen_once.choose("it", "them"))};
+  return examine(scene, seen_once);
 }
 
 }  // namespace slom::app::bundle

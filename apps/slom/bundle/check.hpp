@@ -8,8 +8,14 @@
 
 namespace slom::app::bundle {
 
+/// What a scene lacks.
+struct SceneCheck {
+  int parts = 1;  ///< parts that share no point
+  std::vector<std::string>
+      warnings;  ///< on points that one camera alone sees, cameras with too few points, parts
+};
+
 /// Throws UserError for cameras and points without observations, and where a point has no image at the start.
-/// Returns warnings: points that one camera alone sees.
-std::vector<std::string> checkScene(const Scene& scene);
+SceneCheck checkScene(const Scene& scene);
 
 }  // namespace slom::app::bundle

@@ -51,6 +51,16 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   return summary;
 }
 
+/// At the end of the fit, also of one that was cut short, unless it takes long.
+void countFreeDirections(const Scene& scene, RunReport& report) {
+  const StopReason reason = report.summary.stop_reason;
+  const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;
+  const FreeDirections free = bundle::countFreeDirections(scene, report.threads, !was_cut_short);
+  report.free_directions = free.count;
+  report.has_all_free_directions = free.is_exact;
+  if (const std::string text = furtherText(free); !text.empty()) report.summary.warnings.push_back(text);
+}
+
 void writeFiles(const Scene& scene, const RunReport& report, const Settings& settings,
                 const Console& console) {
   ResultFiles files(report, settings.report);
@@ -63,18 +73,19 @@ void run(const RawOptions& raw) {
   const Settings settings = parseSettings(raw);
   const Console console(settings.report);
   Scene scene = io::readScene(settings.file);
-  const std::vector<std::string> warnings = checkScene(scene);
+  const SceneCheck check = checkScene(scene);
   std::vector<std::string> results = settings.output_files;
   results.push_back(settings.report.jsonPath());
   requireWritable(results);
   RunReport report;
   report.threads = threadsOf(settings.fit);
-  report.free_directions = gauge_directions;
+  report.warnings = check.warnings;
   const double rms_before = scene.rms();
   report.load_seconds = total.seconds();
-  console.print(sceneText(scene, warnings));
+  console.print(sceneText(scene, check));
   report.summary = fit(scene, settings, console, report.setup_seconds);
   report.total_seconds = total.seconds();
+  countFreeDirections(scene, report);
   console.print(outcomeText(outcomeOf(report)) + rmsText(rms_before, scene.rms()));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(scene, report, settings, console);

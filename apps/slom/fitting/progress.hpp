@@ -22,11 +22,13 @@ struct Outcome {
   int measurements = 0;
   int unknowns = 0;
   double rss = 0;
-  bool is_robust = false;   ///< some measurements have a loss, so that there is no chi-square
-  int free_directions = 0;  ///< dimension of the gauge, which no measurement of this kind can determine
+  bool is_robust = false;               ///< some measurements have a loss, so that there is no chi-square
+  int free_directions = 0;              ///< which no measurement determines
+  bool has_all_free_directions = true;  ///< false: there may be more
 
+  /// With has_all_free_directions = false the redundancy is at least this.
   int redundancy() const { return measurements - unknowns + free_directions; }
-  /// NaN without redundancy.
+  /// NaN without redundancy; with has_all_free_directions = false at most this.
   double rssPerDof() const;
 };
 Outcome outcomeOf(const RunReport& report);

@@ -43,6 +43,12 @@ Json groupsJson(const Summary& summary) {
   return groups;
 }
 
+Json warningsJson(const RunReport& report) {
+  Json warnings = report.warnings;
+  for (const std::string& warning : report.summary.warnings) warnings.push_back(warning);
+  return warnings;
+}
+
 Json parametersJson(const Summary& summary) {
   Json parameters = Json::array();
   for (const ParameterSummary& p : summary.parameters) {
@@ -68,12 +74,13 @@ std::string toJson(const RunReport& report) {
   Json json = {{"converged", s.converged},
                {"stop_reason", toString(s.stop_reason)},
                {"message", s.message},
-               {"warnings", s.warnings},
+               {"warnings", warningsJson(report)},
                {"iterations", s.iterations},
                {"variables", s.variables},
                {"measurements", s.measurements},
                {"unknowns", s.unknowns},
                {"free_directions", report.free_directions},
+               {"free_directions_are_all", report.has_all_free_directions},
                {"redundancy", outcome.redundancy()},
                {"initial_rss", s.initial_rss},
                {"final_rss", s.final_rss},

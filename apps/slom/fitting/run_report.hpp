@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,10 +25,11 @@ class Stopwatch {
 struct RunReport {
   Summary summary;
   int threads = 1;
-  int free_directions =
-      0;  ///< dimension of the gauge, which no measurement of this kind can determine; it adds to the redundancy
-  double load_seconds = 0;   ///< reading, checking and starting
-  double setup_seconds = 0;  ///< putting variables and measurements into the estimator
+  std::vector<std::string> warnings;    ///< on the data, before the fit; those of the fit are in its summary
+  int free_directions = 0;              ///< which no measurement determines; they add to the redundancy
+  bool has_all_free_directions = true;  ///< false: there may be more, and the redundancy may be larger
+  double load_seconds = 0;              ///< reading, checking and starting
+  double setup_seconds = 0;             ///< putting variables and measurements into the estimator
   std::shared_ptr<const nlohmann::ordered_json> online;  ///< figures of an online run; null otherwise
   double total_seconds = 0;  ///< from the start of the run to the end of the fit; files are written after it
 };

@@ -1,5 +1,9 @@
 #include "bundle/output/report.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "printable.hpp"
@@ -7,14 +11,29 @@
 
 namespace slom::app::bundle {
 
-std::string sceneText(const Scene& scene, const std::vector<std::string>& warnings) {
+std::string sceneText(const Scene& scene, const SceneCheck& check) {
   std::string text = fmt::format(
       "bundle adjustment, {}\n  {}, {}, {}\n"
-      "  gauge: {} directions are free (place, rotation and scale of the whole), kept in place by damping alone\n",
+      "  gauge: {} directions are free (place, rotation and scale of {}), kept in place by damping alone\n",
       oneLine(scene.file), plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
-      plural(scene.observations.size(), "observation"), gauge_directions);
-  for (const std::string& warning : warnings) text += fmt::format("  warning: {}\n", warning);
+      plural(scene.observations.size(), "observation"), similarity * check.parts,
+      check.parts == 1 ? "the whole" : fmt::format("each of {} parts", check.parts));
+  for (const std::string& warning : check.warnings) text += fmt::format("  warning: {}\n", warning);
   return text;
+}
+
+std::string furtherText(const FreeDirections& free) {
+  if (free.further == 0) return "";
+  constexpr std::size_t most_named = 5;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(free.names.size(), most_named); ++i)
+    names += (i == 0 ? "" : ", ") + free.names[i];
+  if (free.names.size() > most_named) names += ", ...";
+  return fmt::format(
+      "{} free beyond place, rotation and scale: {} can move, with others or alone, without changing any image, and "
+      "damping alone holds them; add observations",
+      free.further == 1 ? "1 direction is" : fmt::format("{} directions are", free.further),
+      names.empty() ? "cameras and points" : names);
 }
 
 std::string rmsText(double before, double after) {

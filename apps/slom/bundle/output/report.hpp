@@ -2,17 +2,19 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include "bundle/check.hpp"
+#include "bundle/fit/free_directions.hpp"
 #include "bundle/scene.hpp"
 
 namespace slom::app::bundle {
 
-/// Place, rotation and scale of a scene as a whole, which no image knows.
-inline constexpr int gauge_directions = 7;
+/// What was read, what no image determines, warnings.
+std::string sceneText(const Scene& scene, const SceneCheck& check);
 
-/// What was read, what is not determined, warnings.
-std::string sceneText(const Scene& scene, const std::vector<std::string>& warnings);
+/// A warning on the free directions that place, rotation and scale, points seen once and cameras with few points do not explain;
+/// empty: there are none.
+std::string furtherText(const FreeDirections& free);
 
 /// `  RMS 3.2 px at the start, 0.8 px now`
 std::string rmsText(double before, double after);
