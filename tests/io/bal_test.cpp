@@ -39,5 +39,15 @@ TEST(Bal, ErrorsHaveIds) {
             "[slom.io.bad-line] scene.txt:10: f of camera 0 is \"inf\"; write a finite number there");
 }
 
+/// Lines of old systems end by a carriage return.
+TEST(Bal, LinesThatEndByACarriageReturn) {
+  const std::string text =
+      "1 2 2\n0 0 1.5 -2\n0 1 3 0.1\n0\n0\n0\n1\n2\n-3\n500\n-0.1\n0.01\n0\n1\n2\n0.25\n0\n-7\n";
+  std::string returns = text;
+  for (char& c : returns) c = c == '\n' ? '\r' : c;
+  EXPECT_EQ(toBal(parseScene("scene.txt", returns)), toBal(parseScene("scene.txt", text)));
+  EXPECT_EQ(parseScene("scene.txt", returns).observations[1].line, 3);
+}
+
 }  // namespace
 }  // namespace slom::io

@@ -22,8 +22,8 @@ TEST(G2o, Plane) {
       parsed<Pose2>("VERTEX_SE2 7 1 2 0.5\nVERTEX_SE2 3 -1 +2e1 -0.5\nEDGE_SE2 7 3 4 5 0.25 1 2 3 4 5 6\n");
   ASSERT_EQ(graph.poses.size(), 2u);
   EXPECT_TRUE(graph.has_vertices);
-  EXPECT_EQ(graph.poses[0].id, 7);
-  EXPECT_EQ(graph.poses[1].id, 3);
+  EXPECT_EQ(graph.poses[0].id, 7u);
+  EXPECT_EQ(graph.poses[1].id, 3u);
   EXPECT_EQ(graph.poses[1].value.pos, (mtk::vect<2>(-1, 20)));
   EXPECT_EQ(graph.poses[1].value.orient.angle(), -0.5);
   ASSERT_EQ(graph.edges.size(), 1u);
@@ -111,12 +111,12 @@ TEST(G2o, NoVertices) {
   EXPECT_FALSE(graph.has_vertices);
   EXPECT_TRUE(graph.has_fix_lines);
   ASSERT_EQ(graph.poses.size(), 3u);
-  EXPECT_EQ(graph.poses[0].id, 2);
-  EXPECT_EQ(graph.poses[1].id, 4);
-  EXPECT_EQ(graph.poses[2].id, 9);
+  EXPECT_EQ(graph.poses[0].id, 2u);
+  EXPECT_EQ(graph.poses[1].id, 4u);
+  EXPECT_EQ(graph.poses[2].id, 9u);
   EXPECT_TRUE(graph.poses[1].fixed);
   EXPECT_EQ(graph.edges[0].from, 2);
-  EXPECT_EQ(graph.landmarks.at(0).id, 3);
+  EXPECT_EQ(graph.landmarks.at(0).id, 3u);
 }
 
 TEST(G2o, EdgesMayStandBeforeVertices) {
@@ -192,6 +192,58 @@ TEST(G2o, LinesWithoutEnd) {
             "[slom.io.bad-line] map.g2o:1: the line is longer than 16777216 bytes; this is not a pose graph");
   EXPECT_EQ(refusal("# 1\nEDGE_SE2 0 1" + std::string(17 << 20, '\0')),
             "[slom.io.bad-line] map.g2o:2: the line is longer than 16777216 bytes; this is not a pose graph");
+}
+
+/// Sensors, bearings and priors are written as they were read, digit by digit.
+TEST(G2o, SensorsBearingsAndPriorsStayAsTheyAre) {
+  const std::string plane =
+      "VERTEX_SE2 0 0 0 0.1\nVERTEX_SE2 1 1 0 0\nVERTEX_XY 2 1 1\nEDGE_SE2 0 1 1 0 0 2 0.1 0 2 0 3\n"
+      "EDGE_SE2_XY 0 2 1 1 1 0 1\nEDGE_BEARING_SE2_XY 1 2 0.785 100\nEDGE_PRIOR_SE2 0 0.1 0.2 0.3 1 0.1 0.2 2 0.3 3\n"
+      "EDGE_PRIOR_SE2_XY 1 1.1 0.2 4 0.5 5\n";
+  EXPECT_EQ(toG2o(parsed<Pose2>(plane)), plane);
+  EXPECT_EQ(toG2o(parsed<Pose2>(slom::testing::replaced(plane, "EDGE_PRIOR_SE2 0", "EDGE_SE2_PRIOR 0"))),
+            plane);
+  const std::string space =
+      "PARAMS_SE3OFFSET 3 0.1 0.2 0.3 0.5 0.5 0.5 0.5\nPARAMS_SE3OFFSET 7 0 0 0 0 0 0 1\n"
+      "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_TRACKXYZ 2 1 1 1\n"
+      "EDGE_SE3_TRACKXYZ 0 2 3 0.7 0.8 0.9 1 0.1 0.2 2 0.3 3\nEDGE_SE3_TRACKXYZ 0 2 7 1.1 1.2 1.3 1 0.1 0.2 2 0.3 3\n"
+      "EDGE_SE3_PRIOR 0 3 0.1 0.2 0.3 0 0 0 1" +
+      unit6 + "EDGE_SE3_PRIOR 0 7 0.1 0.2 0.3 0 0 0 1" + unit6;
+  EXPECT_EQ(toG2o(parsed<Pose3>(space)), space);
+}
+
+TEST(G2o, SensorsThatAreThereTwice) {
+  const std::string bad = "PARAMS_SE3OFFSET 3 0 0 0 0 0 0 1\nEDGE_SE3:QUAT 0 1 0 0 0 0 0 0 1" + unit6 +
+                          "PARAMS_SE3OFFSET 3 1 0 0 0 0 0 1\n";
+  EXPECT_NE(slom::testing::messageOf([&] {
+              parsed<Pose3>(bad);
+            }).find("map.g2o:3: sensor 3 is there already, on line 1; remove one of them"),
+            std::string::npos);
+}
+
+/// Lines of old systems end by a carriage return.
+TEST(G2o, LinesThatEndByACarriageReturn) {
+  const std::string text = toG2o(simulateGraph<Pose2>(5, 0.1, 1)),
+                    windows = slom::testing::replaced(text, "\n", "\r\n");
+  std::string returns = "# a comment\n" + text;
+  for (char& c : returns) c = c == '\n' ? '\r' : c;
+  EXPECT_EQ(toG2o(parsed<Pose2>(returns)), text);
+  EXPECT_EQ(toG2o(parsed<Pose2>(windows)), text);
+  const std::string bad = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\rEDGE_SE2 0 1 x\r";
+  EXPECT_NE(slom::testing::messageOf([&] { parsed<Pose2>(bad); }).find("map.g2o:2: "), std::string::npos);
+}
+
+/// gtsam's symbols have a character in the upper 8 bits, which may be above 127.
+TEST(G2o, IdsGoUpTo64Bits) {
+  const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+  const std::string text =
+      "VERTEX_SE2 18374686479671623681 0 0 0\nVERTEX_SE2 18446744073709551615 1 0 0\nFIX 18446744073709551615\n"
+      "EDGE_SE2 18374686479671623681 18446744073709551615 1 0 0 1 0 0 1 0 1\n";
+  const auto graph = testing::parsed<Pose2>(text);
+  EXPECT_EQ(graph.poses[0].id, 18374686479671623681u);
+  EXPECT_EQ(graph.poses[1].id, most);
+  EXPECT_TRUE(graph.poses[1].fixed);
+  EXPECT_EQ(toG2o(graph), text);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ PoseGraph<Pose> simulateGraph(int count, double noise, std::uint64_t seed) {
     pose.pos[0] += 5 * std::cos(angle);
     pose.pos[1] += 5 * std::sin(angle);
     if (i == 0) pose = Pose();
-    graph.poses.push_back({10 + i, pose, 0, i == 0});
+    graph.poses.push_back({std::uint64_t(10 + i), pose, 0, i == 0});
   }
   const auto value = [&](int i) { return graph.poses[std::size_t(i)].value; };
   for (int i = 0; i < count; ++i) {
@@ -59,7 +59,7 @@ PoseGraph<Pose> simulateGraph(int count, double noise, std::uint64_t seed) {
   }
   for (int i = 0; i + 2 < count; i += 4) {
     const Point<Pose> point = value(i) * Point<Pose>(randomVector<dim<Pose>>(random, 3));
-    graph.landmarks.push_back({1000 + i, point});
+    graph.landmarks.push_back({std::uint64_t(1000 + i), point});
     for (int j = i; j <= i + 2; ++j) {
       graph.sightings.push_back({j, int(graph.landmarks.size()) - 1, 0,
                                  value(j).inverse() * point + randomVector<dim<Pose>>(random, noise),

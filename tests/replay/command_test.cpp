@@ -106,14 +106,21 @@ TEST(Replay, RefusesWhatItCannotRead) {
           network().substr(network().find("| 309.") + 6, 4));
 }
 
-TEST(Replay, RefusesAnUnknownMeasurement) {
+TEST(Replay, RefusesAnUnknownMeasurementInOneLine) {
+  replay.expectRefused(
+      replaced(network(), "\"Range(", "\"Echo("),
+      "problem.slom:14: fit this file by the program that saved it; slom replay does not know "
+      "measurements \"Echo(vect<2>, vect<2>, measured double)\"");
   const TemporaryFolder folder;
-  const CommandResult result = replay.runIn(folder, replaced(network(), "\"Range(", "\"Echo("), {});
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(result.errors.starts_with(
-      "slom: problem.slom:14: measurements \"Echo(vect<2>, vect<2>, measured double)\" are not known to "
-      "this program, which knows \"RelativePose(trafo<SO2>, trafo<SO2>, measured trafo<SO2>) in the frame of z\", "))
-      << result.errors;
+  const CommandResult other =
+      replay.runIn(folder, replaced(network(), "\"Range(vect<2>, vect<2>", "\"Range(vect<2>, vect<7>"), {});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_TRUE(other.errors.starts_with(
+      "slom: problem.slom:14: fit this file by the program that saved it; slom replay "
+      "does not know measurements \"Range(vect<2>, vect<7>, measured double)\" but "
+      "\"Range(vect<2>, vect<2>, measured double)\", \"Range("))
+      << other.errors;
+  EXPECT_LT(other.errors.size(), 600u);
 }
 
 TEST(Replay, RefusesOptions) {

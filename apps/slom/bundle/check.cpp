@@ -72,9 +72,22 @@ void refuseUnseen(const Scene& scene, const Faulty& unseen) {
       unseen.text(), unseen.choose("has", "have"), unseen.choose("it", "them"), unseen.choose("it", "them")));
 }
 
+/// The point in the camera's frame, which looks along -z.
+mtk::vect<3> inCamera(const Scene& scene, const Observation& observation) {
+  return scene.cameras[std::size_t(observation.camera)].pose * scene.points[std::size_t(observation.point)];
+}
+
 void refusePointsWithoutImage(const Scene& scene) {
+  constexpr double no_depth = 1e-9;  // relative to the distance: no lens has so wide an image
   for (const Observation& observation : scene.observations) {
-    if (std::isfinite(scene.residual(observation).squaredNorm())) continue;
+    const mtk::vect<3> p = inCamera(scene, observation);
+    if (std::isfinite(scene.residual(observation).squaredNorm())) {
+      if (std::abs(p[2]) > no_depth * p.norm()) continue;
+      throw UserError(fmt::format(
+          "{}:{}: point {} lies in the plane of camera {} (depth {:.3g} at a distance of {:.3g}), where it "
+          "has no image; correct the two, or remove this observation",
+          scene.file, observation.line, observation.point, observation.camera, std::abs(p[2]), p.norm()));
+    }
     throw UserError(
         fmt::format("{}:{}: point {} has no image in camera {}, as the prediction is not a finite number; "
                     "correct the two, or remove this observation",
@@ -115,6 +128,46 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
 }
 
 }  // namespace
+
+std::string behindText(const Scene& scene) {
+  std::vector<char> is_behind(scene.points.size());
+  std::size_t observations = 0;
+  for (const Observation& observation : scene.observations) {
+    if (inCamera(scene, observation)[2] < 0) continue;
+    ++observations;
+    is_behind[std::size_t(observation.point)] = 1;
+  }
+  if (observations == 0) return "";
+  Faulty behind("point");
+  for (std::size_t p = 0; p < is_behind.size(); ++p) {
+    if (is_behind[p] != 0) behind.add(p);
+  }
+  return fmt::format(
+      "{} {} behind cameras that see {} ({}), which no image can show: start {} in front of the "
+      "cameras, or remove {}",
+      behind.text(), behind.choose("ends", "end"), behind.choose("it", "them"),
+      plural(observations, "observation"), behind.choose("it", "them"), behind.choose("it", "them"));
+}
+
+std::string dominantText(const Scene& scene) {
+  constexpr double nearly_all = 0.9;
+  constexpr std::size_t least_observations = 10;  // among fewer, one may well have most
+  double sum = 0, most = 0;
+  const Observation* worst = nullptr;
+  for (const Observation& observation : scene.observations) {
+    const double square = scene.residual(observation).squaredNorm();
+    sum += square;
+    if (square <= most) continue;
+    most = square;
+    worst = &observation;
+  }
+  if (worst == nullptr || scene.observations.size() < least_observations || !(most > nearly_all * sum))
+    return "";
+  return fmt::format(
+      "; the observation on line {}, of point {} by camera {}, has {:.3g} % of the sum of squares: correct "
+      "or remove it",
+      worst->line, worst->point, worst->camera, 100 * most / sum);
+}
 
 SceneCheck checkScene(const Scene& scene) {
   const Views views(scene);

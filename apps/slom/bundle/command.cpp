@@ -15,6 +15,7 @@
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
+#include "fitting/words.hpp"
 
 namespace slom::app {
 namespace bundle {
@@ -47,6 +48,7 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   console.print("\n" + iterationHeader());
   Summary summary = fit.optimize(options);
   FitLimits::nameIn(summary);
+  putIntoWordsOfTheCommand(summary);
   fit.writeTo(scene);
   return summary;
 }
@@ -86,10 +88,11 @@ void run(const RawOptions& raw) {
   report.summary = fit(scene, settings, console, report.setup_seconds);
   report.total_seconds = total.seconds();
   countFreeDirections(scene, report);
+  if (const std::string text = behindText(scene); !text.empty()) report.summary.warnings.push_back(text);
   console.print(outcomeText(outcomeOf(report)) + rmsText(rms_before, scene.rms()));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(scene, report, settings, console);
-  requireConverged(report.summary, "");
+  requireConverged(report, dominantText(scene));
 }
 
 }  // namespace

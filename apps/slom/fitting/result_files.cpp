@@ -17,9 +17,11 @@ void ResultFiles::finish(const Console& console) {
   if (options_.jsonToStdout()) std::fputs(json.c_str(), stdout);  // main() sees that it arrived
 }
 
-void requireConverged(const Summary& summary, const std::string& advice) {
-  if (summary.converged) return;
-  sayError(fmt::format("slom: the fit failed: {}{}\n", summary.message, advice));
+void requireConverged(const RunReport& report, const std::string& advice) {
+  if (report.summary.converged) return;
+  sayError(
+      fmt::format("slom: the fit failed: {}{}{}\n", report.summary.message, advice,
+                  report.warnings.empty() ? "" : fmt::format(" ({})", fmt::join(report.warnings, "; "))));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

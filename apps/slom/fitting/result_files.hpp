@@ -38,7 +38,7 @@ class ResultFiles {
   std::string said_;
 };
 
-/// Ends the run when the fit did not converge: says why, followed by `advice`.
-void requireConverged(const Summary& summary, const std::string& advice);
+/// Ends the run when the fit did not converge: says why, followed by `advice` and the warnings on the data.
+void requireConverged(const RunReport& report, const std::string& advice);
 
 }  // namespace slom::app

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,10 +13,12 @@
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
+#include "fitting/words.hpp"
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
 #include "graph/information.hpp"
 #include "graph/initialization/gauge.hpp"
+#include "graph/initialization/roots.hpp"
 #include "graph/initialization/start.hpp"
 #include "graph/online/online.hpp"
 #include "graph/output/html.hpp"
@@ -43,12 +46,33 @@ or standard output could not be written, 2 wrong options or data.)";
 
 /// Everything between reading and fitting.
 template <class Pose>
-Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
+Preparation prepareOrThrow(PoseGraph<Pose>& graph, const Settings& settings) {
   Preparation preparation;
   preparation.repaired = checkInformation(graph, settings.repair_information);
-  preparation.fixed = fixGauge(graph, settings.hold_parts);
-  if (settings.online == Online::no) preparation.start = findStart(graph, settings.init, settings.model());
+  if (settings.online != Online::no &&
+      !(graph.bearings.empty() && graph.pose_priors.empty() && graph.position_priors.empty())) {
+    throw UserError("--online: " + graph.file +
+                    " has bearings or priors, which cannot be fed pose by pose; leave the option out");
+  }
+  preparation.gauge = fixGauge(graph, settings.hold_parts);
+  if (settings.online == Online::no) {
+    preparation.start = findStart(graph, settings.init, settings.model());
+  } else {
+    const Roots<Pose> roots(graph);
+  }
   return preparation;
+}
+
+/// A refusal says which lines were skipped, which may be what it misses.
+template <class Pose>
+Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
+  try {
+    return prepareOrThrow(graph, settings);
+  } catch (const UserError& error) {
+    const std::vector<std::string> skipped = graph.unknown_tags.sentences();
+    if (skipped.empty()) throw;
+    throw UserError(fmt::format("{} ({})", error.what(), fmt::join(skipped, ", ")));
+  }
 }
 
 /// The options of fits within limits.
@@ -68,19 +92,47 @@ struct Film {
   std::vector<int> order;
 };
 
+/// Warns of directions that the measurements hardly determine, as headings where information was repaired: such fits creep.
+void warnOfWeakDirections(const Estimator& est, Summary& summary) {
+  constexpr int most_unknowns = 30000;  // the diagnosis takes some factorisations
+  constexpr std::size_t most_named = 3;
+  if (summary.unknowns > most_unknowns) return;
+  std::vector<std::string> weak;
+  for (const Finding& finding : est.diagnose().findings) {
+    if (finding.kind == Finding::Kind::weak) weak.push_back(finding.text);
+  }
+  if (weak.size() > most_named) {
+    const std::size_t more = weak.size() - most_named;
+    weak.resize(most_named);
+    weak.push_back(
+        fmt::format("{} hardly determined, too",
+                    more == 1 ? "1 further direction is" : fmt::format("{} further directions are", more)));
+  }
+  summary.warnings.insert(summary.warnings.end(), weak.begin(), weak.end());
+  if (!summary.converged && !weak.empty()) summary.message += ", while " + weak.front();
+}
+
+/// Whether a fit has stopped for no reason that its data show.
+bool hasCrept(const Summary& summary) {
+  return summary.stop_reason == StopReason::max_iterations || summary.stop_reason == StopReason::no_progress;
+}
+
 template <class Pose>
-Film fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& console, RunReport& report) {
+Film fit(PoseGraph<Pose>& graph, const Gauge& gauge, const Settings& settings, const Console& console,
+         RunReport& report) {
   const FitLimits limits(settings.fit.max_seconds);
   Film film;
   if (settings.online == Online::no) {
     const Stopwatch setup;
-    GraphFit<Pose> fit(graph, settings.model());
+    GraphFit<Pose> fit(graph, gauge, settings.model());
     report.setup_seconds = setup.seconds();
     report.summary = fit.optimize(optionsOf(settings, console));
+    if (hasCrept(report.summary) || settings.repair_information)
+      warnOfWeakDirections(fit.estimator(), report.summary);
     fit.writeTo(graph);
   } else {
-    OnlineFit<Pose> fit(graph, settings.model(), settings.online, settings.plot_file.ends_with(".html"),
-                        console);
+    OnlineFit<Pose> fit(graph, gauge, settings.model(), settings.online,
+                        settings.plot_file.ends_with(".html"), console);
     report.summary = fit.optimize(optionsOf(settings, console));
     if (!fit.isComplete()) FitLimits::sayIn(report.summary);
     fit.run().finish(report.summary);
@@ -90,6 +142,7 @@ Film fit(PoseGraph<Pose>& graph, const Settings& settings, const Console& consol
     fit.writeTo(graph);
   }
   FitLimits::nameIn(report.summary);
+  putIntoWordsOfTheCommand(report.summary);
   return film;
 }
 
@@ -116,9 +169,10 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   const Preparation preparation = prepare(graph, settings);
   RunReport report;
   report.threads = threadsOf(settings.fit);
+  report.warnings = graph.unknown_tags.sentences();
   report.load_seconds = total.seconds();
   console.print(graphText(graph, preparation));
-  Film film = fit(graph, settings, console, report);
+  Film film = fit(graph, preparation.gauge, settings, console, report);
   report.total_seconds = total.seconds();
   console.print(outcomeText(outcomeOf(report)));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
@@ -127,7 +181,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;
   const bool start_may_be_at_fault = settings.init && settings.init != Start::chordal && !was_cut_short &&
                                      reason != StopReason::rank_deficient;
-  requireConverged(report.summary, start_may_be_at_fault ? "; --init auto may find a better start" : "");
+  requireConverged(report, start_may_be_at_fault ? "; --init auto may find a better start" : "");
 }
 
 void run(const RawOptions& raw) {
@@ -170,7 +224,7 @@ void addGraphCommand(CLI::App& app) {
   command.add_flag("--repair-information", settings.repair_information,
                    "take the nearest matrix for information that is not positive definite");
   command.add_flag("--hold-parts", settings.hold_parts,
-                   "hold the first vertex of each part of the graph without a fixed pose");
+                   "hold the first vertex of each part of the graph without a fixed pose or landmark");
   command.add_option("--output", settings.output_file, "fitted graph, in g2o's format")->type_name("FILE");
   command
       .add_option("--plot", settings.plot_file,

@@ -33,9 +33,9 @@ class Check {
  public:
   Check(const std::string& file, bool repair) : file_(file), repair_(repair) {}
 
-  template <class Datum>
-  void operator()(std::vector<Edge<Datum>>& edges) {
-    for (Edge<Datum>& edge : edges) {
+  /// Edges, sightings, bearings or priors.
+  void operator()(auto& edges) {
+    for (auto& edge : edges) {
       if (isPositiveDefinite(edge.information)) continue;
       if (edge.information.isZero(0)) {
         throw UserError(fmt::format(
@@ -71,6 +71,12 @@ int checkInformation(PoseGraph<Pose>& graph, bool repair) {
   Check check(graph.file, repair);
   check(graph.edges);
   check(graph.sightings);
+  check(graph.bearings);
+  check(graph.pose_priors);
+  check(graph.position_priors);
+  for (auto& [sighting, sensed] : graph.as_sensed) {
+    if (!isPositiveDefinite(sensed.information)) sensed.information = repaired(sensed.information);
+  }
   return check.finish();
 }
 

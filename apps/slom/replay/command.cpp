@@ -10,6 +10,7 @@
 #include "fitting/fit_options.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
+#include "fitting/words.hpp"
 #include "input_file.hpp"
 #include "output_files.hpp"
 #include "replay/kinds.hpp"
@@ -44,8 +45,25 @@ auto asUserError(const F& f) {
   try {
     return f();
   } catch (const mtk::Error& error) {
-    throw UserError(std::string(error.sentence()));
+    throw UserError(inWordsOfTheCommand(std::string(error.sentence())));
   }
+}
+
+/// What the library says of a file, with a list of all types that it knows cut to those of the same function.
+std::string withoutList(const std::string& sentence) {
+  const std::string unknown = " are not known to this program, which knows ";
+  const std::size_t end = sentence.find(unknown), place = sentence.find(": ");
+  if (end == std::string::npos || place > end) return sentence;
+  const std::string type = sentence.substr(place + 2, end - place - 2);  // measurements "Range(...)"
+  const std::size_t quote = type.find('"'), open = type.find('(');
+  std::string others;
+  if (quote != std::string::npos && open != std::string::npos) {
+    const std::string function = type.substr(quote, open - quote + 1);  // "Range(
+    for (std::size_t at = end; (at = sentence.find(function, at)) != std::string::npos; ++at)
+      others += (others.empty() ? " but " : ", ") + sentence.substr(at, sentence.find('"', at + 1) + 1 - at);
+  }
+  return fmt::format("{}: fit this file by the program that saved it; slom replay does not know {}{}",
+                     sentence.substr(0, place), type, others);
 }
 
 Archive makeArchive() {
@@ -65,7 +83,13 @@ void run(const Settings& settings) {
                    {{"--output", settings.output_file}, {"--json", settings.report.jsonPath()}});
   const Archive archive = makeArchive();
   std::istringstream text(readWhole(settings.file));
-  StoredProblem problem = asUserError([&] { return archive.load(text, settings.file); });
+  StoredProblem problem = [&] {
+    try {
+      return archive.load(text, settings.file);
+    } catch (const mtk::Error& error) {
+      throw UserError(withoutList(std::string(error.sentence())));
+    }
+  }();
   requireWritable({settings.output_file, settings.report.jsonPath()});
   Estimator& est = problem.estimator;
   apply(fit, est);
@@ -82,6 +106,7 @@ void run(const Settings& settings) {
     FitLimits::applyTo(options);
     report.summary = asUserError([&] { return est.optimize(options); });
     FitLimits::nameIn(report.summary);
+    putIntoWordsOfTheCommand(report.summary);
   }
   report.total_seconds = total.seconds();
   console.print("\n" + report.summary.report());
@@ -92,7 +117,7 @@ void run(const Settings& settings) {
     return saved.str();
   });
   files.finish(console);
-  requireConverged(report.summary, "");
+  requireConverged(report, "");
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ inline void fitShortly(Estimator& est, int iterations) {
   (void)est.optimize(options);  // a start need not have converged
 }
 
-/// A whole graph in an estimator, to compare values of it.
+/// A whole graph in an estimator, to compare values of it. A model with a function insertOthers, as io::PoseGraphModel has, inserts
+/// measurements of other kinds.
 template <class Graph, class Model>
 class WholeMap {
  public:
@@ -43,6 +44,8 @@ class WholeMap {
     for (const auto& sighting : graph.sightings)
       model.insertSighting(est_, pose(sighting.from), landmarks_[static_cast<std::size_t>(sighting.to)],
                            sighting);
+    if constexpr (requires { model.insertOthers(est_, graph, poses_, landmarks_); })
+      model.insertOthers(est_, graph, poses_, landmarks_);
   }
   /// The RSS at the current values of the graph.
   double rss() {

@@ -20,7 +20,7 @@ template <class Pose>
 std::string toG2o(const PoseGraph<Pose>& graph);
 
 /// The text of a file of TORO, likewise; rotations in space as roll, pitch and yaw, at any pitch. Lines FIX are those of g2o; TORO itself keeps
-/// the first pose. Information matrices are written as they are. Throws [slom.io.no-toro] for a graph with landmarks.
+/// the first pose. Information matrices are written as they are. Throws [slom.io.no-toro] for a graph with landmarks or priors.
 template <class Pose>
 std::string toToro(const PoseGraph<Pose>& graph);
 

@@ -1,12 +1,14 @@
 /// A pose graph as it stands in a file (slom/io/g2o.hpp): poses and landmarks, in the plane or in space, and where one was seen
 /// from another.
 ///
-/// A pose is world_T_body. The datum of an edge from a to b is a^-1 b, that of a sighting of landmark l is a^-1 l. The functions of
+/// A pose is world_T_body. The datum of an edge from a to b is a^-1 b, that of a sighting of landmark l is a^-1 l. Priors measure poses in the
+/// frame of the world. The functions of
 /// slom/initialize.hpp, which find start values, take these graphs as they are; slom/io/pose_graph_model.hpp inserts them into
 /// an estimator.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -38,8 +40,8 @@ using Symmetric = Eigen::Matrix<double, N, N, Eigen::DontAlign>;
 /// A pose or a landmark.
 template <class Value>
 struct Node {
-  long id = 0;   ///< its name in the file
-  Value value;   ///< where it starts [m, rad]
+  std::uint64_t id = 0;  ///< its name in the file
+  Value value;           ///< where it starts [m, rad]
   int line = 0;  ///< line of the vertex, or of the first edge that names it where the file has no vertices
   bool fixed = false;  ///< keeps its value in the fit
 };
@@ -54,6 +56,36 @@ struct Edge {
   Symmetric<Datum::DOF> information;  ///< translation first, then rotation; as in the file
 };
 
+/// A sensor of g2o's files: where it sits on the robot.
+template <class Pose>
+struct Sensor {
+  std::uint64_t id = 0;  ///< its name in the file
+  Pose offset;           ///< robot_T_sensor
+  int line = 0;
+};
+
+/// Where a pose, or a sensor on it, is in the world.
+template <class Pose>
+struct PosePrior {
+  static constexpr int robot = -1;
+
+  int pose = 0;   ///< an index, not an id
+  int line = 0;   ///< line of the file
+  Pose measured;  ///< world_T_sensor [m, rad]
+  Symmetric<dof<Pose>>
+      information;     ///< translation first, then rotation, seen from `measured`; as in the file
+  int sensor = robot;  ///< index in PoseGraph::sensors; robot: the pose itself
+};
+
+/// Where the position of a pose is in the world.
+template <class Pose>
+struct PositionPrior {
+  int pose = 0;  ///< an index, not an id
+  int line = 0;  ///< line of the file
+  Point<Pose> measured;
+  Symmetric<dim<Pose>> information;
+};
+
 /// The lines of a file that were skipped, by the words that they begin with.
 struct UnknownTags {
   static constexpr std::size_t most = 5;
@@ -63,6 +95,8 @@ struct UnknownTags {
 
   /// Counts a line that begins with this word.
   void add(std::string_view tag);
+  /// A sentence for each word: `skipped 2 lines with the unknown tag VERTEX_CAM`.
+  std::vector<std::string> sentences() const;
 };
 
 /// A file of a pose graph, in the plane (Pose2) or in space (Pose3).
@@ -75,9 +109,22 @@ struct PoseGraph {
   bool has_fix_lines = false;
   std::vector<Node<Pose>> poses;  ///< in the order of the file; by id where it has no vertices
   std::vector<Node<Point<Pose>>> landmarks;
-  std::vector<Edge<Pose>> edges;             ///< from a pose to a pose
-  std::vector<Edge<Point<Pose>>> sightings;  ///< observations of a landmark from a pose
+  std::vector<Edge<Pose>> edges;  ///< from a pose to a pose
+  std::vector<Edge<Point<Pose>>>
+      sightings;  ///< observations of a landmark from a pose, in the frame of the pose
+  std::vector<Edge<mtk::SO2<>>> bearings;  ///< in the plane: directions of a landmark from a pose
+  std::vector<PosePrior<Pose>> pose_priors;
+  std::vector<PositionPrior<Pose>> position_priors;  ///< in the plane
+  std::vector<Sensor<Pose>> sensors;
+  /// Sightings by a sensor that is not at the origin of the robot, by their index: with the sensor's index as `from`, and the numbers of
+  /// the file, which `sightings` has in the frame of the robot.
+  std::map<std::size_t, Edge<Point<Pose>>> as_sensed;
   UnknownTags unknown_tags;
+
+  /// robot_T_sensor of the sensor that a prior is of.
+  Pose offsetOf(const PosePrior<Pose>& prior) const {
+    return prior.sensor < 0 ? Pose() : sensors[static_cast<std::size_t>(prior.sensor)].offset;
+  }
 };
 
 using AnyPoseGraph = std::variant<PoseGraph<Pose2>, PoseGraph<Pose3>>;

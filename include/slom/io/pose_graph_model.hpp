@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "slom/estimator.hpp"
+#include "slom/io/absolute_errors.hpp"
 #include "slom/io/pose_graph.hpp"
 #include "slom/io/quaternion_error.hpp"
+#include "slom/measurements/bearing.hpp"
 #include "slom/measurements/landmark.hpp"
 #include "slom/measurements/relative_pose.hpp"
 
@@ -61,9 +63,11 @@ std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Val
 
 }  // namespace detail
 
-/// How edges and sightings become measurements, named `edge` and `sighting`.
+/// How what a graph measures becomes measurements, named `edge`, `sighting`, `bearing` and `prior`.
 ///   residual of an edge      z^-1 (a^-1 b): its translation, then its rotation as RotationError says
 ///   residual of a sighting   a^-1 p - z
+///   residual of a bearing    angle of a^-1 p - z, from -pi to pi
+///   residual of a prior      z^-1 (x o) with the sensor's place o on the robot, as that of an edge; of a position, position - z
 /// whitened by W with W^T W = information, so that the RSS is the sum of e^T information e.
 /// The functions of slom/initialize.hpp take it as their model.
 struct PoseGraphModel {
@@ -94,6 +98,50 @@ struct PoseGraphModel {
       est.insertMeasurement(Landmark(), a, p, measured(sighting.measured), noise, loss, named("sighting"));
     });
   }
+  /// Inserts the priors and bearings of a graph, as far as their variables are there.
+  template <class Pose>
+  void insertOthers(Estimator& est, const PoseGraph<Pose>& graph, const std::vector<VarID<Pose>>& poses,
+                    const std::vector<VarID<Point<Pose>>>& landmarks) const {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    for (const PosePrior<Pose>& prior : graph.pose_priors) {
+      if (poses[at(prior.pose)].isValid())
+        insertPrior(est, poses[at(prior.pose)], graph.offsetOf(prior), prior);
+    }
+    for (const PositionPrior<Pose>& prior : graph.position_priors) {
+      detail::withInformation(prior.information, [&](const auto& noise) {
+        if (poses[at(prior.pose)].isValid())
+          est.insertMeasurement(PositionPriorError(), poses[at(prior.pose)], measured(prior.measured), noise,
+                                loss, named("prior"));
+      });
+    }
+    if constexpr (dim<Pose> == 2) {
+      for (const Edge<mtk::SO2<>>& bearing : graph.bearings) {
+        const auto& a = poses[at(bearing.from)];
+        const auto& p = landmarks[at(bearing.to)];
+        if (!a.isValid() || !p.isValid()) continue;
+        detail::withInformation(bearing.information, [&](const auto& noise) {
+          est.insertMeasurement(Bearing(), a, p, measured(bearing.measured), noise, loss, named("bearing"));
+        });
+      }
+    }
+  }
+
+ private:
+  template <class Pose>
+  void insertPrior(Estimator& est, const VarID<Pose>& x, const Pose& offset,
+                   const PosePrior<Pose>& prior) const {
+    detail::withInformation(prior.information, [&](const auto& noise) {
+      if constexpr (dim<Pose> == 3) {
+        if (rotation_error == RotationError::quaternion) {
+          est.insertMeasurement(PosePriorQuaternionError(), x, offset, prior.measured, noise, loss,
+                                named("prior"));
+          return;
+        }
+      }
+      est.insertMeasurement(PosePriorError(), x, offset, measured(prior.measured), noise, loss,
+                            named("prior"));
+    });
+  }
 };
 
 /// The variables of a graph, in the order of its nodes.
@@ -110,7 +158,7 @@ struct PoseGraphVariables {
 };
 
 /// Inserts all poses and landmarks with their values, named by their ids (`pose 17`, `landmark 3`), fixed where `fixed` says so, and all
-/// edges and sightings. Throws the errors of Estimator::insertMeasurement, such as that of an information that is not positive
+/// edges, sightings, bearings and priors; a model without insertOthers gets that of PoseGraphModel for the last two. Throws the errors of Estimator::insertMeasurement, such as that of an information that is not positive
 /// definite. Where nothing is fixed, the map can float: fix a pose, `graph.poses[0].fixed = true`.
 template <class Pose, class Model = PoseGraphModel>
 PoseGraphVariables<Pose> insert(Estimator& est, const PoseGraph<Pose>& graph, const Model& model = {}) {
@@ -121,6 +169,11 @@ PoseGraphVariables<Pose> insert(Estimator& est, const PoseGraph<Pose>& graph, co
   for (const auto& sighting : graph.sightings) {
     model.insertSighting(est, pose(sighting.from), ids.landmarks[static_cast<std::size_t>(sighting.to)],
                          sighting);
+  }
+  if constexpr (requires { model.insertOthers(est, graph, ids.poses, ids.landmarks); }) {
+    model.insertOthers(est, graph, ids.poses, ids.landmarks);
+  } else {
+    PoseGraphModel{}.insertOthers(est, graph, ids.poses, ids.landmarks);
   }
   return ids;
 }

@@ -26,7 +26,7 @@ Words::Words(const std::string& file, std::string_view text)
 
 bool Words::next() {
   int lines = 0;
-  for (; at_ != end_ && isSpace(*at_); ++at_) lines += *at_ == '\n' ? 1 : 0;
+  for (; at_ != end_ && isSpace(*at_); ++at_) lines += isEndOfLine() ? 1 : 0;
   if (at_ == end_) return false;
   line_ += lines;
   const char* const first = at_;
@@ -36,8 +36,8 @@ bool Words::next() {
 }
 
 bool Words::moreOnLine() {
-  while (at_ != end_ && isSpace(*at_) && *at_ != '\n') ++at_;
-  return at_ != end_ && *at_ != '\n';
+  while (at_ != end_ && isSpace(*at_) && !isEndOfLine()) ++at_;
+  return at_ != end_ && !isEndOfLine();
 }
 
 bool Words::number(double& value) const { return parseNumber(word_, value) && std::isfinite(value); }

@@ -27,6 +27,9 @@ class Words {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
+  /// Whether a line ends here: at a line feed, or at a carriage return without one.
+  bool isEndOfLine() const { return *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n')); }
+
   const std::string& file_;
   const char* at_;
   const char* end_;

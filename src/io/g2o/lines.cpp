@@ -14,7 +14,7 @@ namespace slom::io::g2o {
 
 namespace {
 
-constexpr bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+constexpr bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 void skipBlanks(std::string_view& text) {
   std::size_t n = 0;
@@ -41,6 +41,15 @@ Lines::Lines(const std::string& file) : file_(file), stream_(openInput(file)), b
   readMore();
   constexpr std::string_view mark = "\xEF\xBB\xBF";  // byte order
   if (std::string_view(buffer_.data(), end_).starts_with(mark)) begin_ = mark.size();
+  findEndOfLine();
+}
+
+void Lines::findEndOfLine() {
+  const std::string_view text(buffer_.data(), end_);
+  const std::size_t first = text.find_first_of("\r\n");
+  if (first == std::string_view::npos || text[first] == '\n') return;
+  const bool is_alone = first + 1 < text.size() && text[first + 1] != '\n';
+  if (is_alone && text.find('\n') == std::string_view::npos) end_of_line_ = '\r';
 }
 
 void Lines::require(bool good) const {
@@ -68,7 +77,7 @@ bool Lines::nextLine() {
   for (std::size_t seen = 0;;) {
     const char* const first = buffer_.data() + begin_;
     const std::size_t size = end_ - begin_;
-    const void* const found = std::memchr(first + seen, '\n', size - seen);
+    const void* const found = std::memchr(first + seen, end_of_line_, size - seen);
     if (found != nullptr) {
       line_ = {first, std::size_t(static_cast<const char*>(found) - first)};
       begin_ += line_.size() + 1;
@@ -120,11 +129,11 @@ std::string_view Lines::word() {
   return text;
 }
 
-long Lines::id() {
+std::uint64_t Lines::id() {
   const std::string_view text = word();
-  long value = 0;
-  if (!parseNumber(text, value) || value < 0) {
-    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 on; correct it",
+  std::uint64_t value = 0;
+  if (!parseNumber(text, value)) {
+    fail(fmt::format("the id \"{}\" of {} is not a whole number from 0 to 2^64 - 1; correct it",
                      shortened(text, longest_word), tag_));
   }
   return value;

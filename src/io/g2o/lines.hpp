@@ -1,6 +1,7 @@
 // A text file as lines of words and numbers, fast enough for a million of them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,7 +10,8 @@
 
 namespace slom::io::g2o {
 
-/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped.
+/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped. Lines end by a line feed; in a file
+/// without line feeds, by a carriage return.
 /// Reads a large part of the file at a time, so that it need not fit into memory, and takes pipes too.
 class Lines {
  public:
@@ -24,7 +26,7 @@ class Lines {
   /// Says what this line must be: `form` is an example, with `count` words after the tag.
   void expect(int count, const char* form);
   /// The next word as the id of a vertex.
-  long id();
+  std::uint64_t id();
   /// The next word as a finite number.
   double number();
   /// Whether there are words left.
@@ -37,6 +39,7 @@ class Lines {
  private:
   bool nextLine();
   bool readMore();
+  void findEndOfLine();
   void require(bool good) const;
   std::string_view word();
   [[noreturn]] void failCount() const;
@@ -44,6 +47,7 @@ class Lines {
   const std::string& file_;
   InputStream stream_;
   std::vector<char> buffer_;
+  char end_of_line_ = '\n';
   std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
   std::string_view line_;            // what of this line has not been read
   std::string_view after_tag_;       // the line after its tag

@@ -1,6 +1,7 @@
 // What the lines of a file say, before ids become nodes.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -11,21 +12,30 @@ namespace slom::io::g2o {
 
 /// Ids of the vertices of an edge.
 struct Ends {
-  long from = 0;
-  long to = 0;
+  std::uint64_t from = 0;
+  std::uint64_t to = 0;
 };
 
 /// A vertex that a line FIX names.
 struct FixedVertex {
-  long id = 0;
+  std::uint64_t id = 0;
   int line = 0;
+};
+
+/// The vertex that a prior is of, and the sensor that a line names.
+struct PriorOf {
+  std::uint64_t pose = 0;
+  std::uint64_t sensor = 0;
 };
 
 template <class Pose>
 struct RawGraph {
-  PoseGraph<Pose> graph;            ///< its edges do not know their nodes yet
-  std::vector<Ends> edge_ends;      ///< ends of graph.edges
-  std::vector<Ends> sighting_ends;  ///< ends of graph.sightings
+  PoseGraph<Pose> graph;                        ///< its edges do not know their nodes yet
+  std::vector<Ends> edge_ends;                  ///< ends of graph.edges
+  std::vector<Ends> sighting_ends;              ///< ends of graph.sightings
+  std::vector<std::uint64_t> sighting_sensors;  ///< of graph.sightings in space
+  std::vector<Ends> bearing_ends;               ///< ends of graph.bearings
+  std::vector<PriorOf> pose_priors_of, position_priors_of;
   std::vector<FixedVertex> fixed;
 
   template <class Value, class Read>

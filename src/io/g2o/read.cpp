@@ -24,8 +24,6 @@ struct Tag {
 };
 
 void nothing(Lines&) {}
-/// Id of the PARAMS_SE3OFFSET that says how the sensor sits on the robot.
-void sensorId(Lines& line) { line.id(); }
 
 template <auto ReadPose, class Pose>
 void readPoseVertex(RawGraph<Pose>& raw, Lines& line) {
@@ -39,46 +37,76 @@ template <auto ReadPose, auto ReadInformation, class Pose>
 void readPoseEdge(RawGraph<Pose>& raw, Lines& line) {
   raw.readEdge(raw.graph.edges, raw.edge_ends, line, ReadPose, ReadInformation, nothing);
 }
-template <auto Skip, class Pose>
+template <class Pose>
 void readSighting(RawGraph<Pose>& raw, Lines& line) {
   raw.readEdge(raw.graph.sightings, raw.sighting_ends, line, readPoint<dim<Pose>>, readInformation<dim<Pose>>,
-               Skip);
+               [&](Lines& rest) {
+                 if (dim<Pose> == 3) raw.sighting_sensors.push_back(rest.id());
+               });
+}
+void readBearing(RawGraph<Pose2>& raw, Lines& line) {
+  raw.readEdge(
+      raw.graph.bearings, raw.bearing_ends, line, [](Lines& rest) { return mtk::SO2<>(rest.number()); },
+      readInformation<1>, nothing);
 }
 
 /// Where the sensor sits on the robot.
-void readSensorOffset(RawGraph<Pose3>&, Lines& line) {
-  line.id();
-  const Pose3 offset = readQuaternionPose(line);
+void readSensor(RawGraph<Pose3>& raw, Lines& line) {
+  Sensor<Pose3>& sensor = raw.graph.sensors.emplace_back();
+  sensor.line = line.lineNumber();
+  sensor.id = line.id();
+  sensor.offset = readQuaternionPose(line);
   line.finish();
-  const auto& q = offset.orient.coeffs();
-  if (offset.pos.isZero(0) && q.head<3>().isZero(0)) return;
-  line.fail(
-      "the sensor's offset is not the identity, and others are not supported; transform the measurements "
-      "into the frame of the robot");
 }
 
-constexpr std::array<Tag<Pose2>, 6> plane_tags{{
+template <auto ReadPose, class Pose>
+void readPosePrior(RawGraph<Pose>& raw, Lines& line) {
+  PosePrior<Pose>& prior = raw.graph.pose_priors.emplace_back();
+  PriorOf& of = raw.pose_priors_of.emplace_back();
+  prior.line = line.lineNumber();
+  of.pose = line.id();
+  if (dim<Pose> == 3) of.sensor = line.id();
+  prior.measured = ReadPose(line);
+  prior.information = readInformation<dof<Pose>>(line);
+  line.finish();
+}
+void readPositionPrior(RawGraph<Pose2>& raw, Lines& line) {
+  PositionPrior<Pose2>& prior = raw.graph.position_priors.emplace_back();
+  prior.line = line.lineNumber();
+  raw.position_priors_of.push_back({line.id(), 0});
+  prior.measured = readPoint<2>(line);
+  prior.information = readInformation<2>(line);
+  line.finish();
+}
+
+constexpr std::array<Tag<Pose2>, 10> plane_tags{{
     {"EDGE_SE2", 11, "EDGE_SE2 i j x y theta I11 I12 I13 I22 I23 I33",
      readPoseEdge<readPose2, readInformation<3>>},
     {"VERTEX_SE2", 4, "VERTEX_SE2 i x y theta", readPoseVertex<readPose2>},
-    {"EDGE_SE2_XY", 7, "EDGE_SE2_XY i j x y I11 I12 I22", readSighting<nothing>},
+    {"EDGE_SE2_XY", 7, "EDGE_SE2_XY i j x y I11 I12 I22", readSighting<Pose2>},
     {"VERTEX_XY", 3, "VERTEX_XY i x y", readLandmarkVertex<Pose2>},
     {"EDGE2", 11, "EDGE2 i j x y theta I11 I12 I22 I33 I13 I23",
      readPoseEdge<readPose2, readToroInformation>},
     {"VERTEX2", 4, "VERTEX2 i x y theta", readPoseVertex<readPose2>},
+    {"EDGE_BEARING_SE2_XY", 4, "EDGE_BEARING_SE2_XY i j theta I11", readBearing},
+    {"EDGE_PRIOR_SE2", 10, "EDGE_PRIOR_SE2 i x y theta I11 I12 I13 I22 I23 I33", readPosePrior<readPose2>},
+    {"EDGE_SE2_PRIOR", 10, "EDGE_SE2_PRIOR i x y theta I11 I12 I13 I22 I23 I33", readPosePrior<readPose2>},
+    {"EDGE_PRIOR_SE2_XY", 6, "EDGE_PRIOR_SE2_XY i x y I11 I12 I22", readPositionPrior},
 }};
 
-constexpr std::array<Tag<Pose3>, 7> space_tags{{
+constexpr std::array<Tag<Pose3>, 8> space_tags{{
     {"EDGE_SE3:QUAT", 30, "EDGE_SE3:QUAT i j x y z qx qy qz qw I11 I12 ... I66",
      readPoseEdge<readQuaternionPose, readInformation<6>>},
     {"VERTEX_SE3:QUAT", 8, "VERTEX_SE3:QUAT i x y z qx qy qz qw", readPoseVertex<readQuaternionPose>},
     {"EDGE_SE3_TRACKXYZ", 12, "EDGE_SE3_TRACKXYZ i j sensor x y z I11 I12 I13 I22 I23 I33",
-     readSighting<sensorId>},
+     readSighting<Pose3>},
     {"VERTEX_TRACKXYZ", 4, "VERTEX_TRACKXYZ i x y z", readLandmarkVertex<Pose3>},
     {"EDGE3", 29, "EDGE3 i j x y z roll pitch yaw I11 I12 ... I66",
      readPoseEdge<readEulerPose, readInformation<6>>},
     {"VERTEX3", 7, "VERTEX3 i x y z roll pitch yaw", readPoseVertex<readEulerPose>},
-    {"PARAMS_SE3OFFSET", 8, "PARAMS_SE3OFFSET i x y z qx qy qz qw", readSensorOffset},
+    {"PARAMS_SE3OFFSET", 8, "PARAMS_SE3OFFSET i x y z qx qy qz qw", readSensor},
+    {"EDGE_SE3_PRIOR", 30, "EDGE_SE3_PRIOR i sensor x y z qx qy qz qw I11 I12 ... I66",
+     readPosePrior<readQuaternionPose>},
 }};
 
 /// The first line that said whether the graph lies in the plane or in space.
@@ -138,7 +166,8 @@ class Reader {
 
   template <class Pose>
   PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
-    if (raw.graph.edges.empty() && raw.graph.sightings.empty()) {
+    if (raw.graph.edges.empty() && raw.graph.sightings.empty() && raw.graph.bearings.empty() &&
+        raw.graph.pose_priors.empty() && raw.graph.position_priors.empty()) {
       std::string found;  // names of a file of another kind
       for (const auto& [tag, lines] : unknown_.lines)
         found += (found.empty() ? ", its lines begin with " : ", ") + tag;
@@ -148,8 +177,16 @@ class Reader {
            raw.graph.file);
     }
     raw.fixed = std::move(fixed_);
+    const std::vector<std::string> skipped = unknown_.sentences();
     raw.graph.unknown_tags = std::move(unknown_);
-    return resolve(std::move(raw));
+    try {
+      return resolve(std::move(raw));
+    } catch (const mtk::Error& error) {  // a skipped line may have said what is missing
+      if (skipped.empty()) throw;
+      throw mtk::Error(std::string(error.id()),
+                       fmt::format("{} ({})", error.sentence(), fmt::join(skipped, ", ")),
+                       std::string(error.subject()));
+    }
   }
 
   RawGraph<Pose2> plane_;
@@ -172,6 +209,16 @@ void UnknownTags::add(std::string_view tag) {
   } else {
     ++others;
   }
+}
+
+std::vector<std::string> UnknownTags::sentences() const {
+  const auto sentence = [](int count, const std::string& which) {
+    return fmt::format("skipped {} line{} with {}", count, count == 1 ? "" : "s", which);
+  };
+  std::vector<std::string> all;
+  for (const auto& [tag, count] : lines) all.push_back(sentence(count, "the unknown tag " + tag));
+  if (others > 0) all.push_back(sentence(others, "other unknown tags"));
+  return all;
 }
 
 AnyPoseGraph readPoseGraph(const std::string& file) { return g2o::Reader(file).read(); }

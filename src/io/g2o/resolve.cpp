@@ -36,6 +36,9 @@ class Resolver {
     enter(graph_.landmarks, Kind::landmark);
     connect(graph_.edges, raw_.edge_ends, Kind::pose);
     connect(graph_.sightings, raw_.sighting_ends, Kind::landmark);
+    connect(graph_.bearings, raw_.bearing_ends, Kind::landmark);
+    placeSensors();
+    connectPriors();
     hold();
     return std::move(graph_);
   }
@@ -55,11 +58,19 @@ class Resolver {
       add(graph_.poses, raw_.sighting_ends[i].from, graph_.sightings[i].line);
       add(graph_.landmarks, raw_.sighting_ends[i].to, graph_.sightings[i].line);
     }
+    for (std::size_t i = 0; i < graph_.bearings.size(); ++i) {
+      add(graph_.poses, raw_.bearing_ends[i].from, graph_.bearings[i].line);
+      add(graph_.landmarks, raw_.bearing_ends[i].to, graph_.bearings[i].line);
+    }
+    for (std::size_t i = 0; i < graph_.pose_priors.size(); ++i)
+      add(graph_.poses, raw_.pose_priors_of[i].pose, graph_.pose_priors[i].line);
+    for (std::size_t i = 0; i < graph_.position_priors.size(); ++i)
+      add(graph_.poses, raw_.position_priors_of[i].pose, graph_.position_priors[i].line);
     makeUnique(graph_.poses);
     makeUnique(graph_.landmarks);
   }
   template <class Value>
-  static void add(std::vector<Node<Value>>& nodes, long id, int line) {
+  static void add(std::vector<Node<Value>>& nodes, std::uint64_t id, int line) {
     Node<Value>& node = nodes.emplace_back();
     node.id = id;
     node.line = line;
@@ -88,7 +99,7 @@ class Resolver {
     }
   }
 
-  int find(long id, Kind kind, int line) const {
+  int find(std::uint64_t id, Kind kind, int line) const {
     const auto it = known_.find(id);
     if (it == known_.end()) {
       fail(line, fmt::format("there is no vertex {}; add a line for it, or remove this one", id));
@@ -108,6 +119,48 @@ class Resolver {
     }
   }
 
+  /// The index of a sensor; a file need not say where one at the origin of the robot is.
+  int sensorOf(std::uint64_t id) const {
+    const auto it = sensors_.find(id);
+    return it == sensors_.end() ? PosePrior<Pose>::robot : it->second;
+  }
+
+  /// Brings what sensors see into the frame of the robot: O^-1 X^-1 l - z = R_O^T (X^-1 l - O z) for a sensor at O.
+  void placeSensors() {
+    for (std::size_t i = 0; i < graph_.sensors.size(); ++i) {
+      const auto [it, is_new] = sensors_.try_emplace(graph_.sensors[i].id, int(i));
+      if (is_new) continue;
+      fail(graph_.sensors[i].line,
+           fmt::format("sensor {} is there already, on line {}; remove one of them", graph_.sensors[i].id,
+                       graph_.sensors[std::size_t(it->second)].line));
+    }
+    for (std::size_t i = 0; i < raw_.sighting_sensors.size(); ++i) {
+      const int sensor = sensorOf(raw_.sighting_sensors[i]);
+      if (sensor < 0) continue;
+      const Pose& offset = graph_.sensors[std::size_t(sensor)].offset;
+      if (mtk::difference(offset, Pose()).isZero(0)) continue;
+      Edge<Point<Pose>>& sighting = graph_.sightings[i];
+      Edge<Point<Pose>> sensed = sighting;
+      sensed.from = sensor;
+      graph_.as_sensed.emplace(i, sensed);
+      const Symmetric<dim<Pose>> R = offset.orient.toRotationMatrix();
+      sighting.measured = offset * sensed.measured;
+      const Symmetric<dim<Pose>> turned = R * sensed.information * R.transpose();
+      sighting.information = (turned + turned.transpose()) / 2;
+    }
+  }
+  void connectPriors() {
+    for (std::size_t i = 0; i < graph_.pose_priors.size(); ++i) {
+      PosePrior<Pose>& prior = graph_.pose_priors[i];
+      prior.pose = find(raw_.pose_priors_of[i].pose, Kind::pose, prior.line);
+      if (dim<Pose> == 3) prior.sensor = sensorOf(raw_.pose_priors_of[i].sensor);
+    }
+    for (std::size_t i = 0; i < graph_.position_priors.size(); ++i) {
+      PositionPrior<Pose>& prior = graph_.position_priors[i];
+      prior.pose = find(raw_.position_priors_of[i].pose, Kind::pose, prior.line);
+    }
+  }
+
   void hold() {
     for (const FixedVertex& fixed : raw_.fixed) {
       const auto it = known_.find(fixed.id);
@@ -122,7 +175,8 @@ class Resolver {
 
   RawGraph<Pose> raw_;
   PoseGraph<Pose>& graph_;
-  std::unordered_map<long, Known> known_;
+  std::unordered_map<std::uint64_t, Known> known_;
+  std::unordered_map<std::uint64_t, int> sensors_;  // indices by id
 };
 
 }  // namespace

@@ -53,6 +53,8 @@ std::string toToro(const PoseGraph<Pose>& graph) {
              std::to_string(graph.landmarks.size()) + "; write it in g2o's",
          graph.file);
   }
+  if (!graph.pose_priors.empty() || !graph.position_priors.empty())
+    fail("no-toro", graph.file + ": TORO's format has no priors; write the graph in g2o's", graph.file);
   ToroText text;
   for (const Node<Pose>& node : graph.poses) {
     fmt::format_to(std::back_inserter(text), "VERTEX{} {}", dim<Pose>, node.id);

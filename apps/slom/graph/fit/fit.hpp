@@ -6,6 +6,7 @@
 #include <slom/estimator.hpp>
 
 #include "graph/fit/model.hpp"
+#include "graph/initialization/gauge.hpp"
 #include "graph/pose_graph.hpp"
 
 namespace slom::app::graph {
@@ -14,8 +15,8 @@ namespace slom::app::graph {
 template <class Pose>
 class GraphFit {
  public:
-  /// Takes start values and what is fixed from `graph`.
-  GraphFit(const PoseGraph<Pose>& graph, const GraphModel& model);
+  /// Takes start values and what is fixed from `graph`, and holds what `gauge` says.
+  GraphFit(const PoseGraph<Pose>& graph, const Gauge& gauge, const GraphModel& model);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }

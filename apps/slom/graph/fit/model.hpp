@@ -1,6 +1,8 @@
 // How edges and sightings become measurements.
 #pragma once
 
+#include <vector>
+
 #include <slom/estimator.hpp>
 #include <slom/io/pose_graph_model.hpp>
 
@@ -23,6 +25,10 @@ struct GraphModel {
   template <class Pose>
   void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point<Pose>>& p,
                       const Edge<Point<Pose>>& sighting) const;
+  /// Priors and bearings.
+  template <class Pose>
+  void insertOthers(Estimator& est, const PoseGraph<Pose>& graph, const std::vector<VarID<Pose>>& poses,
+                    const std::vector<VarID<Point<Pose>>>& landmarks) const;
 };
 
 }  // namespace slom::app::graph

@@ -1,63 +1,16 @@
 #include "graph/initialization/gauge.hpp"
 
-#include <numeric>
-#include <vector>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "error.hpp"
+#include "graph/initialization/components.hpp"
+#include "text.hpp"
 
 namespace slom::app::graph {
 
 namespace {
-
-/// Sets that are joined pair by pair.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  /// The smallest member of the set that `i` is in.
-  int find(int i) {
-    while (parent_[std::size_t(i)] != i)
-      i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
-    return i;
-  }
-  void join(int a, int b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-/// A connected component of the graph; messages call it a part.
-struct Component {
-  int first = 0;  ///< its first vertex: a pose where it has one; landmarks count after the poses
-  int vertices = 0;
-  int fixed_poses = 0;
-};
-
-template <class Pose>
-std::vector<Component> componentsOf(const PoseGraph<Pose>& graph) {
-  const int poses = int(graph.poses.size());
-  DisjointSets sets(graph.poses.size() + graph.landmarks.size());
-  for (const auto& edge : graph.edges) sets.join(edge.from, edge.to);
-  for (const auto& sighting : graph.sightings) sets.join(sighting.from, poses + sighting.to);
-  std::vector<Component> components;
-  std::vector<int> component_of_first(graph.poses.size() + graph.landmarks.size(), -1);
-  for (int i = 0; i < int(component_of_first.size()); ++i) {
-    const int first = sets.find(i);
-    int& component = component_of_first[std::size_t(first)];
-    if (component < 0) {
-      component = int(components.size());
-      components.push_back({first});
-    }
-    ++components[std::size_t(component)].vertices;
-    if (i < poses && graph.poses[std::size_t(i)].fixed) ++components[std::size_t(component)].fixed_poses;
-  }
-  return components;
-}
 
 template <class Pose>
 void fix(PoseGraph<Pose>& graph, int vertex) {
@@ -72,10 +25,10 @@ std::string nameOf(const PoseGraph<Pose>& graph, int vertex) {
                    : fmt::format("landmark {}", graph.landmarks[v - poses].id);
 }
 
-/// `open` are the components without a fixed pose.
+/// `open` are the components without anything fixed.
 template <class Pose>
 [[noreturn]] void refuse(const PoseGraph<Pose>& graph, std::size_t parts,
-                         const std::vector<Component>& open) {
+                         const std::vector<Component<Pose>>& open) {
   constexpr std::size_t most_parts = 5;
   std::string names;
   for (std::size_t i = 0; i < std::min(open.size(), most_parts); ++i) {
@@ -90,44 +43,86 @@ template <class Pose>
                   names, open.size() > most_parts ? ", ..." : ""));
 }
 
-/// Without vertices nothing says how fixed poses lie to each other.
+/// Without vertices nothing says how what is fixed lies to each other.
 template <class Pose>
-void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Component>& components) {
+void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Component<Pose>>& components) {
   if (graph.has_vertices) return;
-  for (const Component& component : components) {
-    if (component.fixed_poses < 2) continue;
+  for (const Component<Pose>& component : components) {
+    const auto landmarks = std::size_t(component.fixed_landmarks);
+    if (std::size_t(component.fixed_poses) + landmarks < 2) continue;
+    std::vector<std::string> what;
+    if (component.fixed_poses > 0) what.push_back(plural(std::size_t(component.fixed_poses), "pose"));
+    if (landmarks > 0) what.push_back(plural(landmarks, "landmark"));
     throw UserError(
-        fmt::format("{}: {} poses are fixed, but the file has no vertices that say where they are; fix one "
+        fmt::format("{}: {} are fixed, but the file has no vertices that say where they are; fix one "
                     "of them, or add vertices",
-                    graph.file, component.fixed_poses));
+                    graph.file, listed(what, ", ", " and ")));
+  }
+}
+
+/// The component of a rotation that changes most when the world turns about `axis`.
+std::string componentAbout(const Eigen::Vector3d& axis, const mtk::SO3<>& orient) {
+  int most = 0;
+  (orient.toRotationMatrix().transpose() * axis).cwiseAbs().maxCoeff(&most);
+  return fmt::format("orient.{}", "xyz"[most]);
+}
+std::string componentAbout(const Eigen::Vector2d&, const mtk::SO2<>&) { return "orient"; }
+
+/// `landmark 2, landmark 3, ...`
+std::string placesText(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return text + (names.size() > most ? ", ..." : "");
+}
+
+/// Holds the rotations that the known places of each component leave free, and says so.
+template <class Pose>
+void holdRotations(const PoseGraph<Pose>& graph, const std::vector<Component<Pose>>& components,
+                   Gauge& gauge) {
+  for (const Component<Pose>& component : components) {
+    if (component.isTied() || component.isOpen() || !component.hasPoses(graph)) continue;
+    const FreeRotation<Pose> rotation = freeRotationOf(component);
+    if (rotation.dimension == 0) continue;
+    const auto& pose = graph.poses[std::size_t(component.first)];
+    const bool is_about_line = dim<Pose> == 3 && rotation.dimension == 1;
+    gauge.rotations.push_back(
+        {component.first, is_about_line ? componentAbout(rotation.axis, pose.value.orient) : "orient"});
+    gauge.rotations_text +=
+        fmt::format("{}the {} of pose {}, as all can turn about {}{}",
+                    gauge.rotations_text.empty() ? "" : " and ", dim<Pose> == 2 ? "heading" : "rotation",
+                    pose.id, is_about_line ? "the line through " : "", placesText(component.names));
   }
 }
 
 }  // namespace
 
 template <class Pose>
-std::string fixGauge(PoseGraph<Pose>& graph, bool hold_parts) {
-  std::vector<Component> components = componentsOf(graph);
+Gauge fixGauge(PoseGraph<Pose>& graph, bool hold_parts) {
+  std::vector<Component<Pose>> components = componentsOf(graph);
   requireKnownPlaces(graph, components);
-  std::string fixed;
-  if (!graph.has_fix_lines) {
+  Gauge gauge;
+  if (!graph.has_fix_lines && components.front().isOpen()) {
     fix(graph, 0);
     components.front().fixed_poses = 1;
-    fixed = nameOf(graph, 0);
+    gauge.text = nameOf(graph, 0);
   }
-  std::vector<Component> open;
-  for (const Component& component : components) {
-    if (component.fixed_poses == 0) open.push_back(component);
+  std::vector<Component<Pose>> open;
+  for (const Component<Pose>& component : components) {
+    if (component.isOpen()) open.push_back(component);
   }
-  if (open.empty()) return fixed;
-  if (!hold_parts) refuse(graph, components.size(), open);
-  for (const Component& component : open) fix(graph, component.first);
-  if (!fixed.empty()) fixed += " and ";
-  return fixed + (open.size() == 1 ? nameOf(graph, open.front().first)
-                                   : fmt::format("the first vertex of {} more parts", open.size()));
+  if (!open.empty()) {
+    if (!hold_parts) refuse(graph, components.size(), open);
+    for (const Component<Pose>& component : open) fix(graph, component.first);
+    if (!gauge.text.empty()) gauge.text += " and ";
+    gauge.text += open.size() == 1 ? nameOf(graph, open.front().first)
+                                   : fmt::format("the first vertex of {} more parts", open.size());
+  }
+  holdRotations(graph, components, gauge);
+  return gauge;
 }
 
-template std::string fixGauge(PoseGraph<Pose2>&, bool);
-template std::string fixGauge(PoseGraph<Pose3>&, bool);
+template Gauge fixGauge(PoseGraph<Pose2>&, bool);
+template Gauge fixGauge(PoseGraph<Pose3>&, bool);
 
 }  // namespace slom::app::graph

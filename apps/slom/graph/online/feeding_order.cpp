@@ -1,6 +1,7 @@
 #include "graph/online/feeding_order.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -19,6 +20,7 @@ class Feeding {
         observers_(graph.landmarks.size()),
         is_fed_(graph.poses.size(), 0),
         is_seen_(graph.landmarks.size(), 0) {
+    for (std::size_t l = 0; l < graph.landmarks.size(); ++l) is_seen_[l] = graph.landmarks[l].fixed ? 1 : 0;
     for (const auto& edge : graph.edges) {
       edges_[std::size_t(edge.from)].push_back(edge.to);
       edges_[std::size_t(edge.to)].push_back(edge.from);
@@ -47,7 +49,7 @@ class Feeding {
   }
 
  private:
-  long id(int p) const { return graph_.poses[std::size_t(p)].id; }
+  std::uint64_t id(int p) const { return graph_.poses[std::size_t(p)].id; }
 
   bool isConnected(int p) const {
     const auto& edges = edges_[std::size_t(p)];
@@ -60,7 +62,7 @@ class Feeding {
 
   /// Also those that have waited for it, by rising id.
   void feed(int first) {
-    std::set<std::pair<long, int>> ready{{id(first), first}};
+    std::set<std::pair<std::uint64_t, int>> ready{{id(first), first}};
     const auto wake = [&](int p) {
       if (waiting_.count(p) > 0) ready.emplace(id(p), p);
     };

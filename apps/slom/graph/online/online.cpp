@@ -43,7 +43,7 @@ std::string progressText(std::size_t updates, const Update& update) {
   return fmt::format("  {:>9} {:>11} {:>14.8g} {:>7} {:>7} {:>12} {:>9.3g}{}\n", updates, update.pose,
                      update.summary.rss, update.summary.steps, update.summary.variables_moved,
                      update.summary.measurements_linearized, 1000 * update.seconds,
-                     update.summary.used_optimize ? "   optimize() took over" : "");
+                     update.summary.used_optimize ? "   the batch fit took over" : "");
 }
 
 }  // namespace
@@ -71,20 +71,24 @@ template <class Pose>
 struct OnlineFit<Pose>::Feed {
   using Map = initialize::GrowingMap<PoseGraph<Pose>, GraphModel>;
 
-  Feed(Estimator& estimator, const PoseGraph<Pose>& graph_, const GraphModel& model)
-      : est(estimator), graph(graph_), map(est, graph, model), order(feedingOrder(graph)) {}
+  Feed(Estimator& estimator, const PoseGraph<Pose>& graph_, const Gauge& gauge_, const GraphModel& model)
+      : est(estimator), graph(graph_), gauge(gauge_), map(est, graph, model), order(feedingOrder(graph)) {}
 
   Update add(int p) {
     Update update{graph.poses[std::size_t(p)].id, 0, {}, not_compared};
     const Stopwatch stopwatch;
     map.add(p);
+    gauge.hold(est, p, map.pose(p));
     update.summary = est.update();
     update.seconds = stopwatch.seconds();
     return update;
   }
   double batchRss() const {
     Estimator batch;
-    map.copyTo(batch);
+    const Map copy = map.copyTo(batch);
+    for (const int p : order) {
+      if (copy.pose(p).isValid()) gauge.hold(batch, p, copy.pose(p));
+    }
     return batch.optimize().final_rss;
   }
   Sketch::Frame frame(std::size_t updates) const {
@@ -99,14 +103,15 @@ struct OnlineFit<Pose>::Feed {
 
   Estimator& est;
   const PoseGraph<Pose>& graph;
+  const Gauge& gauge;
   Map map;
   std::vector<int> order;
 };
 
 template <class Pose>
-OnlineFit<Pose>::OnlineFit(const PoseGraph<Pose>& graph, const GraphModel& model, Online online,
-                           bool with_frames, const Console& console)
-    : feed_(std::make_unique<Feed>(est_, graph, model)) {
+OnlineFit<Pose>::OnlineFit(const PoseGraph<Pose>& graph, const Gauge& gauge, const GraphModel& model,
+                           Online online, bool with_frames, const Console& console)
+    : feed_(std::make_unique<Feed>(est_, graph, gauge, model)) {
   console.print(progressHeader());
   run_.poses = graph.poses.size();
   const std::size_t all = run_.poses, per_line = std::max<std::size_t>(1, all / progress_lines);

@@ -1,6 +1,7 @@
 // The map as it grows: pose after pose, with an update after each.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 
 #include "fitting/console.hpp"
 #include "graph/fit/model.hpp"
+#include "graph/initialization/gauge.hpp"
 #include "graph/output/sketch.hpp"
 #include "graph/pose_graph.hpp"
 
@@ -26,8 +28,8 @@ enum class Online {
 Online parseOnline(const std::string& text);
 
 struct Update {
-  long pose = 0;       ///< id of the pose that came
-  double seconds = 0;  ///< to insert it and to update
+  std::uint64_t pose = 0;  ///< id of the pose that came
+  double seconds = 0;      ///< to insert it and to update
   UpdateSummary summary;
   double gap = 0;  ///< RSS / batch RSS - 1; NaN: not compared
 };
@@ -51,8 +53,8 @@ template <class Pose>
 class OnlineFit {
  public:
   /// Feeds all poses of `graph`, which keeps its values, unless --max-seconds or Ctrl-C end that. `with_frames`: for a page.
-  OnlineFit(const PoseGraph<Pose>& graph, const GraphModel& model, Online online, bool with_frames,
-            const Console& console);
+  OnlineFit(const PoseGraph<Pose>& graph, const Gauge& gauge, const GraphModel& model, Online online,
+            bool with_frames, const Console& console);
   ~OnlineFit();
 
   OnlineRun& run() { return run_; }

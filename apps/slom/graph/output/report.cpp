@@ -17,17 +17,19 @@ std::size_t fixedAmong(const std::vector<Node<Value>>& nodes) {
 }
 
 template <class Pose>
-std::string fixedText(const PoseGraph<Pose>& graph, const std::string& fixed) {
+std::string fixedText(const PoseGraph<Pose>& graph, const Gauge& gauge) {
   std::string text;
   if (graph.has_fix_lines) {
-    text = plural(fixedAmong(graph.poses), "pose");
-    if (const std::size_t landmarks = fixedAmong(graph.landmarks))
-      text += " and " + plural(landmarks, "landmark");
+    const std::size_t poses = fixedAmong(graph.poses), landmarks = fixedAmong(graph.landmarks);
+    if (poses > 0) text = plural(poses, "pose");
+    if (landmarks > 0) text += (poses > 0 ? " and " : "") + plural(landmarks, "landmark");
     text += ", by lines FIX";
-    if (!fixed.empty()) text += " and --hold-parts (" + fixed + ")";
+    if (!gauge.text.empty()) text += " and --hold-parts (" + gauge.text + ")";
   } else {
-    text = fixed + ", as there are no lines FIX";
+    text = gauge.text.empty() ? "nothing, as priors say where the map is"
+                              : gauge.text + ", as there are no lines FIX";
   }
+  if (!gauge.rotations_text.empty()) text += "; and " + gauge.rotations_text;
   return text;
 }
 
@@ -54,20 +56,18 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
     text += fmt::format("  {}, {}\n", plural(graph.landmarks.size(), "landmark"),
                         plural(graph.sightings.size(), "sighting"));
   }
-  text += fmt::format("  fixed: {}\n  start: {}\n", fixedText(graph, preparation.fixed),
+  const std::size_t priors = graph.pose_priors.size() + graph.position_priors.size();
+  if (!graph.bearings.empty()) text += "  " + plural(graph.bearings.size(), "bearing") + "\n";
+  if (priors > 0) text += "  " + plural(priors, "prior") + "\n";
+  text += fmt::format("  fixed: {}\n  start: {}\n", fixedText(graph, preparation.gauge),
                       startText(preparation.start));
   if (preparation.repaired > 0) {
     text += fmt::format("  repaired: {}\n", preparation.repaired == 1 ? "1 information matrix"
                                                                       : fmt::format("{} information matrices",
                                                                                     preparation.repaired));
   }
-  const io::UnknownTags& unknown = graph.unknown_tags;
-  for (const auto& [tag, count] : unknown.lines)
-    text += fmt::format("  warning: skipped {} with the unknown tag {}\n", plural(std::size_t(count), "line"),
-                        tag);
-  if (unknown.others > 0)
-    text += fmt::format("  warning: skipped {} with other unknown tags\n",
-                        plural(std::size_t(unknown.others), "line"));
+  for (const std::string& warning : graph.unknown_tags.sentences())
+    text += fmt::format("  warning: {}\n", warning);
   return text;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "graph/initialization/gauge.hpp"
 #include "graph/initialization/start.hpp"
 #include "graph/pose_graph.hpp"
 
@@ -11,8 +12,8 @@ namespace slom::app::graph {
 
 /// How the fit was prepared.
 struct Preparation {
-  int repaired = 0;                 ///< information matrices
-  std::string fixed;                ///< what fixGauge returns
+  int repaired = 0;  ///< information matrices
+  Gauge gauge;
   std::optional<StartFound> start;  ///< none: the map is fed pose by pose
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@ struct Sketch {
 
   /// The map at an earlier time.
   struct Frame {
-    long pose = 0;             ///< id of the last one
+    std::uint64_t pose = 0;    ///< id of the last one
     std::vector<Place> poses;  ///< the first of those of the sketch
     std::vector<Place> landmarks;
   };
