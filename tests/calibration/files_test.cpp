@@ -99,6 +99,38 @@ TEST(CornerFiles, PartsThatDoNotFit) {
                 "camera alone");
 }
 
+/// The same table with other separators and ends of lines.
+TEST(CornerFiles, SeparatorsAndEndsOfLinesDoNotMatter) {
+  const TemporaryFolder folder;
+  const std::string text = std::string("# image_size_px: 640 x 480\n") + header +
+                           "0,0,0,0,0,100.5,200.25\n0,1,0.03,0,0,130.125,-2e-1\n\n3,1,0.03,0,0,1,2\n";
+  const auto with = [&](char separator, const std::string& end, bool has_decimal_comma) {
+    std::string other;
+    for (const char c : text) {
+      if (c == '\n') {
+        other += end;
+      } else {
+        other += c == ',' ? separator : c == '.' && has_decimal_comma ? ',' : c;
+      }
+    }
+    return readCorners("left", written(folder, "other.csv", other));
+  };
+  const CameraData plain = readCorners("left", written(folder, "plain.csv", text));
+  ASSERT_EQ(plain.views.size(), 2u);
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    for (const char separator : {',', ';', '\t'}) {
+      for (const bool has_decimal_comma : {false, true}) {
+        if (separator == ',' && has_decimal_comma) continue;
+        const CameraData other = with(separator, end, has_decimal_comma);
+        expectSameViews(other, plain);
+        ASSERT_TRUE(other.image_size.has_value());
+        EXPECT_EQ(other.image_size->width, 640);
+        EXPECT_EQ(other.views[1].corners[0].line, 6);
+      }
+    }
+  }
+}
+
 TEST(CornerFiles, FaultsNameFileAndLine) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& text) {

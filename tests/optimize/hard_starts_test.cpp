@@ -16,7 +16,7 @@ namespace {
 
 using mtk::testing::Random;
 
-std::vector<std::unique_ptr<slom::Algorithm>> algorithms() {
+std::vector<std::unique_ptr<slom::Algorithm>> threeAlgorithms() {
   std::vector<std::unique_ptr<slom::Algorithm>> all;
   all.push_back(std::make_unique<slom::GaussNewton>());
   all.push_back(std::make_unique<slom::LevenbergMarquardt>());
@@ -46,7 +46,7 @@ Eigen::Vector4d wideStart(Random& random) {
 
 TEST(HardStarts, NoFitOfASigmoidThrowsOrRisesOrClaimsAPlateau) {
   constexpr int fits = 60;
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : threeAlgorithms()) {
     for (const bool has_bounds : {false, true}) {
       Random random(3);
       int optima = 0;
@@ -144,7 +144,7 @@ TEST(HardStarts, AFitOnAPlateauNamesWhatItLeavesFree) {
 
 /// A user's function that throws in the middle of a fit leaves the best values reached.
 TEST(HardStarts, AnExceptionLeavesTheBestValues) {
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : threeAlgorithms()) {
     slom::Estimator est;
     est.setThreads(1);
     est.changeAlgorithm(algorithm->clone().release());
@@ -167,7 +167,7 @@ TEST(HardStarts, AnExceptionLeavesTheBestValues) {
 /// An IMU that is mounted upside down starts opposite to what it measures.
 TEST(HardStarts, OppositeDirectionsAreLeft) {
   for (const double off : {0.0, 1e-200, 1e-9, 1e-3}) {
-    for (const auto& algorithm : algorithms()) {
+    for (const auto& algorithm : threeAlgorithms()) {
       {
         slom::Estimator est;
         est.changeAlgorithm(algorithm->clone().release());

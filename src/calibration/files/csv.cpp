@@ -15,12 +15,20 @@
 namespace slom::calibration {
 namespace {
 
+/// What separates the fields of a table with this header: a comma, or else a semicolon or a tab where there is one.
+char separatorOf(std::string_view header) {
+  for (const char separator : {',', ';', '\t'}) {
+    if (header.find(separator) != std::string_view::npos) return separator;
+  }
+  return ',';
+}
+
 /// Appends the fields of a line; returns how many there are.
-std::size_t split(std::string_view line, std::vector<std::string_view>& fields) {
+std::size_t split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   const std::size_t before = fields.size();
   std::size_t begin = 0;
-  for (std::size_t comma; (comma = line.find(',', begin)) != std::string_view::npos; begin = comma + 1) {
-    fields.push_back(trimmed(line.substr(begin, comma - begin)));
+  for (std::size_t end; (end = line.find(separator, begin)) != std::string_view::npos; begin = end + 1) {
+    fields.push_back(trimmed(line.substr(begin, end - begin)));
   }
   fields.push_back(trimmed(line.substr(begin)));
   return fields.size() - before;
@@ -34,9 +42,10 @@ struct Lines {
   /// The next line that is neither blank nor a comment, or false at the end.
   bool next(std::string_view& text, std::vector<CsvComment>& comments) {
     while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
+      const bool is_pair = rest.substr(end).starts_with("\r\n");  // one end of a line, as Windows has it
       text = rest.substr(0, end);
-      rest.remove_prefix(std::min(end + 1, rest.size()));
+      rest.remove_prefix(std::min(end + (is_pair ? 2 : 1), rest.size()));
       if (++line == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
       text = trimmed(text);
       if (text.starts_with('#')) {
@@ -78,7 +87,9 @@ void CsvRow::fail(std::size_t column, const std::string& expectation) const {
 
 double CsvRow::number(std::size_t column) const {
   double value = 0;
-  if (!io::parseNumber(fields_->at(first_field_ + column), value))
+  std::string text(fields_->at(first_field_ + column));
+  if (const std::size_t comma = text.find(','); comma != std::string::npos) text[comma] = '.';  // 1,5; 2,5
+  if (!io::parseNumber(std::string_view(text), value))
     fail(column, "write a number there, or remove the row");
   if (!std::isfinite(value)) fail(column, "write a finite number there, or remove the row");
   return value;
@@ -116,13 +127,14 @@ CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
                     "measurement below",
                     file_, header));
   }
-  split(text, fields_);
+  const char separator = separatorOf(text);
+  split(text, separator, fields_);
   if (!std::equal(fields_.begin(), fields_.end(), columns_.begin(), columns_.end())) {
     badFile(fmt::format("{}:{}: the header is \"{}\"; it must be \"{}\"", file_, lines.line,
                         shortened(text, longest_text), header));
   }
   while (lines.next(text, comments_)) {
-    const std::size_t first = fields_.size(), count = split(text, fields_);
+    const std::size_t first = fields_.size(), count = split(text, separator, fields_);
     if (count != columns_.size()) {
       badFile(fmt::format("{}:{}: the row has {} field{} instead of {}; write \"{}\"", file_, lines.line,
                           count, count == 1 ? "" : "s", columns_.size(), header));

@@ -40,8 +40,9 @@ struct CsvComment {
   int line = 0;
 };
 
-/// A file with a header line of known column names. Blank lines and lines that start with # are skipped;
-/// spaces around fields, Windows line ends and a byte order mark do not matter.
+/// A file with a header line of known column names. Fields are separated by commas, semicolons or tabs, as the header is; between semicolons
+/// and tabs, numbers may have a decimal comma. Blank lines and lines that start with # are skipped; spaces around fields, a byte order mark and
+/// whether lines end by a line feed, a carriage return or both do not matter.
 class CsvTable {
  public:
   /// Reads all of the file; DataError [slom.calibration.bad-file] if it cannot be read, its header is another one, a row has another number of
