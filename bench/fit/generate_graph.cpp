@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <mtk/testing/random.hpp>
 
@@ -52,7 +53,7 @@ io::PoseGraph<Pose> generateLattice(int size, int dimensions) {
     }
     truth.push_back(pose);
     const Pose start = i == 0 ? pose : Pose(pose * normalPose<Pose>(random, kStartMetres, kStartRadians));
-    graph.poses.push_back({i, start, 0, i == 0});
+    graph.poses.push_back({std::uint64_t(i), start, 0, i == 0});
   }
   Eigen::Matrix<double, dof<Pose>, 1> weight;
   weight.setConstant(1 / (kEdgeRadians * kEdgeRadians));

@@ -5,8 +5,8 @@
 
 #include <slom/estimator.hpp>
 
+#include "graph/fit/held.hpp"
 #include "graph/fit/model.hpp"
-#include "graph/initialization/gauge.hpp"
 #include "graph/pose_graph.hpp"
 
 namespace slom::app::graph {

@@ -2,35 +2,11 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include <slom/estimator.hpp>
-
+#include "graph/fit/held.hpp"
 #include "graph/pose_graph.hpp"
 
 namespace slom::app::graph {
-
-/// A component of a pose's rotation that keeps its value, as where the map can turn about a fixed landmark. As the RSS does not
-/// depend on that, it is the same.
-struct HeldRotation {
-  int pose = 0;
-  std::string path;  ///< "orient" or a component of it
-};
-
-/// What holds the map beside lines FIX.
-struct Gauge {
-  std::string text;  ///< "pose 0", "the first vertex of 3 more parts"; empty where the lines FIX suffice
-  std::vector<HeldRotation> rotations;
-  std::string rotations_text;  ///< "the heading of pose 0, as all can turn about landmark 2"
-
-  /// Fixes what is held of pose number `pose`, whose variable is `id`.
-  template <class Pose>
-  void hold(Estimator& est, int pose, const VarID<Pose>& id) const {
-    for (const HeldRotation& held : rotations) {
-      if (held.pose == pose) est.fix(id, held.path);
-    }
-  }
-};
 
 /// Fixes the first pose where the file has no lines FIX, and no priors. Each connected component of the graph needs a fixed pose, fixed
 /// landmarks or priors of its own: throws UserError, naming the components without them, or, with `hold_parts`, fixes the first vertex of

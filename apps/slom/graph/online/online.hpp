@@ -11,8 +11,8 @@
 #include <slom/estimator.hpp>
 
 #include "fitting/console.hpp"
+#include "graph/fit/held.hpp"
 #include "graph/fit/model.hpp"
-#include "graph/initialization/gauge.hpp"
 #include "graph/output/sketch.hpp"
 #include "graph/pose_graph.hpp"
 
