@@ -165,8 +165,13 @@ TEST(Notes, GravityOfAnotherPlanet) {
   EXPECT_EQ(
       notes(result),
       (std::vector<std::string>{
-          "Gravity of -1 m/s^2 is not that of the Earth (9.78 to 9.84): check the unit and the scale of "
-          "the readings, and that the world's z axis is vertical."}));
+          "Gravity of -1 m/s^2 is not that of the Earth (9.78 to 9.84). The readings seem to be in g: multiply them by "
+          "9.80665."}));
+  result.imu->gravity = 7;
+  EXPECT_EQ(notes(result),
+            (std::vector<std::string>{
+                "Gravity of 7 m/s^2 is not that of the Earth (9.78 to 9.84). Check the unit and the scale of "
+                "the readings, and that the world's z axis is vertical."}));
 }
 
 TEST(Notes, ParametersThatAreNotDetermined) {

@@ -8,9 +8,8 @@ namespace slom::app::calib {
 namespace {
 
 const std::string good_sentence =
-    "Calibrated to 0.34 px with 10 images; the projection is known to 0.20 px in the middle of the image and "
-    "to 1.1 px at the worst "
-    "place";
+    "Calibrated to 0.34 px with 10 images; at the distance of the boards, 0.60 m, the projection is known to 0.20 px in the middle of "
+    "the image and to 1.1 px at the worst place, at infinity to 1.9 px";
 
 Result goodResult() {
   Result result;
@@ -31,6 +30,11 @@ Result goodResult() {
   }
   CameraQuality quality;
   quality.projection.push_back({0.6, {0.2, 0.5, 1.1}, 0.2, 0.5, 1.1});
+  quality.projection.push_back({std::numeric_limits<double>::infinity(), {0.3, 0.6, 1.9}, 0.3, 0.6, 1.9});
+  quality.grid = {33, 25, {640, 480, false}};
+  quality.focal_std = 0.002;
+  quality.centre_std_px = 1;
+  quality.tilt_spread = 0.5;
   result.quality.emplace();
   result.quality->cameras.push_back(quality);
   result.quality->split_half.cameras.push_back({{}, 0.3, 0.9, 0.3, 9, 9, 0.4});

@@ -20,6 +20,7 @@
 #include "calibrate/output/report.hpp"
 #include "calibrate/result_paths.hpp"
 #include "calibrate/settings.hpp"
+#include "calibrate/soundness.hpp"
 #include "calibrate/words_of_options.hpp"
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
@@ -105,35 +106,6 @@ Progress printedProgress() {
           }};
 }
 
-/// Views that contradict the others, in one sentence; empty: none.
-std::string contradiction(const Result& result) {
-  constexpr std::size_t most = 5;
-  if (result.strays.empty()) return "";
-  std::vector<std::string> names;
-  double least = most_px, largest = 0;
-  for (const Stray& stray : result.strays) {
-    const double error = std::isfinite(stray.error_px) ? stray.error_px : most_px;
-    least = std::min(least, error);
-    largest = std::max(largest, error);
-    if (names.size() < most) names.push_back(fmt::format("{}.{}", stray.camera, stray.image));
-  }
-  const std::size_t count = result.strays.size();
-  const std::string errors[] = {fixedDecimals(least, 0), fixedDecimals(largest, 0)};
-  const std::string by = errors[0] == errors[1] ? errors[0] : errors[0] + " to " + errors[1];
-  const std::string all = fmt::format("{}{}", fmt::join(names, ", "),
-                                      count > most ? fmt::format(" and {} more", count - most) : "");
-  if (count == 1)
-    return fmt::format(
-        "an image contradicts the others, by {} px: {}; leave it out by --exclude, or correct its number", by,
-        all);
-  return fmt::format(
-      "{} images contradict the others, by {} px: {}; leave them out by --exclude, or correct their numbers",
-      count, by, all);
-}
-
-/// Whether what was found can be used.
-bool isSound(const Result& result) { return result.success() && result.strays.empty(); }
-
 /// A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would take it for good.
 void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings) {
   OutputFiles files;
@@ -142,16 +114,16 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
     files.add(settings.json_file, toJson(result));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
-  if (isSound(result) && !settings.yaml_file.empty()) {
+  const Unsoundness unsound = unsoundnessOf(result);
+  if (result.success() && unsound.isNone() && !settings.yaml_file.empty()) {
     for (const OutputText& output : outputTexts(result, settings)) {
       files.add(output.file, output.text);
       said += fmt::format("written: {}\n", oneLine(output.file));
     }
   } else {
     for (const std::string& file : outputFiles(settings))
-      said +=
-          fmt::format("not written, because {}: {}\n",
-                      result.success() ? "images contradict each other" : "the fit failed", oneLine(file));
+      said += fmt::format("not written, because {}: {}\n",
+                          result.success() ? unsound.because : "the fit failed", oneLine(file));
   }
   if (!settings.report_file.empty()) {
     files.add(settings.report_file, toHtml(data, result));
@@ -250,9 +222,9 @@ std::string failureOf(const Result& result) {
                 ? result.message
                 : "the data do not determine all parameters: " + result.undetermined);
   }
-  if (!isSound(result))
+  if (const Unsoundness unsound = unsoundnessOf(result); !unsound.isNone())
     return (result.success() ? "the calibration is of no use: " : "the calibration failed: ") +
-           contradiction(result);
+           unsound.sentence;
   for (const std::optional<Comparison>& comparison : {result.comparison, result.board_comparison}) {
     if (comparison && !comparison->cut_short.empty())
       return "the comparison was cut short: " + comparison->cut_short;

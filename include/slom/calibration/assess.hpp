@@ -29,6 +29,23 @@ const char* toString(Verdict::Level level);
 /// is missing or belongs to another result.
 Verdict verdictOf(const Result& result);
 
+/// Something that the readings of the IMU show of themselves.
+struct ImuFinding {
+  enum class Kind {
+    sign,     ///< up or down is open, or down where up is to be expected
+    gravity,  ///< it is not that of the Earth
+    misfit,   ///< the readings do not follow the images
+    weak,     ///< bias and gravity trade off
+  };
+  Kind kind{};
+  std::string fault, remedy;  ///< a clause each: what is wrong or open; what to do
+  bool is_unusable =
+      false;  ///< the readings cannot be right, so that the IMU's part of the result must not be used
+  bool is_doubt = true;  ///< whether the verdict counts it
+};
+/// What is wrong with the IMU's part of a result, or open; nothing without an IMU.
+std::vector<ImuFinding> imuFindings(const Result& result);
+
 /// The RMS over the corners of all cameras [px].
 double rmsOfAll(const Result& result);
 

@@ -48,6 +48,9 @@ struct ResidualPattern {
 /// `board_shape`
 const char* toString(ResidualPattern::Kind kind);
 
+/// Whether another pattern that was found explains this one: where cameras are not simultaneous, rows seem to be read out one after the other.
+bool isExplained(const ResidualPattern& pattern, const Result& result);
+
 /// What the pattern says about the images, and the remedy. Throws [slom.calibration.bad-question] where the result has no such camera.
 std::string sentenceOf(const ResidualPattern& pattern, const Result& result);
 

@@ -73,6 +73,11 @@ struct CameraQuality {
   std::vector<ProjectionUncertainty>
       projection_stated;  ///< the same for errors that are independent, as stated
   std::vector<double> distances_m, middle_px, worst_px;  ///< how it depends on the distance
+  /// Standard deviation of the scale of the image on the optical axis, as a part of it: that of the focal length, whatever the model's parameters are.
+  double focal_std = std::numeric_limits<double>::quiet_NaN();
+  double centre_std_px = std::numeric_limits<double>::quiet_NaN();  ///< of the pixel of the optical axis [px]
+  double tilt_spread =
+      std::numeric_limits<double>::quiet_NaN();  ///< largest angle between a board and the mean of all [rad]
 };
 
 /// Between the parameters that all images share.
@@ -101,8 +106,10 @@ struct FurtherView {
   std::string
       edge_away;  ///< which edge of the board is farther away: left, right, upper, lower; empty if none
   double distance_m = 0;
-  double before_px = 0, after_px = 0;  ///< worst projection uncertainty at the distance of the boards
+  double before_px = 0, after_px = 0;  ///< worst projection uncertainty of points at `of_distance_m`
   SE3 left2world;
+  double of_distance_m =
+      0;  ///< the distance of the boards, or infinity where that is what the images leave open
 };
 
 /// One of the corners with the largest residuals.

@@ -116,6 +116,9 @@ struct ImuResult {
   ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
   double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
   double sign_evidence = 0;  ///< ImuStart::sign_evidence
+  /// Whether the boards lie level below the cameras, so that it is known where up is, and then 1 where the world's z axis points up, -1 down.
+  bool up_is_known = false;
+  int up_by_z = 1;
 };
 
 /// The corner of an image with the largest residual.

@@ -105,6 +105,10 @@ inline bool hasOpenFocalLength(const Result& result) {
   });
 }
 
+/// 1 where the boards lie level and the cameras see them from above if the world's z axis points up, -1 if it points down; 0: the boards do not lie
+/// level, or are seen from both sides.
+int upOfLevelBoards(const Dataset& data, const Result& result);
+
 /// Fits of single cameras, then start values of the rig from these.
 template <class Camera>
 struct ModelStart {
@@ -188,6 +192,8 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
     result.imu->sign_evidence = imu->sign_evidence;
+    if (const int up = upOfLevelBoards(data, result))
+      result.imu->up_is_known = true, result.imu->up_by_z = up;
   }
   return result;
 }

@@ -15,6 +15,8 @@
 #include "calibration/limits.hpp"
 #include "calibration/quality/clustered.hpp"
 #include "calibration/quality/correlations.hpp"
+#include "calibration/quality/determination.hpp"
+#include "calibration/quality/doubts.hpp"
 #include "calibration/quality/next_best_view.hpp"
 #include "calibration/quality/patterns.hpp"
 #include "calibration/quality/projection.hpp"
@@ -77,15 +79,36 @@ void addProjection(const FittedRig& rig, const Posterior& posterior, const Poste
   }
 }
 
+void addDetermination(const Dataset& on_board, const Result& result, const FittedRig& rig,
+                      const Eigen::MatrixXd& covariance, std::vector<CameraQuality>& cameras) {
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const int n = rig.lenses[c]->parameters(), first = rig.columns.lens[c];
+    const AxisUncertainty axis = axisUncertainty(*rig.lenses[c], covariance.block(first, first, n, n));
+    cameras[c].focal_std = axis.focal;
+    cameras[c].centre_std_px = axis.centre_px;
+    cameras[c].tilt_spread = tiltSpreadOf(on_board, result, c);
+  }
+}
+
+/// The largest of all cameras, of the maps `at`: 0, at the distance of the boards, or 1, at infinity.
+double worstOf(const Quality& quality, std::vector<ProjectionUncertainty> CameraQuality::*maps,
+               std::size_t at) {
+  double most = 0;
+  for (const CameraQuality& camera : quality.cameras) most = std::fmax(most, (camera.*maps)[at].worst_px);
+  return most;
+}
+
+/// Which of the maps further images are to improve: that at infinity where it alone is worse than is bearable.
+std::size_t mapToImprove(const Quality& quality) {
+  const auto maps = &CameraQuality::projection;
+  return worstOf(quality, maps, 0) <= worst_bearable_px && worstOf(quality, maps, 1) > worst_bearable_px ? 1
+                                                                                                         : 0;
+}
+
 /// Further images as good as those that are there would bring as large a part of the clustered uncertainty as of the stated one.
-void scaleToClustered(Quality& quality) {
-  const auto worst = [&](std::vector<ProjectionUncertainty> CameraQuality::*maps) {
-    double most = 0;
-    for (const CameraQuality& camera : quality.cameras)
-      most = std::fmax(most, (camera.*maps).front().worst_px);
-    return most;
-  };
-  const double factor = worst(&CameraQuality::projection) / worst(&CameraQuality::projection_stated);
+void scaleToClustered(std::size_t map, Quality& quality) {
+  const double factor = worstOf(quality, &CameraQuality::projection, map) /
+                        worstOf(quality, &CameraQuality::projection_stated, map);
   if (!std::isfinite(factor)) return;
   for (FurtherView& view : quality.further_views) view.before_px *= factor, view.after_px *= factor;
 }
@@ -111,14 +134,17 @@ void addExpectations(const Dataset& data, const Dataset& on_board, const Setting
   quality.patterns = residualPatterns(on_board, rig, stated.covarianceOfShared(), grids, settings.limits);
   clock.record("patterns");
   addProjection(rig, posterior, stated, quality.board_distance_m, settings, quality.cameras);
+  addDetermination(on_board, result, rig, posterior.covarianceOfShared(), quality.cameras);
   clock.record("projection");
   quality.split_half = splitHalf(data, settings, result, grids);
   clock.record("split_half");
   FurtherViewOptions options;
   options.board_distance_m = quality.board_distance_m;
   options.limits = settings.limits;
+  const std::size_t map = mapToImprove(quality);
+  options.of_distance_m = quality.cameras.front().projection[map].distance_m;
   quality.further_views = furtherViews(rig, information, fullestView(on_board), grids, options);
-  if (quality.is_clustered) scaleToClustered(quality);
+  if (quality.is_clustered) scaleToClustered(map, quality);
   clock.record("further_views");
 }
 

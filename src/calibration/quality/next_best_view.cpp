@@ -230,7 +230,8 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
   const Target board = targetOf(view, rig.left2world.at(view.image));
   std::vector<ImageGrid> coarse = grids;
   for (ImageGrid& grid : coarse) grid.columns = options.grid_columns, grid.rows = options.grid_rows;
-  const ProjectedPoints points = pointsOfAllCameras(rig, coarse, options.board_distance_m);
+  const double of_distance_m = options.of_distance_m.value_or(options.board_distance_m);
+  const ProjectedPoints points = pointsOfAllCameras(rig, coarse, of_distance_m);
 
   const std::vector<FieldOfView> fields = fieldsOfView(rig, coarse);
   std::vector<Candidate> candidates;
@@ -254,6 +255,7 @@ std::vector<FurtherView> furtherViews(const FittedRig& rig, const Information& i
     best_ones.push_back(best.candidate->view);
     best_ones.back().before_px = best_ones.size() == 1 ? before : best_ones[best_ones.size() - 2].after_px;
     best_ones.back().after_px = best.after;
+    best_ones.back().of_distance_m = of_distance_m;
   }
   return best_ones;
 }

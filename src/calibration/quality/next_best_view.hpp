@@ -3,6 +3,7 @@
 // the worst projection uncertainty follows from the sum.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibration/quality/projection.hpp"
@@ -13,8 +14,9 @@ namespace slom::calibration {
 
 struct FurtherViewOptions {
   int count = 3;
-  double board_distance_m =
-      0;  ///< where the projection uncertainty is looked at; boards stand there or nearer
+  double board_distance_m = 0;  ///< boards stand there or nearer
+  std::optional<double> of_distance_m =
+      {};  ///< where the projection uncertainty is looked at; nothing: there, too
   int grid_columns = 7, grid_rows = 5;
   Limits limits;
 };

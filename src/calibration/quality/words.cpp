@@ -1,7 +1,9 @@
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "calibration/quality/doubts.hpp"
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
@@ -9,7 +11,7 @@
 namespace slom::calibration {
 namespace {
 
-std::string placeOf(const FurtherView& view) {
+std::string thirdOf(const FurtherView& view) {
   constexpr std::array<const char*, 3> rows{"upper", "middle", "lower"}, columns{"left", "middle", "right"};
   if (view.row == 1 && view.column == 1) return "middle";
   if (view.row == 1) return columns[std::size_t(view.column)];
@@ -18,6 +20,15 @@ std::string placeOf(const FurtherView& view) {
 }
 
 }  // namespace
+
+std::string placeOf(const FurtherView& view, const Result& result) {
+  const std::string attitude =
+      view.edge_away.empty()
+          ? "facing the camera"
+          : fmt::format("tilted by {:.0f} degrees, its {} edge farther away", view.tilt_deg, view.edge_away);
+  return fmt::format("a board {}, in the {} of the image of {}, at {} m", attitude, thirdOf(view),
+                     result.cameras[view.camera].name, twoDigits(view.distance_m));
+}
 
 std::string sentenceOf(const FurtherView& view, const Result& result) {
   const auto is_third = [](int i) { return i >= 0 && i < 3; };
@@ -29,13 +40,8 @@ std::string sentenceOf(const FurtherView& view, const Result& result) {
                     view.camera, view.column, view.row),
         "view");
   }
-  const std::string attitude =
-      view.edge_away.empty()
-          ? "facing the camera"
-          : fmt::format("tilted by {:.0f} degrees, its {} edge farther away", view.tilt_deg, view.edge_away);
-  return fmt::format("a board {}, in the {} of the image of {}, at {} m: from {} to {} px", attitude,
-                     placeOf(view), result.cameras[view.camera].name, twoDigits(view.distance_m),
-                     twoDigits(view.before_px), twoDigits(view.after_px));
+  return fmt::format("{}: from {} to {} px{}", placeOf(view, result), twoDigits(view.before_px),
+                     twoDigits(view.after_px), std::isfinite(view.of_distance_m) ? "" : " at infinity");
 }
 
 }  // namespace slom::calibration

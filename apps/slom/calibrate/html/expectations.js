@@ -64,7 +64,8 @@ function crossValidation() {
 
 function furtherViews() {
   const made = section("views", "What more images would help",
-    el("p", {}, "Boards at places all over the images, tilted and not, were added by calculation. The worst projection uncertainty, at the distance of the boards, would fall most by:"));
+    el("p", {}, "Boards at places all over the images, tilted and not, were added by calculation. The worst projection uncertainty, " +
+      (data.views.length > 0 && data.views[0].far ? "at infinity" : "at the distance of the boards") + ", would fall most by:"));
   if (data.views.length === 0) { made.append(el("p", {}, data.cut_short ? `They were not looked for to the end: ${data.cut_short}.` : "None of them.")); return; }
   made.append(el("ol", {class: "views"}, ...data.views.map((view, i) => el("li", {}, (i === 0 ? "" : "then ") + view.sentence + "."))));
   const most = data.views[0].before;

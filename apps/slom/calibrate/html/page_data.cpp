@@ -240,8 +240,10 @@ Json pageCorrelationsJson(const Correlations& correlations) {
 Json viewsJson(const Result& result) {
   Json list = Json::array();
   for (const FurtherView& view : result.quality->further_views) {
-    list.push_back(
-        {{"sentence", sentenceOf(view, result)}, {"before", view.before_px}, {"after", view.after_px}});
+    list.push_back({{"sentence", sentenceOf(view, result)},
+                    {"before", view.before_px},
+                    {"after", view.after_px},
+                    {"far", !std::isfinite(view.of_distance_m)}});
   }
   return list;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,8 +16,6 @@ namespace {
 constexpr double sigma_mismatch =
     1.25;  // residuals larger or smaller than stated by this factor are worth a note
 constexpr double together_mismatch = 1.2;  // RMS together over RMS alone
-constexpr double weak_ratio = 3;           // std over what it would be if the other were fixed
-constexpr double weak_gravity = 0.1;       // m/s^2
 
 void noteDetermination(const Result& result, std::vector<std::string>& notes) {
   if (result.undetermined.empty()) return;
@@ -260,31 +257,20 @@ void noteTogether(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
-void noteGravity(const Result& result, std::vector<std::string>& notes) {
-  if (!result.imu) return;
-  const ImuResult& imu = *result.imu;
-  if (imu.sign_evidence < 9) {
-    notes.push_back(
-        "The sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
-        "the IMU turned half round) fits as well. Add images tilted about another axis.");
+std::string capitalised(std::string sentence) {
+  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+  return sentence;
+}
+
+void noteImu(const Result& result, std::vector<std::string>& notes) {
+  for (const ImuFinding& finding : imuFindings(result)) {
+    const std::string remedy =
+        finding.kind == ImuFinding::Kind::weak
+            ? "The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images "
+              "with more tilt, about both axes, help without assuming anything"
+            : capitalised(finding.remedy);
+    notes.push_back(fmt::format("{}. {}.", capitalised(finding.fault), remedy));
   }
-  const double off_earth = std::max(9.78 - std::abs(imu.gravity), std::abs(imu.gravity) - 9.84);
-  if (off_earth > std::max(0.1, 4 * imu.gravity_std)) {
-    notes.push_back(
-        fmt::format("Gravity of {:.3g} m/s^2 is not that of the Earth (9.78 to 9.84): check the unit and "
-                    "the scale of the readings, and that the world's z axis is vertical.",
-                    imu.gravity));
-  }
-  if (imu.acc_bias_is_fixed || imu.gravity_is_fixed || !std::isfinite(imu.gravity_std)) return;
-  const double ratio = imu.gravity_std / imu.if_acc_bias_fixed.gravity;
-  if (ratio < weak_ratio && imu.gravity_std < weak_gravity) return;
-  notes.push_back(
-      fmt::format("acc_bias and gravity are weakly determined, because the tilts of the images spread by "
-                  "{:.1f} deg only: they trade off against each other and against the rotation (multiple "
-                  "correlation of gravity with acc_bias {:.4f}). The table of the imu says what --fix "
-                  "gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images with more tilt, about both "
-                  "axes, help without assuming anything.",
-                  imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))));
 }
 
 /// By how much errors that images share make the clustered standard deviations larger, and what limits them.
@@ -307,24 +293,12 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
-/// Rows seem to be read out one after the other where cameras are not simultaneous, too.
-bool isOfTimeOffset(const ResidualPattern& pattern, const Result& result) {
-  const auto& all = result.quality->patterns;
-  return pattern.kind == ResidualPattern::Kind::row_readout &&
-         std::any_of(all.begin(), all.end(), [&](const ResidualPattern& other) {
-           return other.kind == ResidualPattern::Kind::time_offset && other.isFound() &&
-                  other.share >= pattern.share;
-         });
-}
-
 /// Why errors are not independent, as far as residuals show it.
 void notePatterns(const Result& result, std::vector<std::string>& notes) {
   if (!result.quality) return;
   for (const ResidualPattern& pattern : result.quality->patterns) {
-    if (!pattern.isFound() || isOfTimeOffset(pattern, result)) continue;
-    std::string sentence = sentenceOf(pattern, result);
-    sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-    notes.push_back(sentence + ".");
+    if (!pattern.isFound() || isExplained(pattern, result)) continue;
+    notes.push_back(capitalised(sentenceOf(pattern, result)) + ".");
   }
 }
 
@@ -344,7 +318,7 @@ std::vector<std::string> notes(const Result& result) {
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteClustered(result, notes);
   if (result.success()) notePatterns(result, notes);
-  noteGravity(result, notes);
+  noteImu(result, notes);
   return notes;
 }
 

@@ -30,7 +30,10 @@ Json cameraJson(const CameraQuality& camera) {
       {"projection", std::move(projection)},
       {"projection_stated", std::move(stated)},
       {"by_distance",
-       {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}}};
+       {{"distance_m", camera.distances_m}, {"middle_px", camera.middle_px}, {"worst_px", camera.worst_px}}},
+      {"focal_std", camera.focal_std},
+      {"centre_std_px", camera.centre_std_px},
+      {"tilt_spread_rad", camera.tilt_spread}};
 }
 
 Json splitHalfJson(const Result& result) {
@@ -87,6 +90,7 @@ Json furtherViewsJson(const Result& result) {
                     {"distance_m", view.distance_m},
                     {"before_px", view.before_px},
                     {"after_px", view.after_px},
+                    {"of_distance_m", view.of_distance_m},  // null: at infinity
                     {"sentence", sentenceOf(view, result)}});
   }
   return list;

@@ -1,0 +1,19 @@
+// Whether a result can be used: what decides the exit code, and whether files for other programs are written.
+#pragma once
+
+#include <string>
+
+#include "calibrate/library.hpp"
+
+namespace slom::app::calib {
+
+/// Why a result that converged must not be used; empty where it can be.
+struct Unsoundness {
+  std::string because;   ///< goes on after "not written, because": "images contradict each other"
+  std::string sentence;  ///< with the remedy
+
+  bool isNone() const { return because.empty(); }
+};
+Unsoundness unsoundnessOf(const Result& result);
+
+}  // namespace slom::app::calib
