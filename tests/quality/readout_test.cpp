@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "calibration/fit/rotation_vector.hpp"
+#include "calibration/quality/clustered.hpp"
+#include "calibration/quality/uncertainties.hpp"
 #include "quality/calibrated_rig.hpp"
 
 namespace slom::app::calib {
@@ -157,6 +160,45 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
   EXPECT_LE(found, 1);
   EXPECT_GT(squares, 0.2);
   EXPECT_LT(squares, 2.6);
+}
+
+/// An error that all shared parameters follow widens each number that is stated, and the covariance that the projection uncertainty is found from.
+TEST(RollingShutter, AnIndependentErrorWidensAllUncertainties) {
+  testing::RigOptions options = testing::smallBoards();
+  options.images = 12;
+  Result result = testing::calibratedRig(options, testing::opencv4(), 5, true).result;
+  ASSERT_TRUE(result.success() && result.clustered && result.imu);
+  const SharedColumns columns = FittedRig(result).columns;
+  Result wider = result;
+  const Eigen::VectorXd followed = Eigen::VectorXd::LinSpaced(columns.size, 0.5, 2);
+  constexpr double std = 3, std_clustered = 5;
+  addIndependentError(followed, std, std_clustered, columns, wider);
+  auto before = uncertaintiesOf(result, columns), after = uncertaintiesOf(wider, columns);
+  ASSERT_EQ(before.size(), std::size_t(8 + 8 + 9 + 3 + 3 + 3 + 1));
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double part = std::abs(before[i].by_shared.dot(followed));
+    EXPECT_NEAR(*after[i].stated, std::hypot(*before[i].stated, std * part), 1e-9 * *after[i].stated) << i;
+    EXPECT_NEAR(*after[i].clustered, std::hypot(*before[i].clustered, std_clustered * part),
+                1e-9 * *after[i].clustered)
+        << i;
+    EXPECT_GT(*after[i].stated, *before[i].stated) << i;
+  }
+  const Eigen::MatrixXd sum =
+      covarianceOf(*result.clustered) + std_clustered * std_clustered * followed * followed.transpose();
+  EXPECT_LT((covarianceOf(*wider.clustered) - sum).norm(), 1e-9 * sum.norm());
+  EXPECT_EQ(wider.imu->precision.gravity, wider.imu->gravity_std);
+}
+
+/// The rotation vector's standard deviations by re-evaluating log(R [+] d), central differences.
+TEST(RollingShutter, RotationVectorsFollowByTheirJacobian) {
+  const SO3 R = SO3::exp(vec3(0.7, -1.1, 0.4));
+  const Eigen::Matrix3d J = rotationVectorJacobian(R);
+  constexpr double step = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const vec3 d(step * Eigen::Vector3d::Unit(i)), back(-step * Eigen::Vector3d::Unit(i));
+    const Eigen::Vector3d slope = (SO3::log(R * SO3::exp(d)) - SO3::log(R * SO3::exp(back))) / (2 * step);
+    EXPECT_LT((J.col(i) - slope).norm(), 1e-8) << i;
+  }
 }
 
 TEST(RollingShutter, IsNotAskedOfAFitThatFailed) {

@@ -108,7 +108,9 @@ TEST(Verdict, ComparesResidualsWithTheStatedNoise) {
 TEST(Verdict, SeesAnImageThatIsNotCovered) {
   Result result = goodResult();
   result.quality->cameras[0].projection[0].std_px = {0.2, unknown, 1.1, 1.1};
-  expectDoubts(result, {"the lens of left folds over within the image, 25 % of which no ray is known for"});
+  expectDoubts(
+      result,
+      {"the lens model of left has no ray for 25 % of its image: it folds over there, outside of the corners"});
   result = goodResult();
   result.quality->cameras[0].projection[0].worst_px = 12;
   EXPECT_EQ(verdictOf(result).doubts,

@@ -53,13 +53,22 @@ constexpr const char* footer_text =
     R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why), images
 contradict each other, the run was cut short, or standard output could not be written, 2 wrong options or data.)";
 
+/// How time stamps were paired.
+void sayPairing(const ImageNumbers& numbers, const CommandSettings& settings) {
+  if (const std::string sentence = sentenceOf(numbers); !settings.quiet && !sentence.empty())
+    say(sentence + "\n");
+}
+
 Dataset readDataset(const CommandSettings& settings) {
   Dataset data;
   if (settings.board) {
     data.cameras = readPhotos(settings);
   } else {
-    for (const CameraFile& camera : settings.cameras)
-      data.cameras.push_back(readCorners(camera.name, camera.files));
+    std::vector<CameraFiles> files;
+    for (const CameraFile& camera : settings.cameras) files.push_back({camera.name, camera.files});
+    ImageNumbers numbers;
+    data = readRig(files, settings.imu_file, &numbers);
+    sayPairing(numbers, settings);
   }
   for (CameraData& camera : data.cameras) {
     const auto given = settings.image_sizes.find(camera.name);
@@ -74,7 +83,7 @@ Dataset readDataset(const CommandSettings& settings) {
     }
     camera.image_size = size;
   }
-  if (!settings.imu_file.empty()) data.imu = readImu(settings.imu_file);
+  if (!settings.imu_file.empty() && !data.imu) data.imu = readImu(settings.imu_file);
   inWordsOfOptions(settings, [&] {
     exclude(data, settings.exclusions);
     leaveOutCopies(data);
@@ -219,7 +228,8 @@ std::string failureOf(const Result& result) {
   if (!result.success() && (result.strays.empty() || is_cut_short)) {
     return "the calibration failed: " +
            (result.undetermined.empty() || is_cut_short
-                ? result.message
+                ? result.message +
+                      (result.better_model || !result.causes.empty() ? "; " + causeText(result) : "")
                 : "the data do not determine all parameters: " + result.undetermined);
   }
   if (const Unsoundness unsound = unsoundnessOf(result); !unsound.isNone())

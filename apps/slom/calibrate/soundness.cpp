@@ -12,6 +12,19 @@
 namespace slom::app::calib {
 namespace {
 
+double rmsOf(const ImageResult& image) {
+  double most = 0;
+  for (const auto& rms : image.rms_px) most = std::max(most, rms.value_or(0));
+  return most;
+}
+
+const ImageResult* worstImage(const Result& result) {
+  const auto worst =
+      std::max_element(result.images.begin(), result.images.end(),
+                       [](const ImageResult& a, const ImageResult& b) { return rmsOf(a) < rmsOf(b); });
+  return worst == result.images.end() ? nullptr : &*worst;
+}
+
 /// Views that contradict the others, in one sentence; empty: none.
 std::string contradiction(const Result& result) {
   constexpr std::size_t most = 5;
@@ -29,6 +42,14 @@ std::string contradiction(const Result& result) {
   const std::string by = errors[0] == errors[1] ? errors[0] : errors[0] + " to " + errors[1];
   const std::string all = fmt::format("{}{}", fmt::join(names, ", "),
                                       count > most ? fmt::format(" and {} more", count - most) : "");
+  const std::string& why = result.strays.front().why;
+  const bool have_one_cause =
+      !why.empty() && std::all_of(result.strays.begin(), result.strays.end(),
+                                  [&](const Stray& stray) { return stray.why == why; });
+  if (have_one_cause)
+    return fmt::format("{} the others, by {} px: {}; {}; correct {}, or leave {} out by --exclude",
+                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), by,
+                       all, why, count == 1 ? "it" : "them", count == 1 ? "it" : "them");
   if (count == 1)
     return fmt::format(
         "an image contradicts the others, by {} px: {}; leave it out by --exclude, or correct its number", by,
@@ -38,10 +59,47 @@ std::string contradiction(const Result& result) {
       count, by, all);
 }
 
+/// Errors of corners that no detection makes: so many px in images of 1280 px and below, in proportion in larger ones, and so many stated sigmas.
+double explainedPx(const Result& result) {
+  constexpr double usual_px = 2, usual_side = 1280, sigmas = 6;
+  double side = usual_side;
+  for (const CameraResult& camera : result.cameras) {
+    if (camera.image_size)
+      side = std::max({side, double(camera.image_size->width), double(camera.image_size->height)});
+  }
+  return std::max(usual_px * side / usual_side, sigmas * result.sigma_px);
+}
+
+/// Corners of all images, or of one, that are farther off than detection explains; empty: none.
+std::string misfit(const Result& result) {
+  const double limit = explainedPx(result), rms = rmsOfAll(result);
+  std::string fault;
+  if (rms > limit) {
+    fault = fmt::format("corners are {} px off (RMS)", twoDigits(rms));
+  } else if (const ImageResult* worst = worstImage(result); worst && rmsOf(*worst) > 2 * limit) {
+    fault = fmt::format("corners of image {} are {} px off (RMS)", worst->image, twoDigits(rmsOf(*worst)));
+  }
+  if (fault.empty()) return "";
+  return fmt::format("{}, and detection explains {} px; {}", fault, twoDigits(limit), causeText(result));
+}
+
 }  // namespace
+
+std::string causeText(const Result& result) {
+  if (result.better_model) {
+    return fmt::format("{0} fits them to {1} px: pass --intrinsics {0}", result.better_model->name,
+                       twoDigits(result.better_model->rms_px));
+  }
+  if (!result.causes.empty()) return result.causes.front();
+  return "look at the worst images and corners";
+}
 
 Unsoundness unsoundnessOf(const Result& result) {
   if (!result.strays.empty()) return {"images contradict each other", contradiction(result)};
+  if (result.success()) {
+    if (const std::string sentence = misfit(result); !sentence.empty())
+      return {"corners are too far off", sentence};
+  }
   for (const ImuFinding& finding : imuFindings(result)) {
     if (finding.is_unusable)
       return {"the readings of the IMU cannot be right", finding.fault + "; " + finding.remedy};

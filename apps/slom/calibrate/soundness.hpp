@@ -16,4 +16,7 @@ struct Unsoundness {
 };
 Unsoundness unsoundnessOf(const Result& result);
 
+/// The likeliest cause of a fit that failed or fits badly, with the remedy.
+std::string causeText(const Result& result);
+
 }  // namespace slom::app::calib

@@ -36,7 +36,9 @@ std::string nothingToExclude(const CommandSettings&, const DataError::Parts& par
   return fmt::format("--exclude {}: {}; {}", what, parts.fault, parts.remedy);
 }
 
-std::string noStart(const CommandSettings&, const DataError::Parts& parts) {
+std::string noStart(const CommandSettings& settings, const DataError::Parts& parts) {
+  if (settings.robust != Robust::none)
+    return fmt::format("{}: {}; {}", parts.place, parts.fault, parts.remedy);
   return fmt::format("{}: {}; look for corners that are far off, or leave out such ones by --robust reject",
                      parts.place, parts.fault);
 }

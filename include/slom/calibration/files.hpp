@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slom/calibration/dataset.hpp"
+#include "slom/calibration/image_numbers.hpp"
 
 namespace slom::calibration {
 
@@ -23,6 +24,17 @@ CameraData readCorners(const std::string& camera_name, const std::vector<std::st
 /// Reads `image,ax_m_s2,ay_m_s2,az_m_s2,valid`, readings of an accelerometer at rest [m/s^2]. Rows with valid = 0 are skipped: neither
 /// their reading nor their image is looked at. Throws as readCorners does, for two valid rows of an image, and for no valid row at all.
 ImuData readImu(const std::string& file);
+
+/// The files of a camera.
+struct CameraFiles {
+  std::string name;
+  std::vector<std::string> files;
+};
+
+/// Reads all files of a rig, as readCorners and readImu do one by one; `imu_file` may be empty. If image numbers are too large, they are time stamps,
+/// which are paired over all cameras and the IMU (ImageNumbers); `found`, where given, gets them.
+Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
+                ImageNumbers* found = nullptr);
 
 /// The text of a file that readCorners reads; numbers with all digits, so that reading it again gives the same data. Standard deviations
 /// (Corner::sigma) have no column and are left out.

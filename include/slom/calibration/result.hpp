@@ -161,6 +161,15 @@ struct Stray {
   int image = 0;
   double error_px = 0;  ///< root mean square distance of its corners before the fit of the rig
   std::string photo{};  ///< where it is known
+  bool is_left_out =
+      false;  ///< the values are those without it; `error_px` is then that of its best pose for the lens found
+  std::string why{};  ///< a clause, where the cause is known: "its corners disagree among themselves ..."
+};
+
+/// A model that fits the corners of a calibration much better than its own.
+struct BetterModel {
+  std::string name;   ///< Model::name
+  double rms_px = 0;  ///< over all corners
 };
 
 /// A calibration: what was found, how the fit ended, and which data it did without.
@@ -180,6 +189,10 @@ struct Result {
   std::optional<FittedBoard> board;               ///< of a bent or free one (Settings::board_shape)
   std::optional<ClusteredUncertainty> clustered;  ///< of a calibration that succeeded, from two images on
   std::vector<Stray> strays;
+  std::optional<BetterModel>
+      better_model;  ///< asked for where corners are off by more than detection explains, or the fit failed
+  /// Of such a fit: what it most likely fails by, with the number that shows it and the remedy, or which causes are excluded; a clause each.
+  std::vector<std::string> causes;
   /// Corners that the fit does without (Settings::robust), and where it puts them; the worst first.
   std::vector<GrossCorner> rejected;
   std::optional<Downweighted> downweighted;         ///< what a loss made of the corners

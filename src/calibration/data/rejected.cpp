@@ -6,8 +6,31 @@
 
 namespace slom::calibration {
 
+Dataset withoutViews(Dataset data, const std::vector<Stray>& views) {
+  for (CameraData& camera : data.cameras) {
+    std::erase_if(camera.views, [&](const View& view) {
+      return std::any_of(views.begin(), views.end(), [&](const Stray& one) {
+        return one.camera == camera.name && one.image == view.image;
+      });
+    });
+  }
+  if (data.imu && !views.empty()) {
+    const std::vector<int> images = data.images();
+    std::erase_if(data.imu->readings, [&](const ImuReading& reading) {
+      return !std::binary_search(images.begin(), images.end(), reading.image) &&
+             std::any_of(views.begin(), views.end(),
+                         [&](const Stray& one) { return one.image == reading.image; });
+    });
+  }
+  return data;
+}
+
 Dataset withoutRejected(const Dataset& data, const Result& result) {
-  Dataset rest = data;
+  std::vector<Stray> left_out;
+  for (const Stray& stray : result.strays) {
+    if (stray.is_left_out) left_out.push_back(stray);
+  }
+  Dataset rest = withoutViews(data, left_out);
   for (const GrossCorner& corner : result.rejected) {
     if (corner.camera >= rest.cameras.size()) continue;
     for (View& view : rest.cameras[corner.camera].views) {

@@ -109,6 +109,14 @@ int CsvRow::index(std::size_t column) const {
   return value;
 }
 
+std::string CsvRow::digits(std::size_t column) const {
+  const std::string_view text = fields_->at(first_field_ + column);
+  constexpr std::size_t most = 30;
+  const bool are_digits = !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  if (!are_digits || text.size() > most) return std::to_string(index(column));
+  return std::string(text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)));
+}
+
 CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
     : file_(std::move(file)), columns_(std::move(columns)) {
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));

@@ -24,6 +24,8 @@ class CsvRow {
   double number(std::size_t column, double most) const;
   /// The field as a whole number from 0 on; DataError [slom.calibration.bad-file] otherwise.
   int index(std::size_t column) const;
+  /// The same without a limit: its digits, without leading zeros.
+  std::string digits(std::size_t column) const;
 
  private:
   [[noreturn]] void fail(std::size_t column, const std::string& expectation) const;

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -46,25 +49,50 @@ std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment
                   table.file(), comment.line, shortened(comment.text, longest_comment), most_side_px));
 }
 
+/// The image that a number in a file stands for; nothing where the file's rows have no such number.
+using ImageOf = std::function<std::optional<int>(const std::string& digits)>;
+
 /// `photo 7: left07.jpg`
-void notePhoto(const CsvComment& comment, std::map<int, View>& views) {
+void notePhoto(const CsvComment& comment, const ImageOf& image_of, std::map<int, View>& views) {
   constexpr std::string_view key = "photo ";
   const std::size_t colon = comment.text.find(':');
-  int image = 0;
   if (!comment.text.starts_with(key) || colon == std::string::npos) return;
-  if (!io::parseNumber(std::string_view(comment.text).substr(key.size(), colon - key.size()), image)) return;
-  if (const auto view = views.find(image); view != views.end())
+  const std::optional<int> image =
+      image_of(std::string(trimmed(std::string_view(comment.text).substr(key.size(), colon - key.size()))));
+  if (!image) return;
+  if (const auto view = views.find(*image); view != views.end())
     view->second.photo = trimmed(std::string_view(comment.text).substr(colon + 1));
 }
 
 }  // namespace
 
-CameraData readCorners(const std::string& camera_name, const std::string& file) {
-  const CsvTable table(file, {"image", "corner", "world_x_m", "world_y_m", "world_z_m", "u_px", "v_px"});
+namespace {
+
+const std::vector<std::string> corner_columns{"image",     "corner", "world_x_m", "world_y_m",
+                                              "world_z_m", "u_px",   "v_px"},
+    imu_columns{"image", "ax_m_s2", "ay_m_s2", "az_m_s2", "valid"};
+
+/// The image numbers of the rows that count, each once.
+std::vector<std::string> numbersIn(const CsvTable& table, const std::function<bool(const CsvRow&)>& counts) {
+  std::set<std::string> numbers;
+  for (const CsvRow& row : table.rows()) {
+    if (counts(row)) numbers.insert(row.digits(0));
+  }
+  return {numbers.begin(), numbers.end()};
+}
+
+bool isValid(const CsvRow& row) {
+  const int valid = row.index(4);
+  if (valid > 1)
+    badFile(fmt::format("{}: valid is \"{}\"; write 1, or 0 to skip the row", row.place(), valid));
+  return valid == 1;
+}
+
+CameraData cornersIn(const CsvTable& table, const std::string& camera_name, const ImageOf& image_of) {
   std::map<int, View> views;
   std::map<std::pair<int, int>, int> line_of;  // (image, corner) -> line
   for (const CsvRow& row : table.rows()) {
-    const int image = row.index(0), number = row.index(1);
+    const int image = *image_of(row.digits(0)), number = row.index(1);
     const auto [known, is_new] = line_of.emplace(std::pair(image, number), row.line());
     if (!is_new) {
       badFile(
@@ -78,22 +106,23 @@ CameraData readCorners(const std::string& camera_name, const std::string& file) 
          vec3(row.number(2, most_corner_m), row.number(3, most_corner_m), row.number(4, most_corner_m)),
          vec2(row.number(5, most_corner_px), row.number(6, most_corner_px)), row.line()});
   }
-  CameraData camera{camera_name, file, {}, {}};
+  CameraData camera{camera_name, table.file(), {}, {}};
   for (const CsvComment& comment : table.comments()) {
     if (const auto size = sizeIn(table, comment)) camera.image_size = size;
-    notePhoto(comment, views);
+    notePhoto(comment, image_of, views);
   }
   for (auto& [image, view] : views) camera.views.push_back(std::move(view));
   return camera;
 }
 
-CameraData readCorners(const std::string& camera_name, const std::vector<std::string>& files) {
-  if (files.size() == 1) return readCorners(camera_name, files.front());
-  if (files.empty()) badFile(fmt::format("camera {} has no file of corners; give at least one", camera_name));
+/// The parts of one camera's recording.
+CameraData joined(const std::string& camera_name, const std::vector<std::string>& files,
+                  std::vector<CameraData> parts) {
+  if (parts.size() == 1) return std::move(parts.front());
   CameraData all{camera_name, fmt::format("{}", fmt::join(files, " ")), {}, {}};
   std::map<int, std::string> file_of;  // image -> file
-  for (const std::string& file : files) {
-    CameraData part = readCorners(camera_name, file);
+  for (CameraData& part : parts) {
+    const std::string& file = part.file;
     if (part.image_size && all.image_size &&
         (part.image_size->width != all.image_size->width ||
          part.image_size->height != all.image_size->height)) {
@@ -120,15 +149,12 @@ CameraData readCorners(const std::string& camera_name, const std::vector<std::st
   return all;
 }
 
-ImuData readImu(const std::string& file) {
-  const CsvTable table(file, {"image", "ax_m_s2", "ay_m_s2", "az_m_s2", "valid"});
-  ImuData imu{file, {}};
+ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
+  ImuData imu{table.file(), {}};
   std::map<int, int> line_of;  // image -> line
   for (const CsvRow& row : table.rows()) {
-    const int image = row.index(0), valid = row.index(4);
-    if (valid > 1)
-      badFile(fmt::format("{}: valid is \"{}\"; write 1, or 0 to skip the row", row.place(), valid));
-    if (valid == 0) continue;
+    if (!isValid(row)) continue;
+    const int image = *image_of(row.digits(0));
     const auto [known, is_new] = line_of.emplace(image, row.line());
     if (!is_new) {
       badFile(
@@ -142,9 +168,60 @@ ImuData readImu(const std::string& file) {
   }
   if (imu.readings.empty()) {
     badFile(fmt::format("{}:{}: no row has valid = 1; leave out --imu, or mark the readings that can be used",
-                        file, table.rows().back().line()));
+                        table.file(), table.rows().back().line()));
   }
   return imu;
 }
+
+}  // namespace
+
+Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file, ImageNumbers* found) {
+  std::vector<std::vector<std::unique_ptr<CsvTable>>> tables;
+  std::vector<std::vector<std::string>> numbers;
+  for (const CameraFiles& camera : cameras) {
+    if (camera.files.empty())
+      badFile(fmt::format("camera {} has no file of corners; give at least one", camera.name));
+    tables.emplace_back();
+    numbers.emplace_back();
+    for (const std::string& file : camera.files) {
+      tables.back().push_back(std::make_unique<CsvTable>(file, corner_columns));
+      for (std::string& number : numbersIn(*tables.back().back(), [](const CsvRow&) { return true; }))
+        numbers.back().push_back(std::move(number));
+    }
+    std::sort(numbers.back().begin(), numbers.back().end());
+    numbers.back().erase(std::unique(numbers.back().begin(), numbers.back().end()), numbers.back().end());
+  }
+  std::unique_ptr<CsvTable> readings;
+  if (!imu_file.empty()) {
+    readings = std::make_unique<CsvTable>(imu_file, imu_columns);
+    numbers.push_back(numbersIn(*readings, isValid));
+  }
+  const ImageNumbers images(numbers);
+  const auto imageOf = [&](std::size_t source) {
+    return [&, source](const std::string& digits) -> std::optional<int> {
+      if (!std::binary_search(numbers[source].begin(), numbers[source].end(), digits)) return {};
+      return images.of(source, digits);
+    };
+  };
+  Dataset data;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    std::vector<CameraData> parts;
+    for (const auto& table : tables[c]) parts.push_back(cornersIn(*table, cameras[c].name, imageOf(c)));
+    data.cameras.push_back(joined(cameras[c].name, cameras[c].files, std::move(parts)));
+  }
+  if (readings) data.imu = readingsIn(*readings, imageOf(cameras.size()));
+  if (found) *found = images;
+  return data;
+}
+
+CameraData readCorners(const std::string& camera_name, const std::string& file) {
+  return readCorners(camera_name, std::vector<std::string>{file});
+}
+
+CameraData readCorners(const std::string& camera_name, const std::vector<std::string>& files) {
+  return std::move(readRig({{camera_name, files}}, "").cameras.front());
+}
+
+ImuData readImu(const std::string& file) { return std::move(*readRig({}, file).imu); }
 
 }  // namespace slom::calibration

@@ -12,7 +12,9 @@
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/corner_noise.hpp"
 #include "calibration/fit/rig_fit.hpp"
+#include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/far_off.hpp"
+#include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/quality/clustered.hpp"
@@ -151,6 +153,25 @@ Result refined(const Dataset& data, const Settings& settings, Result result) {
   return result;
 }
 
+/// Corners left out before there was a fit that the lens, once fitted, puts where they were found, within what noise gives: they count again. A homography
+/// knows nothing of lenses of 180 degrees.
+Result withTakenBack(const Dataset& data, const Settings& settings, Result result) {
+  constexpr double by_noise = 4.5;  // distance over RMS
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds && result.success() && !result.rejected.empty(); ++round) {
+    predictRejected(data, result);
+    Result with = result;
+    std::erase_if(with.rejected, [&](const GrossCorner& corner) {
+      return corner.error_without_px <= by_noise * result.cameras[corner.camera].rms_px;
+    });
+    if (with.rejected.size() == result.rejected.size()) break;
+    Result next = fittedAgain(withoutRejected(data, with), settings, with);
+    if (!next.success()) break;
+    result = std::move(next);
+  }
+  return result;
+}
+
 /// A fit that never sees the corners that are farthest off, then those without the other gross ones.
 Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const Progress& progress) {
   Result without;
@@ -165,6 +186,7 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   }
   Result result = settings.model.definition().calibrate(rest, settings, of_data);
   result.rejected = std::move(without.rejected);
+  result = withTakenBack(data, settings, std::move(result));
   if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
   if (isRefined(settings)) {
     const Dataset accepted = withoutRejected(data, result);
@@ -172,6 +194,42 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   }
   predictRejected(data, result);
   return result;
+}
+
+/// A fit of all data, without single corners that the others contradict.
+Result fitOfAll(const Dataset& data, const Settings& settings, const Progress& progress) {
+  if (settings.robust != Robust::none) return withoutFarOffCorners(data, settings, progress);
+  Result result = settings.model.definition().calibrate(data, settings, progress);
+  if (isRefined(settings)) return refined(data, settings, std::move(result));
+  addClustered(data, result);
+  return result;
+}
+
+bool isNoStart(const DataError& error) {
+  return error.id() == "slom.calibration.no-start" || error.id() == "slom.calibration.no-pose";
+}
+
+/// A second look where the fit of all data fails, or leaves corners farther off than detection explains.
+Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Progress& progress) {
+  const auto quietly = [&](const Dataset& some) { return fitOfAll(some, settings, {}); };
+  std::optional<Result> first;
+  try {
+    first = fitOfAll(data, settings, progress);
+  } catch (const DataError& error) {
+    if (!isNoStart(error) || settings.robust == Robust::none) throw;
+    if (auto without = withoutStrayViews(data, settings, nullptr, quietly)) return std::move(*without);
+    throw;
+  }
+  if (!reasonToEnd(settings.limits).empty()) return std::move(*first);
+  if (first->strays.empty() && !isBadFit(*first, settings)) return std::move(*first);
+  if (settings.robust != Robust::none) {
+    if (auto without = withoutStrayViews(data, settings, &*first, quietly)) return std::move(*without);
+  }
+  if (first->strays.empty())
+    nameCauses(data, settings, *first);
+  else
+    nameOtherEnd(data, quietly, *first);
+  return std::move(*first);
 }
 
 }  // namespace
@@ -188,12 +246,8 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
       progress.single_camera(report);
     };
   }
-  const Settings from_now = started(settings);
-  if (settings.robust != Robust::none) return withoutFarOffCorners(*sorted, from_now, of_caller);
-  Result result = settings.model.definition().calibrate(*sorted, from_now, of_caller);
-  if (isRefined(settings)) return refined(*sorted, from_now, std::move(result));
-  addClustered(*sorted, result);
-  return result;
+  for (const CameraData& camera : (*sorted).cameras) requireSmoothViews(camera);
+  return fitWithSecondLook(*sorted, started(settings), of_caller);
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {

@@ -146,7 +146,8 @@ ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes,
 
 /// Where the lens of the start values does not see a corner, that is the fault of a corner which drew them there.
 template <class Camera>
-Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, const Dataset& data) {
+Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, const Dataset& data,
+                          Robust robust) {
   try {
     return problem.optimize(options);
   } catch (const slom::Error& error) {
@@ -155,7 +156,10 @@ Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, c
         "slom.calibration.no-start",
         {.place = nameOf(data.cameras.front()),
          .fault = "no start values were found at which the lens sees all corners",
-         .remedy = "look for corners that are far off, or leave out such ones by Settings::robust"});
+         .remedy =
+             robust == Robust::none
+                 ? "look for corners that are far off, or leave out such ones by Settings::robust"
+                 : "look for images whose corners are numbered in another order than the world points, or far off"});
   }
 }
 
@@ -184,7 +188,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   options.deviation_tolerance = enough_deviations;
   applyLimits(settings.limits, options);
   options.observer = progress.iteration;
-  Result result = problem.result(optimizeFromStart(problem, options, data));
+  Result result = problem.result(optimizeFromStart(problem, options, data, settings.robust));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
   for (std::size_t c = 0; c < cameras.size(); ++c) result.cameras[c].rms_px_single = rms_px_single[c];
   result.strays = strays;

@@ -118,8 +118,37 @@ double tiltSpread(const std::vector<TiltPair>& pairs) {
   return std::sqrt(square / double(pairs.size()));
 }
 
+namespace {
+
+/// Root mean square angle between the readings and their mean [rad].
+double spreadOfReadings(const std::vector<TiltPair>& pairs) {
+  std::vector<TiltPair> directions = pairs;
+  for (TiltPair& pair : directions) pair.up_in_left = vec3(pair.acc.normalized());
+  return tiltSpread(directions);
+}
+
+/// Readings that stay as they are while the images say that the rig turned: the board was moved instead.
+void requireReadingsFollow(const ImuData& imu, const std::vector<TiltPair>& pairs) {
+  constexpr double least_tilt = 0.05;  // [rad]
+  constexpr double hardly = 0.15;      // of the tilts
+  const double tilts = tiltSpread(pairs), readings = spreadOfReadings(pairs);
+  if (pairs.size() < 3 || !(tilts > least_tilt) || !(readings < hardly * tilts)) return;
+  constexpr double degrees = 180 / std::numbers::pi;
+  throw DataError(
+      "slom.calibration.imu-open",
+      {.place = imu.place(0),
+       .fault = fmt::format(
+           "the readings turn by {:.2g} deg (RMS) from image to image, while the images say that the rig turned "
+           "by {:.2g} deg against the board",
+           readings * degrees, tilts * degrees),
+       .remedy = "hold the board still and level, and move the rig"});
+}
+
+}  // namespace
+
 void requireImuDetermined(const ImuData& imu, const std::vector<TiltPair>& pairs, const ImuStart& at,
                           const Fixed& fixed, double sigma_acc) {
+  requireReadingsFollow(imu, pairs);
   if (isDetermined(imuPrecision(pairs, at, fixed, sigma_acc))) return;
   const auto helps = [&](bool fix_bias, bool fix_gravity) {
     Fixed more = fixed;

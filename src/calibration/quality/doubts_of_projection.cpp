@@ -45,15 +45,21 @@ double openPercent(const ProjectionUncertainty& map) {
   return open == 0 ? 0 : std::max(1.0, 100.0 * double(open) / double(map.std_px.size()));
 }
 
-/// The sentence on one camera; empty: its projection is known.
+/// Pixels without a ray; empty: all have one.
+std::string openRays(const Result& result, std::size_t c) {
+  const double open = openPercent(result.quality->cameras[c].projection.front());
+  if (open == 0) return "";
+  return fmt::format(
+      "the lens model of {} has no ray for {:.0f} % of its image: it folds over there, outside of the corners",
+      result.cameras[c].name, open);
+}
+
+/// The sentence on one camera; empty: its projection is known, where it has rays.
 std::string openProjection(const Result& result, std::size_t c) {
   const CameraQuality& camera = result.quality->cameras[c];
   const std::string& name = result.cameras[c].name;
   const ProjectionUncertainty& near = camera.projection.front();
   const ProjectionUncertainty* const far = atInfinity(camera);
-  if (const double open = openPercent(near); open > 0)
-    return fmt::format("the lens of {} folds over within the image, {:.0f} % of which no ray is known for",
-                       name, open);
   if (camera.focal_std > most_focal_std)
     return fmt::format("the focal length of {} is known to {} % only{}; {}", name,
                        twoDigits(100 * camera.focal_std), causeOf(camera), remedyFor(result, camera));
@@ -76,7 +82,9 @@ std::string openProjection(const Result& result, std::size_t c) {
 void doubtProjection(const Result& result, std::vector<std::string>& doubts) {
   if (!result.quality->hasProjection()) return;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-    if (std::string doubt = openProjection(result, c); !doubt.empty()) doubts.push_back(std::move(doubt));
+    for (std::string doubt : {openProjection(result, c), openRays(result, c)}) {
+      if (!doubt.empty()) doubts.push_back(std::move(doubt));
+    }
   }
 }
 

@@ -74,8 +74,9 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
   } else if (imu.up_is_known && imu.gravity * imu.up_by_z < 0) {
     findings.push_back(
         {ImuFinding::Kind::sign, "the readings point down, where those of an accelerometer at rest point up",
-         "if it reports gravity itself, multiply the readings by -1; otherwise one of its axes has the wrong sign, so that they are "
-         "left-handed, and its rotation is wrong: correct that axis"});
+         "that is right for a sensor that reports gravity itself; otherwise one of its axes has the wrong sign, so that they are "
+         "left-handed, and the rotation of the IMU is wrong: correct that axis",
+         false, false});
   }
 }
 

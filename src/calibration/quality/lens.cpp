@@ -13,10 +13,12 @@
 namespace slom::calibration {
 namespace {
 
-/// Two unit vectors orthogonal to a ray and to each other, as columns; they turn with the ray.
+/// Two unit vectors orthogonal to a ray and to each other, as columns; they turn with the ray, but for rays along y.
 Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
   Eigen::Matrix<double, 3, 2> T;
-  T.col(0) = Eigen::Vector3d(0, 1, 0).cross(ray).normalized();
+  const bool is_along_y = std::abs(ray.y()) > 0.95;
+  T.col(0) = is_along_y ? Eigen::Vector3d(Eigen::Vector3d(ray).cross(Eigen::Vector3d(0, 0, 1)).normalized())
+                        : Eigen::Vector3d(Eigen::Vector3d(0, 1, 0).cross(ray).normalized());
   T.col(1) = Eigen::Vector3d(ray).cross(Eigen::Vector3d(T.col(0)));
   return T;
 }
@@ -42,7 +44,7 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
       const Eigen::Vector2d angle = J.inverse() * missing;
       if (!(angle.norm() < 0.5)) return {};
       ray = vec3((ray + T * angle).normalized());
-      if (!(ray.z() > 1e-3)) return {};
+      if (!(ray.z() > least_z_)) return {};
       at = differentiateByPoint(ray);
     }
     if (!(error < 1e-2)) return {};

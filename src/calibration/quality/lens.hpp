@@ -40,6 +40,8 @@ class Lens {
 
  protected:
   double scale_ = 0;  ///< scale of the image about the optical axis [px/rad]
+  double least_z_ =
+      1e-3;  ///< of the rays of length 1 that the model is for: above 0 for a pinhole, near -1 for one of angles
 };
 
 std::unique_ptr<Lens> makeLens(const CameraResult& camera);

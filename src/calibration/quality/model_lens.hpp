@@ -68,6 +68,7 @@ class ModelLens : public Lens {
  public:
   explicit ModelLens(const Camera& camera) : camera_(camera) {
     scale_ = derivativesOf(camera_, Eigen::Vector3d(0, 0, 1)).by_point.norm() / std::sqrt(2.0);
+    if constexpr (Camera::start_lens == StartLens::equidistant) least_z_ = -0.99;
   }
 
   int parameters() const override { return n; }

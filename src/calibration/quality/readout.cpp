@@ -13,6 +13,7 @@
 #include "calibration/quality/flip_test.hpp"
 #include "calibration/quality/information.hpp"
 #include "calibration/quality/residuals.hpp"
+#include "calibration/quality/uncertainties.hpp"
 #include "calibration/quality/whitened_scores.hpp"
 
 namespace slom::calibration {
@@ -153,25 +154,8 @@ std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const 
 
 void addUncertaintyOf(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
   const FittedRig rig(result);
-  const auto add = [](double& std, double part) { std = std > 0 ? std::hypot(std, part) : std; };
   for (const std::optional<ReadoutStep>& step : steps) {
-    if (!step) continue;
-    for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-      CameraResult& camera = result.cameras[c];
-      for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
-        const double followed = step->followed[rig.columns.lens[c] + Eigen::Index(i)];
-        add(camera.parameters[i].std, followed * step->std);
-        add(camera.parameters[i].std_clustered, followed * step->std_clustered);
-      }
-      for (int k = 0; k < 3 && c > 0; ++k) {
-        const double shift = step->followed[rig.columns.pose[c] + k],
-                     turn = step->followed[rig.columns.pose[c] + 3 + k];
-        add(camera.translation_std[k], shift * step->std);
-        add(camera.translation_clustered.std[k], shift * step->std_clustered);
-        add(camera.rotation_std[k], turn * step->std);
-        add(camera.rotation_clustered.std[k], turn * step->std_clustered);
-      }
-    }
+    if (step) addIndependentError(step->followed, step->std, step->std_clustered, rig.columns, result);
   }
 }
 

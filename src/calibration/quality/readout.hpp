@@ -29,7 +29,7 @@ struct ReadoutStep {
 /// By camera; nothing where no motion of corners is known. `data` is sorted, without the readout of the result and with its noise.
 std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const Result& result);
 
-/// Adds what the unknown readout makes to the stated and clustered standard deviations of lenses and of camera to camera.
+/// Adds what the unknown readout makes to all standard deviations, and to the clustered covariance (addIndependentError).
 void addUncertaintyOf(const std::vector<std::optional<ReadoutStep>>& steps, Result& result);
 
 }  // namespace slom::calibration

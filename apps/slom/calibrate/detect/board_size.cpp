@@ -12,52 +12,81 @@
 namespace slom::app::calib {
 namespace {
 
-constexpr std::size_t photos_to_try = 3;
+constexpr std::size_t photos_to_try = 8;
 
-bool shows(const Board& board, const std::string& file) {
+/// What `ask` says of a photograph; what the answer to none is where it cannot be read or searched.
+template <class Answer>
+Answer asked(const std::string& file, Answer (*ask)(const Board&, const Photograph&), const Board& board) {
   std::string reason;
   const auto photo = readPhotograph(file, reason);
   try {
-    return photo && showsChessboard(board, *photo);
+    return photo ? ask(board, *photo) : Answer();
   } catch (const UserError&) {
     throw;
   } catch (const std::exception&) {  // thrown by OpenCV: an image that it cannot search shows no board
-    return false;
+    return {};
   }
 }
 
-Board resized(Board board, int more_columns, int more_rows) {
-  board.columns += more_columns;
-  board.rows += more_rows;
-  return board;
+bool shows(const Board& board, const std::string& file) { return asked<bool>(file, &showsChessboard, board); }
+
+ChessboardSize largest(const std::string& file) {
+  return asked<ChessboardSize>(
+      file, [](const Board&, const Photograph& photo) { return largestChessboard(photo); }, {});
 }
 
-/// The chessboard of a size near `board` that a photograph shows.
-std::optional<Board> shownInstead(const Board& board, const std::string& photo) {
-  constexpr std::pair<int, int> neighbours[] = {{1, 1}, {1, 0}, {0, 1}, {0, -1}, {-1, 0}, {-1, -1}};
-  for (const auto& [columns, rows] :
-       neighbours) {  // larger ones first: a detector may find a part of a board
-    const Board other = resized(board, columns, rows);
-    if (other.columns >= 3 && other.rows >= 3 && shows(other, photo)) return other;
-  }
-  return {};
+ChessboardSize sizeOf(const Board& board) {
+  return {std::max(board.columns, board.rows), std::min(board.columns, board.rows)};
+}
+
+bool isNone(const ChessboardSize& size) { return size.longer == 0; }
+
+/// Larger along one side at least, and smaller along none.
+bool isLarger(const ChessboardSize& a, const ChessboardSize& b) {
+  return a.longer >= b.longer && a.shorter >= b.shorter && a != b;
+}
+
+/// A chessboard of that size, its longer side as that of `like`.
+Board chessboardOf(const ChessboardSize& size, Board like) {
+  const bool is_wide = like.columns >= like.rows;
+  like.columns = is_wide ? size.longer : size.shorter;
+  like.rows = is_wide ? size.shorter : size.longer;
+  return like;
+}
+
+/// At most `photos_to_try`, evenly over all of them.
+std::vector<std::string> someOf(const std::vector<std::string>& photos) {
+  std::vector<std::string> some;
+  const std::size_t count = std::min(photos_to_try, photos.size());
+  for (std::size_t i = 0; i < count; ++i) some.push_back(photos[i * photos.size() / count]);
+  return some;
 }
 
 }  // namespace
 
 void requireSizeLikely(const Board& board, const std::vector<std::string>& photos) {
-  if (board.kind != BoardKind::chessboard || photos.empty()) return;
-  std::string seen;
-  for (std::size_t i = 0; i < std::min(photos_to_try, photos.size()); ++i) {
-    if (shows(board, photos[i])) return;
-    const auto other = shownInstead(board, photos[i]);
-    if (!other || (i > 0 && toString(*other) != seen)) return;
-    seen = toString(*other);
+  if (board.kind != BoardKind::chessboard) return;
+  const ChessboardSize stated = sizeOf(board);
+  std::vector<std::pair<ChessboardSize, std::string>> seen;  // another size, and where it was seen
+  for (const std::string& photo : someOf(photos)) {
+    const ChessboardSize size = largest(photo);
+    if (size == stated) return;
+    if (!isNone(size) && (isLarger(size, stated) || !shows(board, photo))) seen.emplace_back(size, photo);
   }
+  // A part of a board may be seen as a smaller one: the largest that is seen twice, or in the only photograph that shows one.
+  std::optional<std::pair<ChessboardSize, std::string>> best;
+  for (const auto& [size, photo] : seen) {
+    const auto count = std::count_if(seen.begin(), seen.end(),
+                                     [&, one = size](const auto& other) { return other.first == one; });
+    if (count < 2 && seen.size() > 1) continue;
+    if (!best || size.longer * size.shorter > best->first.longer * best->first.shorter) best = {size, photo};
+  }
+  if (!best) return;
+  const std::string found = toString(chessboardOf(best->first, board));
   throw UserError(fmt::format(
       "{}: it shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
       "--board {}",
-      photos.front(), seen, toString(board), seen));
+      best->second, found, toString(board), found));
 }
 
 std::string adviceOnSize(const Board& board) {
@@ -67,19 +96,20 @@ std::string adviceOnSize(const Board& board) {
 }
 
 void requireWholeBoard(const Board& board, const std::vector<std::string>& photos) {
-  if (board.kind != BoardKind::chessboard) return;
-  const std::size_t tried = std::min(photos_to_try, photos.size());
-  for (const auto& [columns, rows] : {std::pair(1, 1), std::pair(1, 0), std::pair(0, 1)}) {
-    const Board larger = resized(board, columns, rows);
-    for (std::size_t i = 0; i < tried && shows(larger, photos[i]); ++i) {
-      if (i + 1 < tried) continue;
-      throw UserError(
-          fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them "
-                      "are meant; give "
-                      "--board {}",
-                      photos.front(), toString(larger), toString(board), toString(larger)));
-    }
+  constexpr std::size_t enough = 3;
+  if (board.kind != BoardKind::chessboard || photos.empty()) return;
+  ChessboardSize seen;
+  for (std::size_t i = 0; i < std::min(enough, photos.size()); ++i) {
+    const ChessboardSize size = largest(photos[i]);
+    if (!isLarger(size, sizeOf(board))) return;
+    if (i == 0 || isLarger(size, seen)) seen = size;
   }
+  const std::string larger = toString(chessboardOf(seen, board));
+  throw UserError(
+      fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them "
+                  "are meant; give "
+                  "--board {}",
+                  photos.front(), larger, toString(board), larger));
 }
 
 }  // namespace slom::app::calib

@@ -13,6 +13,8 @@ std::vector<FoundCorner> findBoard(const Board&, const Photograph&) { return {};
 
 bool showsChessboard(const Board&, const Photograph&) { return false; }
 
+ChessboardSize largestChessboard(const Photograph&) { return {}; }
+
 void requireDetector(const Board&) {
   throw UserError(
       "--images: this slom was built without OpenCV; install libopencv-calib3d-dev and libstb-dev and build "

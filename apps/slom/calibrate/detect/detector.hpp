@@ -24,6 +24,13 @@ std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo);
 /// where there is none.
 bool showsChessboard(const Board& board, const Photograph& photo);
 
+/// The numbers of inner corners along the sides of the largest chessboard that is seen at once, the longer side first; 0, 0: there is none.
+struct ChessboardSize {
+  int longer = 0, shorter = 0;
+  bool operator==(const ChessboardSize&) const = default;
+};
+ChessboardSize largestChessboard(const Photograph& photo);
+
 /// Whether findBoard can find such boards at all; UserError, which says what to install, where it cannot.
 void requireDetector(const Board& board);
 

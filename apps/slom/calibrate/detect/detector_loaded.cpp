@@ -92,6 +92,8 @@ bool showsChessboard(const Board& board, const Photograph& photo) {
   return module().shows_chessboard(board, photo);
 }
 
+ChessboardSize largestChessboard(const Photograph& photo) { return module().largest_chessboard(photo); }
+
 void requireDetector(const Board& board) {
   if (const std::string complaint = module().complaint(board); !complaint.empty()) throw UserError(complaint);
 }

@@ -18,4 +18,5 @@ std::string complaint(const Board& board) {
 }  // namespace slom::app::calib
 
 const slom::app::calib::DetectorModule slom_detector_module{
-    slom::app::calib::findBoard, slom::app::calib::showsChessboard, slom::app::calib::complaint};
+    slom::app::calib::findBoard, slom::app::calib::showsChessboard, slom::app::calib::largestChessboard,
+    slom::app::calib::complaint};

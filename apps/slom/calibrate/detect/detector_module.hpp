@@ -22,6 +22,7 @@ void requireTrusted(const std::filesystem::path& library, const std::filesystem:
 struct DetectorModule {
   std::vector<FoundCorner> (*find_board)(const Board& board, const Photograph& photo);
   bool (*shows_chessboard)(const Board& board, const Photograph& photo);
+  ChessboardSize (*largest_chessboard)(const Photograph& photo);
   std::string (*complaint)(const Board& board);  ///< what requireDetector throws; empty: nothing
 };
 

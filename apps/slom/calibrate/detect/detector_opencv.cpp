@@ -130,6 +130,19 @@ bool showsChessboard(const Board& board, const Photograph& photo) {
                                      {board.columns, board.rows}, corners, cv::CALIB_CB_NORMALIZE_IMAGE);
 }
 
+ChessboardSize largestChessboard(const Photograph& photo) {
+  keepToOneThread();
+  constexpr int least = 3;  // corners along a side
+  double scale = 1;
+  Points corners;
+  cv::Mat grid;
+  const bool is_found =
+      cv::findChessboardCornersSB(reduced(matrixOf(photo), longest_side, scale), {least, least}, corners,
+                                  cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_LARGER, grid);
+  if (!is_found || grid.empty()) return {};
+  return {std::max(grid.cols, grid.rows), std::min(grid.cols, grid.rows)};
+}
+
 void requireDetector(const Board& board) {
   if (board.kind != BoardKind::chessboard) requireDictionary(board);
 }

@@ -87,20 +87,6 @@ void requireOneCamera(const std::vector<CameraFile>& cameras, const std::vector<
   }
 }
 
-/// What the photographs' numbers are called as images.
-std::map<std::string, int, ByValue> imageNumbers(const std::vector<FilesByNumber>& files) {
-  std::map<std::string, int, ByValue> images;
-  bool fit = true;
-  for (const FilesByNumber& camera : files) {
-    for (const auto& [number, file] : camera) fit = parseNumber(number, images[number]) && fit;
-  }
-  int rank = 0;
-  if (!fit) {
-    for (auto& [number, image] : images) image = ++rank;
-  }
-  return images;
-}
-
 }  // namespace
 
 std::string numberInName(const std::string& file) {
@@ -112,16 +98,22 @@ std::string numberInName(const std::string& file) {
   return number;
 }
 
-std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras) {
+std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras, ImageNumbers* found) {
   std::vector<FilesByNumber> files;
   std::vector<std::vector<std::string>> unnumbered;
   for (const CameraFile& camera : cameras) files.push_back(numbered(camera, unnumbered.emplace_back()));
   requireOneCamera(cameras, files);
-  const auto images = imageNumbers(files);
+  std::vector<std::vector<std::string>> numbers;
+  for (const FilesByNumber& camera : files) {
+    numbers.emplace_back();
+    for (const auto& [number, file] : camera) numbers.back().push_back(number);
+  }
+  const ImageNumbers images(numbers);
+  if (found) *found = images;
   std::vector<CameraPhotos> result;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     CameraPhotos camera{cameras[c].name, {}, std::move(unnumbered[c])};
-    for (const auto& [number, file] : files[c]) camera.photos.push_back({images.at(number), file});
+    for (const auto& [number, file] : files[c]) camera.photos.push_back({images.of(c, number), file});
     result.push_back(std::move(camera));
   }
   return result;

@@ -24,8 +24,8 @@ struct CameraPhotos {
 std::string numberInName(const std::string& file);
 
 /// The photographs of each camera. Where a number is too large for an image number, as time stamps are,
-/// images are counted from 1 by rising number over all cameras. UserError for a pattern that matches nothing,
+/// images are counted from 1 by rising number over all cameras, and paired by the nearest (ImageNumbers); `found`, where given, gets them. UserError for a pattern that matches nothing,
 /// a camera without a number in any name, a number that a camera has twice, and a photograph that two cameras have.
-std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras);
+std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras, ImageNumbers* found = nullptr);
 
 }  // namespace slom::app::calib

@@ -21,7 +21,10 @@ void checkPaths(const CommandSettings& settings, const std::vector<CameraPhotos>
 
 std::vector<CameraData> readPhotos(const CommandSettings& settings) {
   requireDetector(*settings.board);
-  const std::vector<CameraPhotos> photos = findPhotos(settings.cameras);
+  ImageNumbers numbers;
+  const std::vector<CameraPhotos> photos = findPhotos(settings.cameras, &numbers);
+  if (const std::string sentence = sentenceOf(numbers); !settings.quiet && !sentence.empty())
+    say(sentence + "\n");
   const std::vector<std::string> files = cornerFiles(settings);
   checkPaths(settings, photos);
   requireWritable(files);

@@ -250,7 +250,11 @@ std::string toJson(const Result& result) {
   }
   for (const ImageResult& image : result.images) images.push_back(imageJson(image, result.cameras));
   for (const Stray& stray : result.strays) {
-    strays.push_back({{"camera", stray.camera}, {"image", stray.image}, {"error_px", stray.error_px}});
+    strays.push_back({{"camera", stray.camera},
+                      {"image", stray.image},
+                      {"error_px", stray.error_px},
+                      {"is_left_out", stray.is_left_out},
+                      {"why", stray.why}});
   }
   for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
   const Json json = {
@@ -281,6 +285,10 @@ std::string toJson(const Result& result) {
       {"board_comparison", result.board_comparison ? comparisonJson(*result.board_comparison) : Json()},
       {"worst_images", std::move(worst)},
       {"strays", std::move(strays)},
+      {"causes", result.causes},
+      {"better_model", result.better_model ? Json{{"name", result.better_model->name},
+                                                  {"rms_px", result.better_model->rms_px}}
+                                           : Json()},
       {"rejected_corners", grossJson(result, result.rejected)},
       {"gross_corners", grossJson(result, result.gross)},
       {"notes", notes(result)},

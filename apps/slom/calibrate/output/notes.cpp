@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrate/library.hpp"
+#include "calibrate/soundness.hpp"
 #include "printable.hpp"
 
 namespace slom::app::calib {
@@ -16,6 +17,11 @@ namespace {
 constexpr double sigma_mismatch =
     1.25;  // residuals larger or smaller than stated by this factor are worth a note
 constexpr double together_mismatch = 1.2;  // RMS together over RMS alone
+
+std::string capitalised(std::string sentence) {
+  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+  return sentence;
+}
 
 void noteDetermination(const Result& result, std::vector<std::string>& notes) {
   if (result.undetermined.empty()) return;
@@ -138,6 +144,16 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
       if (is_own(stray)) errors.push_back(std::isfinite(stray.error_px) ? stray.error_px : most_corner_px);
     }
     std::sort(errors.begin(), errors.end());
+    const auto known = std::find_if(rest.begin(), rest.end(),
+                                    [&](const Stray& stray) { return is_own(stray) && !stray.why.empty(); });
+    if (known != rest.end()) {
+      notes.push_back(fmt::format(
+          "{} of the {} images of camera {} contradict those of the other cameras: {}. Count its corners from the same end "
+          "as the other cameras do, or take a board that looks different from each end.",
+          own, camera.images, camera.name, known->why));
+      std::erase_if(rest, is_own);
+      continue;
+    }
     notes.push_back(fmt::format(
         "{} of the {} images of camera {} contradict those of {}: where these put them, their corners are {} to {} px off. Image numbers or time stamps of "
         "this camera do not belong to those of {}; correct them.",
@@ -150,9 +166,23 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
   return rest;
 }
 
+/// Views that the values are without.
+void noteLeftOut(const Stray& stray, const Result& result, std::vector<std::string>& notes) {
+  const std::string name = result.cameras.size() > 1 ? stray.camera + "." : "";
+  notes.push_back(fmt::format(
+      "Image {} of camera {}{} contradicts the others: no pose brings its corners nearer than {} px (RMS){}. The values here are "
+      "without it: leave it out by --exclude {}{}, or correct it.",
+      stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
+      twoDigits(stray.error_px), stray.why.empty() ? "" : "; " + stray.why, name, stray.image));
+}
+
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 4;  // one by one
-  const std::vector<Stray> strays = noteWrongNumbers(result, notes);
+  std::vector<Stray> strays = noteWrongNumbers(result, notes);
+  for (const Stray& stray : strays) {
+    if (stray.is_left_out) noteLeftOut(stray, result, notes);
+  }
+  std::erase_if(strays, [](const Stray& stray) { return stray.is_left_out; });
   for (const Stray& stray : strays) {
     if (std::size_t(&stray - strays.data()) == most) {
       std::vector<std::string> more;
@@ -183,6 +213,11 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
             ? ", or counted from another end: this board looks the same when it is turned"
             : ""));
   }
+}
+
+/// What a fit that failed or fits badly fails by.
+void noteCauses(const Result& result, std::vector<std::string>& notes) {
+  if (result.better_model || !result.causes.empty()) notes.push_back(capitalised(causeText(result)) + ".");
 }
 
 /// Single corners that lie much farther off than the worst ones of most images.
@@ -257,11 +292,6 @@ void noteTogether(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
-std::string capitalised(std::string sentence) {
-  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-  return sentence;
-}
-
 void noteImu(const Result& result, std::vector<std::string>& notes) {
   for (const ImuFinding& finding : imuFindings(result)) {
     const std::string remedy =
@@ -311,6 +341,7 @@ std::vector<std::string> notes(const Result& result) {
   noteCopies(result, notes);
   noteDenominator(result, notes);
   noteStrays(result, notes);
+  noteCauses(result, notes);
   noteRejected(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteLeverage(result, notes);

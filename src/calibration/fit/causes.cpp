@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "calibration/fit/stray_views.hpp"
+#include "calibration/initialization/parallel_views.hpp"
+#include "calibration/initialization/view_misfit.hpp"
+#include "calibration/limits.hpp"
+#include "calibration/median.hpp"
+#include "calibration/models/definition.hpp"
+#include "slom/calibration/assess.hpp"
+#include "slom/calibration/board.hpp"
+#include "slom/calibration/error.hpp"
+#include "slom/calibration/number_text.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double most_parallel = 8 * std::numbers::pi / 180;  // [rad]
+
+/// The largest angle between boards and their mean that any camera sees, for a rough focal length [rad].
+double tiltsOfViews(const Dataset& data) {
+  double largest = 0;
+  for (const CameraData& camera : data.cameras) largest = std::max(largest, normalSpread(planeViews(camera)));
+  return largest;
+}
+
+bool hasOpenFocalLengths(const Result& result) {
+  return std::any_of(result.cameras.begin(), result.cameras.end(), [](const CameraResult& camera) {
+    return camera.parameters.front().std > 0.2 * std::abs(camera.parameters.front().value);
+  });
+}
+
+void lookForBetterModel(const Dataset& data, const Settings& settings, Result& result) {
+  constexpr double obvious = 0.5;  // RMS over that of the model
+  const double rms = result.success() ? rmsOfAll(result) : unknown;
+  for (const char* name : {"opencv5", "fisheye"}) {
+    if (settings.model == Model(name) || !settings.lens.empty() || !reasonToEnd(settings.limits).empty())
+      continue;
+    Settings other = settings;
+    other.model = Model(name);
+    const ModelTrial trial = other.model.definition().try_model(data, other);
+    if (!trial.failure.empty() || !(trial.rms_px < std::fmin(obvious * rms, 8 * settings.sigma_px + 1)))
+      continue;
+    if (result.better_model && result.better_model->rms_px <= trial.rms_px) continue;
+    result.better_model = BetterModel{name, trial.rms_px};
+  }
+}
+
+/// What each image says by itself.
+std::string excludedCauses(const Dataset& data, double tilts) {
+  std::vector<double> distances;
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) distances.push_back(misfitOf(view).px);
+  }
+  return fmt::format(
+      "none of the usual causes shows: the corners of each image by itself are smooth, to {} px, and boards are tilted by up to {:.0f} degrees from their mean; "
+      "look at the worst images, and try a model with fewer parameters",
+      twoDigits(medianOf(distances)), tilts * 180 / std::numbers::pi);
+}
+
+/// The data with the corners of one camera counted from another end of the board: turned in its plane, by quarters, about its centre.
+std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) {
+  const SE3 board2world = outlineOf(fullestView(data)).board2world;
+  const SE3 turn =
+      board2world * SE3(SO3::exp(vec3(0., 0., quarters * std::numbers::pi / 2))) * board2world.inverse();
+  using Key = std::tuple<long, long, long>;
+  const BoardOutline outline = outlineOf(fullestView(data));
+  const double unit = 1e-4 * std::max(outline.width, outline.height);
+  const auto keyOfPoint = [&](const vec3& p) {
+    return Key(std::lround(p.x() / unit), std::lround(p.y() / unit), std::lround(p.z() / unit));
+  };
+  std::vector<vec3> points;
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) {
+      for (const Corner& corner : view.corners) points.push_back(corner.world);
+    }
+  }
+  std::set<Key> known;
+  for (const vec3& p : points) known.insert(keyOfPoint(p));
+  const auto isKnown = [&](const vec3& p) {
+    const auto [x, y, z] = keyOfPoint(p);
+    for (long i = -1; i <= 1; ++i) {
+      for (long j = -1; j <= 1; ++j) {
+        for (long k = -1; k <= 1; ++k) {
+          if (known.contains({x + i, y + j, z + k})) return true;
+        }
+      }
+    }
+    return false;
+  };
+  Dataset result = data;
+  for (View& view : result.cameras[c].views) {
+    for (Corner& corner : view.corners) {
+      corner.world = turn * corner.world;
+      if (!isKnown(corner.world)) return {};  // the board does not look the same then
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void nameCauses(const Dataset& data, const Settings& settings, Result& result) {
+  const double tilts = tiltsOfViews(data);
+  const bool is_open = !result.success() || hasOpenFocalLengths(result);
+  if (is_open && tilts < most_parallel) {
+    if (result.undetermined.empty() || result.undetermined.find("same tilt") == std::string::npos)
+      result.declareUndetermined(fmt::format(
+          "all {} images show the board at nearly the same tilt, within {:.2g} degrees, which leaves "
+          "the focal length open; tilt the board by 30 degrees, about both axes",
+          data.images().size(), std::max(0.1, tilts * 180 / std::numbers::pi)));
+    return;
+  }
+  if (!isBadFit(result, settings)) return;
+  lookForBetterModel(data, settings, result);
+  if (!result.better_model && reasonToEnd(settings.limits).empty())
+    result.causes.push_back(excludedCauses(data, tilts));
+}
+
+void nameOtherEnd(const Dataset& data, const Fit& fit, Result& result) {
+  for (std::size_t c = 0; c < data.cameras.size() && data.cameras.size() > 1; ++c) {
+    const std::string& name = data.cameras[c].name;
+    const auto isOwn = [&](const Stray& stray) { return stray.camera == name; };
+    const auto own = std::count_if(result.strays.begin(), result.strays.end(), isOwn);
+    if (2 * std::size_t(own) <= data.cameras[c].views.size()) continue;
+    for (const int quarters : {2, 1, 3}) {
+      const auto other = turned(data, c, quarters);
+      if (!other) continue;
+      std::optional<Result> found;
+      try {
+        found = fit(*other);
+      } catch (const slom::Error&) {
+        continue;
+      }
+      if (!found->success() || std::any_of(found->strays.begin(), found->strays.end(), isOwn)) continue;
+      for (Stray& stray : result.strays) {
+        if (isOwn(stray))
+          stray.why = fmt::format(
+              "its corners are counted from another end of the board: turned by {} degrees, they fit to {} px",
+              90 * quarters, twoDigits(found->cameras[c].rms_px));
+      }
+      return;
+    }
+  }
+}
+
+}  // namespace slom::calibration

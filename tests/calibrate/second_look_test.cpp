@@ -1,0 +1,190 @@
+// Data that no lens explains: which image, or which kind of mistake, is named. Seeds are fixed.
+#include <algorithm>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "calibrate/calibrate_command.hpp"
+#include "calibrate/simulated_rig.hpp"
+#include "calibrate/simulated_views.hpp"
+
+namespace slom::app::calib {
+namespace {
+
+using testing::RigOptions;
+
+/// Views of a whole board by one camera.
+Dataset wholeBoards(unsigned seed, int columns = 9, int rows = 6, double distance = 0.6) {
+  RigOptions options;
+  options.cameras = 1;
+  options.images = 10;
+  options.columns = columns, options.rows = rows;
+  options.square_m = 0.03;
+  options.distance = distance;
+  std::mt19937_64 random(seed);
+  const testing::RigTruth truth = testing::simulateTruth(options, random);
+  Dataset data = testing::simulateMeasurements(truth, options, random);
+  data.imu.reset();
+  return data;
+}
+
+/// Focal length and the image that is left out.
+void expectLeftOut(const Dataset& data, int image, unsigned seed) {
+  const Result result = calibrate(data, Settings());
+  ASSERT_TRUE(result.success()) << seed << " " << result.message;
+  ASSERT_EQ(result.strays.size(), 1u) << seed;
+  EXPECT_EQ(result.strays[0].image, image) << seed;
+  EXPECT_TRUE(result.strays[0].is_left_out) << seed;
+  EXPECT_NEAR(result.cameras[0].parameters[0].value, 600, 12) << seed;
+  EXPECT_NE(verdictOf([&] {
+              Result assessed = result;
+              assessed.quality = assess(data, Settings(), result);
+              return assessed;
+            }())
+                .level,
+            Verdict::Level::trustworthy);
+}
+
+TEST(SecondLook, ATornViewIsLeftOut) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Dataset data = wholeBoards(seed);
+    auto& views = data.cameras[0].views;
+    auto& torn = views[4].corners;
+    const auto& next = views[5].corners;
+    for (std::size_t k = torn.size() / 2; k < std::min(torn.size(), next.size()); ++k) {
+      const auto other = std::find_if(next.begin(), next.end(),
+                                      [&](const Corner& one) { return one.number == torn[k].number; });
+      if (other != next.end()) torn[k].pixel = other->pixel;
+    }
+    expectLeftOut(data, views[4].image, seed);
+  }
+}
+
+TEST(SecondLook, AViewWithShuffledCornersIsLeftOut) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Dataset data = wholeBoards(seed);
+    auto& corners = data.cameras[0].views[3].corners;
+    std::vector<vec2> pixels;
+    for (const Corner& corner : corners) pixels.push_back(corner.pixel);
+    std::mt19937 random(seed);
+    std::shuffle(pixels.begin(), pixels.end(), random);
+    for (std::size_t k = 0; k < pixels.size(); ++k) corners[k].pixel = pixels[k];
+    expectLeftOut(data, data.cameras[0].views[3].image, seed);
+  }
+}
+
+/// Not in all data: small boards look as if they were farther away.
+TEST(SecondLook, ImagesOfHalfTheSizeAreNamedAsAWhole) {
+  int named = 0;
+  constexpr int runs = 6;
+  for (unsigned seed = 1; seed <= runs; ++seed) {
+    Dataset data = wholeBoards(seed, 9, 6, 0.35);
+    for (const std::size_t i : {3, 6}) {
+      for (Corner& corner : data.cameras[0].views[i].corners) corner.pixel /= 2;
+    }
+    const Result result = calibrate(data, Settings());
+    for (const Stray& stray : result.strays) {
+      EXPECT_TRUE(stray.image == data.cameras[0].views[3].image ||
+                  stray.image == data.cameras[0].views[6].image)
+          << seed;
+      named += stray.why.find("of 0.5 times the size") != std::string::npos ? 1 : 0;
+    }
+    if (result.strays.size() == 2) EXPECT_NEAR(result.cameras[0].parameters[0].value, 600, 12) << seed;
+  }
+  EXPECT_GE(named, runs);
+}
+
+std::string refusal(const Dataset& data) {
+  try {
+    (void)calibrate(data, Settings());
+  } catch (const DataError& error) {
+    return std::string(error.sentence());
+  }
+  return "";
+}
+
+TEST(SecondLook, RowsAndColumnsExchangedAreNamed) {
+  for (const auto& [columns, rows] : {std::pair(6, 5), std::pair(9, 6)}) {
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      Dataset data = wholeBoards(seed, columns, rows);
+      for (View& view : data.cameras[0].views) {
+        for (Corner& corner : view.corners) {
+          const int k = corner.number - 1;
+          corner.world = vec3(0.03 * (k % rows), 0.03 * (k / rows), 0.);
+        }
+      }
+      const std::string sentence = refusal(data);
+      EXPECT_NE(sentence.find("rows and columns are exchanged"), std::string::npos)
+          << seed << ": " << sentence;
+    }
+  }
+}
+
+TEST(SecondLook, AnAsymmetricGridOfCirclesIsNamed) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    RigOptions options;
+    options.cameras = 1;
+    std::mt19937_64 random(seed);
+    const testing::RigTruth truth = testing::simulateTruth(options, random);
+    Dataset data = testing::simulateMeasurements(truth, options, random);
+    data.imu.reset();
+    for (View& view : data.cameras[0].views) {
+      const SE3 left2world = truth.left2world.at(view.image);
+      for (int k = 0; k < int(view.corners.size()); ++k) {
+        Corner& corner = view.corners[std::size_t(k)];
+        const int i = (corner.number - 1) % 8, j = (corner.number - 1) / 8;
+        const vec3 there(0.04 * i + 0.02 * (j % 2), 0.04 * j, 0.);
+        corner.pixel = vec2(truth.cameras[0].project(vec3(left2world.inverse() * there)));
+        corner.world = vec3(0.04 * i, 0.04 * j, 0.);
+      }
+    }
+    const std::string sentence = refusal(data);
+    EXPECT_NE(sentence.find("asymmetric grid of circles"), std::string::npos) << seed << ": " << sentence;
+  }
+}
+
+TEST(SecondLook, GoodDataAreNotLookedAtTwice) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Result result = calibrate(wholeBoards(seed), Settings());
+    EXPECT_TRUE(result.strays.empty() && result.causes.empty() && !result.better_model) << seed;
+  }
+}
+
+TEST(SecondLook, ABoardCountedFromItsOtherEndIsNamed) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    RigOptions options;
+    options.columns = 7, options.rows = 5;
+    std::mt19937_64 random(seed);
+    const testing::RigTruth truth = testing::simulateTruth(options, random);
+    Dataset data = testing::simulateMeasurements(truth, options, random);
+    data.imu.reset();
+    for (View& view : data.cameras[1].views) {
+      for (Corner& corner : view.corners)
+        corner.world = vec3(0.05 * 6 - corner.world.x(), 0.05 * 4 - corner.world.y(), 0.);
+    }
+    const Result result = calibrate(data, Settings());
+    ASSERT_FALSE(result.strays.empty()) << seed;
+    EXPECT_NE(result.strays.front().why.find("another end of the board: turned by 180 degrees"),
+              std::string::npos)
+        << seed << ": " << result.strays.front().why;
+  }
+}
+
+/// The command ends with 1, writes no YAML and names the image.
+TEST(SecondLook, TheCommandWritesNoYamlOfATornView) {
+  Dataset data = wholeBoards(2);
+  auto& corners = data.cameras[0].views[4].corners;
+  for (std::size_t k = corners.size() / 2; k < corners.size(); ++k) corners[k].pixel += vec2(60., -35.);
+  const testing::TemporaryFolder folder;
+  slom::testing::writeFile(folder / "cam.csv", testing::cornerFile(data.cameras[0]));
+  const auto result =
+      testing::runCalibrate({"--camera", "cam=" + (folder / "cam.csv").string(), "--output",
+                             (folder / "c.yaml").string(), "--json", (folder / "r.json").string()});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "c.yaml"));
+  EXPECT_NE(result.errors.find("cam.5; its corners disagree among themselves"), std::string::npos)
+      << result.errors;
+}
+
+}  // namespace
+}  // namespace slom::app::calib
