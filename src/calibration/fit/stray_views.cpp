@@ -271,9 +271,9 @@ std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& set
     without = fitted(fit, rest);
     if (without && !isBetter(*without, bad, settings)) without.reset();
   }
-  // Of a rig, views that contradict other cameras may have another image's number, and are not left out.
-  const bool may_leave_out_worst =
-      bad && !bad->images.empty() && (bad->strays.empty() || data.cameras.size() == 1);
+  // Of a rig, views that contradict other cameras may have another image's number; where single gross corners count, an image may be bad by one of them.
+  const bool may_leave_out_worst = bad && !bad->images.empty() && settings.robust == Robust::reject &&
+                                   (bad->strays.empty() || data.cameras.size() == 1);
   if (!without && may_leave_out_worst) {
     auto found = withoutWorst(data, settings, *bad);
     if (!found) return {};
