@@ -107,6 +107,8 @@ std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) 
 }  // namespace
 
 void nameCauses(const Dataset& data, const Settings& settings, Result& result) {
+  constexpr int few_iterations = 50;  // a limit below says nothing about the data
+  if (!result.success() && result.undetermined.empty() && settings.max_iterations < few_iterations) return;
   const double tilts = tiltsOfViews(data);
   const bool is_open = !result.success() || hasOpenFocalLengths(result);
   if (is_open && tilts < most_parallel) {

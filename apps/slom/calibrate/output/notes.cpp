@@ -18,7 +18,9 @@ constexpr double sigma_mismatch =
     1.25;  // residuals larger or smaller than stated by this factor are worth a note
 constexpr double together_mismatch = 1.2;  // RMS together over RMS alone
 
+/// Names of parameters, such as acc_bias, stay as they are.
 std::string capitalised(std::string sentence) {
+  if (sentence.substr(0, sentence.find(' ')).find('_') != std::string::npos) return sentence;
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   return sentence;
 }
