@@ -63,10 +63,12 @@ std::string openProjection(const Result& result, std::size_t c) {
   if (camera.focal_std > most_focal_std)
     return fmt::format("the focal length of {} is known to {} % only{}; {}", name,
                        twoDigits(100 * camera.focal_std), causeOf(camera), remedyFor(result, camera));
-  if (near.worst_px > worst_bearable_px)
+  if (near.worst_px > worst_bearable_px) {
+    const std::string cause = causeOf(camera);
     return fmt::format(
-        "corners do not reach far enough in the image of {}, so that its projection is uncertain by up to {} px",
-        name, twoDigits(near.worst_px));
+        "corners do not reach far enough in the image of {}, so that its projection is uncertain by up to {} px{}",
+        name, twoDigits(near.worst_px), cause.empty() ? "" : cause + "; " + remedyFor(result, camera));
+  }
   if (far && far->worst_px > worst_bearable_px)
     return fmt::format("far behind the boards the projection of {} is uncertain by up to {} px{}; {}", name,
                        twoDigits(far->worst_px), causeOf(camera), remedyFor(result, camera));
