@@ -12,9 +12,12 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
+#include "support/message_of.hpp"
+
 namespace {
 
 using mtk::testing::Random;
+using slom::testing::messageOf;
 
 std::vector<std::unique_ptr<slom::Algorithm>> threeAlgorithms() {
   std::vector<std::unique_ptr<slom::Algorithm>> all;
@@ -272,12 +275,20 @@ TEST(NumericDerivatives, TakeStepsOfTheUsersOwn) {
   };
   fit(slom::numeric(simulate, slom::differences(1e-2)));
   fit(slom::numeric(simulate, slom::differences(1e-2, {3.0, 1.0})));
-  EXPECT_THROW(slom::differences(0), mtk::Error);
-  EXPECT_THROW(slom::differences(1e-2, {1.0, std::nan("")}), mtk::Error);
+  EXPECT_EQ(messageOf([] { static_cast<void>(slom::differences(0)); }),
+            "[slom.bad-option] the step of differences is 0; pass a positive number");
+  EXPECT_EQ(messageOf([] {
+              static_cast<void>(slom::differences(1e-2, {1.0, -2.0}));
+            }),
+            "[slom.bad-option] a typical size of differences is -2; pass a positive number");
   slom::Estimator est;
   const auto a = est.insertRV(5.0, "a");
-  est.insertMeasurement(slom::numeric([](double v) { return v; }, slom::differences(1e-2, {1.0, 2.0})), a);
-  EXPECT_THROW(est.optimize(), mtk::Error);
+  est.insertMeasurement(slom::numeric([](double v) { return v; }, slom::differences(1e-2, {1.0, 2.0})), a,
+                        slom::named("level"));
+  EXPECT_EQ(
+      messageOf([&] { est.optimize(); }),
+      "[slom.bad-option] 2 typical sizes were passed to differences, but measurement level #1 has 1 component of its variables; "
+      "pass one for each, or none");
 }
 
 TEST(StatedNoise, ReportsSayWhatWasAssumed) {
