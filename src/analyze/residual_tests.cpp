@@ -1,6 +1,5 @@
 #include "analyze/residual_tests.hpp"
 
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>

@@ -67,13 +67,14 @@ TEST(Lens, APixelBeyondTheFoldHasNoRay) {
 
 /// Models of angles have rays beyond 90 degrees, in all directions of the image, those along its y axis included.
 TEST(Lens, WideLensesHaveRaysBehindTheirPlane) {
-  for (const CameraResult& one :
-       {camera("fisheye", {300, 310, 640, 480, 0.01, -0.002, 0, 0}), camera("double_sphere", {300, 310, 640, 480, -0.1, 0.6})}) {
+  for (const CameraResult& one : {camera("fisheye", {300, 310, 640, 480, 0.01, -0.002, 0, 0}),
+                                  camera("double_sphere", {300, 310, 640, 480, -0.1, 0.6})}) {
     const auto lens = makeLens(one);
     for (const double degree : {60.0, 89.9, 90.0, 95.0, 110.0}) {
       for (int k = 0; k < 16; ++k) {
         const double angle = degree * M_PI / 180, azimuth = 2 * M_PI * k / 16;
-        const vec3 truth(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle));
+        const vec3 truth(std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth),
+                         std::cos(angle));
         const vec2 pixel = lens->project(truth);
         ASSERT_TRUE(pixel.allFinite()) << one.model << degree;
         const auto ray = lens->unproject(pixel);

@@ -18,11 +18,13 @@ class ImageNumbers {
   /// spacing of the stamps within a source, the median one, the smaller of both.
   explicit ImageNumbers(const std::vector<std::vector<std::string>>& by_source);
 
+  /// Whether the numbers are time stamps.
   bool areStamps() const { return are_stamps_; }
   /// The image number; `number` is one that the source was said to have.
   int of(std::size_t source, const std::string& number) const;
-  /// The largest difference within an image, in the unit of the stamps, and how many images have one; 0 where all are equal.
+  /// The largest difference within an image, in the unit of the stamps; 0 where all are equal.
   double largestDifference() const { return largest_difference_; }
+  /// How many images have stamps that differ.
   std::size_t paired() const { return paired_; }
   /// The median spacing of the stamps within a source, the smallest of all sources; 0 where no source has two.
   double spacing() const { return spacing_; }

@@ -12,6 +12,7 @@ namespace slom::io {
 struct PosePriorError {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& x, const auto& o) const { return x * o; }
+  /// z^-1 y, as of slom::RelativePose.
   static auto residualFromDatum(const auto& y, const auto& z) {
     return RelativePose::residualFromDatum(y, z);
   }

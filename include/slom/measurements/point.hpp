@@ -18,10 +18,11 @@ const auto& positionOf(const auto& x) {
 /// |v|. At v = 0, where all directions are equal, the derivative is that along the first axis, so that a fit which starts there leaves
 /// it.
 auto lengthOf(const auto& v) {
+  using mtk::select;
   using std::sqrt;
   const auto square = v.squaredNorm();
   using S = std::decay_t<decltype(square)>;
-  return mtk::select(square > S(0), S(sqrt(square)), S(v[0]));
+  return select(square > S(0), S(sqrt(square)), S(v[0]));
 }
 
 /// A rotation is one or the orientation of a pose.
