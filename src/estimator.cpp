@@ -60,7 +60,8 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   summary.groups = std::move(before.groups);
   complete(summary, options, rank);
   unconverged = summary.converged ? "" : toString(summary.stop_reason);
-  unconverged_revision = problem.valueRevision();
+  unconverged_values = problem.valueRevision();
+  unconverged_structure = problem.structureRevision();
   return summary;
 }
 

@@ -27,8 +27,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
-  std::string unconverged;                 ///< why the last fit has not converged; empty: it has
-  std::uint64_t unconverged_revision = 0;  ///< of the values where it ended
+  std::string unconverged;  ///< why the last fit has not converged; empty: it has
+  std::uint64_t unconverged_values = 0, unconverged_structure = 0;  ///< revisions where it ended
   GivenDerivatives given_derivatives;
 
   State() { evaluator.setSolver(*solver); }
@@ -57,7 +57,9 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   Summary optimize(Algorithm& by, const Options& options);
   /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
   std::string whyUnconverged() const {
-    return problem.valueRevision() == unconverged_revision ? unconverged : "";
+    const bool is_there =
+        problem.valueRevision() == unconverged_values && problem.structureRevision() == unconverged_structure;
+    return is_there ? unconverged : "";
   }
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();

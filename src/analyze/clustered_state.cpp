@@ -148,24 +148,24 @@ MatrixXd Clustered::State::refitted(const std::vector<int>& variables) const {
   return result;
 }
 
-VectorXd Clustered::State::wideningByLeverage(const ClusterScores& scores, const MatrixXd& Z,
-                                              std::vector<std::string>* carriers) const {
-  VectorXd ratio = VectorXd::Ones(Z.cols());
-  if (options.correction != ClusterCorrection::by_leverage || options.ordered) return ratio;
+ClusterCorrection Clustered::State::correctionFor(const ClusterScores& scores, const MatrixXd& Z,
+                                                  std::vector<std::string>* carriers) const {
+  if (options.correction != ClusterCorrection::by_leverage) return options.correction;
+  ClusterCorrection result = ClusterCorrection::cr2;
+  if (options.ordered) return result;
   const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2),
                  wide = scores.effects(Z, ClusterCorrection::cr3);
   const double factor = scores.factorOf(ClusterCorrection::cr3);
   for (Index i = 0; i < Z.cols(); ++i) {
-    const double square = usual.col(i).squaredNorm();
-    const double more = square > 0 ? std::sqrt(factor * wide.col(i).squaredNorm() / square) : 1;
-    if (!(more > kLeverageMatters)) continue;
-    ratio[i] = more;
-    if (carriers == nullptr) continue;
+    const double limit = kLeverageMatters * kLeverageMatters * usual.col(i).squaredNorm();
+    if (!(factor * wide.col(i).squaredNorm() > limit)) continue;
+    result = ClusterCorrection::cr3;
+    if (carriers == nullptr) break;
     Index most = 0;
     wide.col(i).cwiseAbs().maxCoeff(&most);
     (*carriers)[at(i)] = scores.clustering().names[at(most)];
   }
-  return ratio;
+  return result;
 }
 
 Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::vector<int>& variables) {
@@ -189,7 +189,9 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   MatrixXd as_stated = MatrixXd::Zero(n, n);
   VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
   for (const Term& term : level(l).terms) {
-    MatrixXd effects = term.scores.effects(Z, options.correction);
+    const ClusterCorrection correction =
+        correctionFor(term.scores, Z, term.is_single ? &result.carriers : nullptr);
+    MatrixXd effects = term.scores.effects(Z, correction);
     if (refits && options.correction == ClusterCorrection::cr3 && ways.size() == 1 && !options.ordered) {
       const MatrixXd change = refitted(variables);
       effects = change.array().isFinite().select(change, effects).eval();
@@ -200,10 +202,8 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
       rest.row(i).setZero();
       rest.col(i).setZero();
     }
-    const VectorXd widening = wideningByLeverage(term.scores, Z, term.is_single ? &result.carriers : nullptr);
-    effects = (effects * widening.asDiagonal()).eval();
     const MatrixXd C =
-        term.scores.factorOf(options.correction) * (effects.transpose() * effects) + variance_factor * rest;
+        term.scores.factorOf(correction) * (effects.transpose() * effects) + variance_factor * rest;
     result.C += term.sign * C;
     as_stated += term.sign * rest;
     scale = scale.cwiseMax(C.diagonal().cwiseSqrt());
@@ -250,12 +250,8 @@ VectorXd Clustered::State::degreesOfFreedom(int variable, int l) {
     if (!term.is_single) continue;
     VectorXd rest = stated - term.scores.vouchedFor(Z, Z).diagonal();
     rest = (rest.array() > kNoShare * stated.array()).select(rest, 0).eval();
-    VectorXd dof = satterthwaite(problem(), gauge, term.scores, options.correction, Z, rest);
-    const VectorXd widening = wideningByLeverage(term.scores, Z, nullptr);
-    if ((widening.array() > 1).any()) {
-      const VectorXd wide = satterthwaite(problem(), gauge, term.scores, ClusterCorrection::cr3, Z, rest);
-      dof = (widening.array() > 1).select(wide, dof).eval();
-    }
+    const ClusterCorrection correction = correctionFor(term.scores, Z, nullptr);
+    const VectorXd dof = satterthwaite(problem(), gauge, term.scores, correction, Z, rest);
     least = least.size() == 0 ? dof : least.cwiseMin(dof).eval();
   }
   return least;

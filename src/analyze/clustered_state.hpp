@@ -57,10 +57,11 @@ struct [[gnu::visibility("hidden")]] Clustered::State {  // declared in a public
   /// Columns of H^-1, or of what a robust cost has in its place; 0 for what is fixed or at an active bound. Unknowns x dof.
   Eigen::MatrixXd columns(int variable);
   Covariance covarianceAt(int l, const std::vector<int>& variables);
-  /// By how much standard deviations by cr3 are larger than those by cr2, by column of Z; 1 where that is within a fifth, or the user has
-  /// chosen the correction. `carriers` gets the group that contributes most where it is more.
-  Eigen::VectorXd wideningByLeverage(const ClusterScores& scores, const Eigen::MatrixXd& Z,
-                                     std::vector<std::string>* carriers) const;
+  /// The correction of columns Z together: cr2, or cr3 if the standard deviation of one of them is larger by more than a fifth; of a
+  /// single matrix, so that what holds between its entries, as in a free network, stays. `carriers` gets the group that contributes most
+  /// to each such column. What the user has chosen, if that is not by_leverage.
+  ClusterCorrection correctionFor(const ClusterScores& scores, const Eigen::MatrixXd& Z,
+                                  std::vector<std::string>* carriers) const;
   Covariance covariance(const std::vector<int>& variables);
   /// The columns of GroupRefits::change of these variables.
   Eigen::MatrixXd refitted(const std::vector<int>& variables) const;
