@@ -579,7 +579,8 @@ TEST(Clustered, Notes) {
       "3 measurements are in no group by set; such errors count as independent, as stated"};
   EXPECT_EQ(c.notes(), general);
   const std::vector<std::string> notes = c.notes(fit.levels[3]);
-  ASSERT_EQ(notes.size(), 3U);
+  ASSERT_EQ(notes.size(), 4U);
+  EXPECT_EQ(notes[3].substr(0, 33), "single groups carry some values, ");
   EXPECT_EQ(
       notes[2].substr(0, 129),
       "of the stated variance a part is determined by one group alone, or by measurements without a group, and is "
