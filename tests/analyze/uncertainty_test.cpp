@@ -401,7 +401,7 @@ TEST(Uncertainty, IsEstimatedWhenAsked) {
   const slom::Summary summary = est.optimize();
   EXPECT_TRUE(summary.sigma_is_estimated);
   EXPECT_NE(slom::report(summary).find(
-                "chi-square / dof = 7; standard deviations are estimated: those stated, times 2.646\n"),
+                "chi-square / dof = 7; standard deviations are estimated: 2.646 for each residual\n"),
             std::string::npos)
       << slom::report(summary);
 
