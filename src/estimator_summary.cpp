@@ -40,6 +40,11 @@ StatedNoise statedNoise(const Problem& problem) {
   return any ? StatedNoise::some : StatedNoise::none;
 }
 
+/// Where an unknown has a column of J, but what it changes is lost in the rounding of the residuals.
+constexpr const char* kHidden =
+    "; rounding errors of the residuals hide what it changes here: if they are large because the start is far off, start nearer, or use "
+    "LevenbergMarquardt";
+
 std::string iterationLimitMessage(const Summary& summary) {
   const double graduation = summary.trace.back().graduation;
   return "iteration limit of " + std::to_string(summary.iterations) + " reached" +
@@ -132,8 +137,9 @@ std::string Estimator::State::messageFor(const Summary& summary, const Options& 
                                          const RankAtEnd& rank) {
   switch (summary.stop_reason) {
     case StopReason::rank_deficient:
-      return rank.lost.empty() ? singularError(problem, evaluator.structure(), rank.singular_at).what()
-                               : lostRankMessage(problem, evaluator.structure(), rank.lost);
+      if (!rank.lost.empty()) return lostRankMessage(problem, evaluator.structure(), rank.lost);
+      return singularError(problem, evaluator.structure(), rank.singular_at).what() +
+             std::string(evaluator.wasHidden() ? kHidden : "");
     case StopReason::max_iterations:
       return iterationLimitMessage(summary);
     case StopReason::no_progress:

@@ -21,6 +21,8 @@ constexpr double kLeastGain = 1e-9;
 
 /// Change of the RSS, relative to the RSS, up to which a move has left it the same.
 constexpr double kSameRss = 1e-6;
+/// Step that shows whether the RSS rises.
+constexpr double kRisingStep = 0.1;
 /// Lengths of steps, of moves that leave the RSS the same, and of steps from there: the largest change of a component, relative to its
 /// size.
 constexpr double kEscapeSteps[] = {10, 3, 1, 0.3, 0.1, 0.03, 0.01, 1e-3};
@@ -118,6 +120,21 @@ void LostRank::tryFromFlatMoves(double rss) {
       }
     }
   }
+}
+
+/// Whether the RSS rises along each direction, both ways: then curvature of second order makes the point a minimum, though J has not full
+/// rank, as where two equal rates fit best.
+bool LostRank::isMinimum() {
+  const double rss = evaluator_.linearize();
+  bool rises = true;
+  for (Index k = 0; k < steps_.cols() && rises; ++k) {
+    for (const double step : {kRisingStep, -kRisingStep}) {
+      rises = rises && evaluator_.tryStep(step * steps_.col(k)) > rss + kSameRss * rss;
+      evaluator_.undo();
+    }
+  }
+  evaluator_.linearize();
+  return rises;
 }
 
 bool LostRank::escape() {

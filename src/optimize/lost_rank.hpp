@@ -29,6 +29,8 @@ class LostRank {
   /// another. Takes the step with the smallest RSS, if that is below the present one; returns whether there is one.
   ///   source   Conn, Gould and Toint, "Trust-region methods", 2000, section 6.6 (directions of negative curvature)
   bool escape();
+  /// Whether the RSS rises along these directions: a minimum whose J has not full rank.
+  bool isMinimum();
 
  private:
   FreeDirections find();

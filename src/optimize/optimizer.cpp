@@ -93,32 +93,18 @@ class Run {
   /// downhill, and goes on.
   StopReason iterateToRank() {
     constexpr int most_escapes = 20;
-    StopReason reason = iterateToFullRank();
+    StopReason reason = iterate();
     for (int escapes = 0; lost_rank_.isInDoubt(reason) && lost_rank_.examine(); ++escapes) {
       if (escapes == most_escapes || !lost_rank_.escape()) {
+        if (lost_rank_.isMinimum()) return reason;
         has_lost_rank_ = true;
         return StopReason::rank_deficient;
       }
       summary_.final_rss = evaluator_.linearize();
       algorithm_->reset();
-      reason = iterateToFullRank();
+      reason = iterate();
     }
     return reason;
-  }
-
-  /// Iterates; where Gauss-Newton has gone on with damping past unknowns that large residuals have hidden, asks at the end for the rank, as
-  /// undamped steps do.
-  StopReason iterateToFullRank() {
-    const StopReason reason = iterate();
-    if (safeguarded_ == nullptr || algorithm_ != safeguarded_.get() || !isConverged(reason) ||
-        evaluator_.hadFullRank() || !evaluator_.isSolverExact())
-      return reason;
-    Eigen::VectorXd ignored;
-    evaluator_.linearize();
-    const SolveStatus status = evaluator_.solveUndamped(ignored);
-    if (status.ok || !evaluator_.wasHidden()) return reason;
-    singular_at_ = status;
-    return StopReason::rank_deficient;
   }
 
   /// Remembers the current values where they are the best so far, and the algorithm may leave them for worse ones.

@@ -79,9 +79,8 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
     was_newton_ = true;
     StepOutcome outcome = newton_.step(evaluator, options);
     if (outcome.kind == StepOutcome::Kind::singular) {
-      if (best_ == nullptr && !evaluator.wasHidden()) return outcome;
-      // Uphill, to where the rank is missing; or residuals are so large that rounding hides what an unknown changes.
-      if (best_ != nullptr) takeBack(evaluator);
+      if (best_ == nullptr) return outcome;
+      takeBack(evaluator);  // uphill, to where the rank is missing
     } else {
       const bool is_taken = outcome.kind == StepOutcome::Kind::taken;
       const bool is_finite = is_taken && evaluator.hasFiniteDerivatives();
