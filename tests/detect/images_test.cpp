@@ -308,10 +308,10 @@ TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
                                      "; count them where four squares meet, and give --board 9x6");
   }
   for (int i = 3; i <= 6; ++i) std::filesystem::remove(folder / ("left0" + std::to_string(i) + ".pgm"));
-  expectRefused(options("5x17"),
-                "left01.pgm: no photograph of camera left shows the board 5x17; count its inner corners, "
-                "where four squares meet, and see "
-                "whether all of them are in the photographs");
+  expectRefused(
+      options("5x17"),
+      "left01.pgm: it shows a chessboard of 6x9 inner corners, not 5x17; count them where four squares "
+      "meet, and give --board 6x9");
 }
 
 TEST_F(Images, TooFewAreRefused) {

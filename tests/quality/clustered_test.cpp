@@ -72,7 +72,8 @@ TEST(ClusteredCalibration, EqualsThatOfTheLibrary) {
   const Oracle oracle(rig);
   EXPECT_LT(largestRelativeDifference(K * K.transpose(), oracle.est.covariance(oracle.camera)), 1e-4);
   for (const int length : {1, 2}) {
-    const Clustered core = oracle.est.clustered({.by = {length == 1 ? "image" : "pair"}});
+    const Clustered core =
+        oracle.est.clustered({.by = {length == 1 ? "image" : "pair"}, .correction = ClusterCorrection::cr2});
     const GroupSums sums = scores.byBlocks(length);
     EXPECT_EQ(sums.groups, length == 1 ? 21 : 10);
     EXPECT_LT(largestRelativeDifference(K * sums.V * K.transpose(), core.covariance(oracle.camera)), 1e-4);
@@ -369,9 +370,14 @@ TEST(GrossCorners, AreThoseBesideTheOthersOfTheirImage) {
   EXPECT_TRUE(result.gross.empty());
   blurred.corners[7].pixel += vec2(30., -25.);
   const Result with_one = calibrate(wrong.data, Settings());
-  ASSERT_EQ(with_one.rejected.size(), 1u);
-  EXPECT_EQ(with_one.rejected[0].image, blurred.image);
-  EXPECT_EQ(with_one.rejected[0].number, blurred.corners[7].number);
+  // By itself the corner, or the image as a whole, which is far above what detection explains.
+  ASSERT_EQ(with_one.rejected.size() + with_one.strays.size(), 1u);
+  if (!with_one.rejected.empty()) {
+    EXPECT_EQ(with_one.rejected[0].image, blurred.image);
+    EXPECT_EQ(with_one.rejected[0].number, blurred.corners[7].number);
+  } else {
+    EXPECT_EQ(with_one.strays[0].image, blurred.image);
+  }
 }
 
 }  // namespace
