@@ -96,7 +96,7 @@ class Run {
     StopReason reason = iterate();
     for (int escapes = 0; lost_rank_.isInDoubt(reason) && lost_rank_.examine(); ++escapes) {
       if (escapes == most_escapes || !lost_rank_.escape()) {
-        if (lost_rank_.isMinimum()) return reason;
+        if (isConverged(reason) && lost_rank_.isMinimum()) return reason;
         has_lost_rank_ = true;
         return StopReason::rank_deficient;
       }
