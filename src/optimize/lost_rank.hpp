@@ -19,7 +19,7 @@ class LostRank {
   /// The current values are the start of the fit.
   LostRank(Evaluator& evaluator, const std::function<FreeDirections()>& find_free);
 
-  /// Whether the rank at the end of a fit that stopped for this reason is worth asking for.
+  /// Returns whether the rank is unknown after a fit that stopped for this reason.
   bool isInDoubt(StopReason reason);
   /// Examines the current values: whether more directions are free than at the start, not counting the gauge.
   bool examine();

@@ -43,7 +43,7 @@ TEST(GraphWeak, HeadingsWithoutInformationAreNamed) {
   }
 }
 
-/// Repaired information that leaves nothing weak is no reason for a warning.
+/// If the repaired information leaves nothing weak, there is no warning.
 TEST(GraphWeak, NothingIsSaidWhereAllIsDetermined) {
   const std::string bad = "EDGE_SE2 0 1 1 0 0 1 2 0 1 0 1\n", good = "EDGE_SE2 0 1 0 0 0 3 0 0 3 0 1\n";
   EXPECT_EQ(testing::fitted(bad + good, {"--repair-information"})["warnings"], Json::array());

@@ -15,7 +15,7 @@
 namespace slom::calibration {
 namespace {
 
-/// What separates the fields of a table with this header: a comma, or else a semicolon or a tab where there is one.
+/// Returns the separator of a table with this header: a comma if it has one, otherwise a semicolon or a tab, and a comma without any.
 char separatorOf(std::string_view header) {
   for (const char separator : {',', ';', '\t'}) {
     if (header.find(separator) != std::string_view::npos) return separator;

@@ -9,7 +9,7 @@
 
 namespace slom::app::bundle {
 
-/// What was read, what no image determines, warnings.
+/// Returns the lines on what was read, what no image determines, and the warnings.
 std::string sceneText(const Scene& scene, const SceneCheck& check);
 
 /// A warning on the free directions that place, rotation and scale, points seen once and cameras with few points do not explain;

@@ -217,7 +217,7 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
-/// What a fit that failed or fits badly fails by.
+/// Notes the likely causes of a failed or bad fit.
 void noteCauses(const Result& result, std::vector<std::string>& notes) {
   if (result.better_model || !result.causes.empty()) notes.push_back(capitalised(causeText(result)) + ".");
 }
