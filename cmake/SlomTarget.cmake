@@ -3,7 +3,9 @@
 function(slom_own_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  if(NOT PROJECT_IS_TOP_LEVEL)
+    target_compile_options(${target} PRIVATE -w)  # warnings that a parent asks for, and makes errors of, are about its own sources
+  elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE -Wall -Wextra $<$<BOOL:${SLOM_WARNINGS_AS_ERRORS}>:-Werror>)
   endif()
 endfunction()
@@ -44,7 +46,9 @@ endfunction()
 # slom_optimise(<target> <level>): what builds of type Release and RelWithDebInfo optimise it with, instead of the -O3 and -O2 that are for
 # sources of whose speed users notice something.
 function(slom_optimise target level)
-  if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+  if(NOT PROJECT_IS_TOP_LEVEL)
+    target_compile_options(${target} PRIVATE -w)  # warnings that a parent asks for, and makes errors of, are about its own sources
+  elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:${level}>)
   endif()
 endfunction()

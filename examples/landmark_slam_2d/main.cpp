@@ -60,7 +60,7 @@ int main() {
   const Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / (sigma_landmark * sigma_landmark);
   const vec3 sigma(sigma_step, sigma_step, sigma_turn);
 
-  for (int k = 1; k <= 80; ++k) {
+  for (std::size_t k = 1; k <= 80; ++k) {
     const Pose motion(MTK::SO2< >(k % 10 == 0 ? M_PI / 2 : 0), vec2(step, 0));
     truth = truth * motion;
     true_poses.push_back(truth);

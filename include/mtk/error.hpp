@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace mtk {
 
 /// what() reads `[id] sentence`; id() is stable between versions, so that programs can branch on it. A sentence ends with what

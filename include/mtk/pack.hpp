@@ -22,7 +22,7 @@ struct PackMask {
   using Vector = typename detail::Lanes<double, Width>::Vector;
   using Native = decltype(Vector{} < Vector{});
   static constexpr int count = detail::Lanes<double, Width>::count;
-  Native v[count];
+  Native v[std::size_t{count}];
 
   /// Whether it holds in this lane.
   bool operator[](int lane) const {

@@ -30,7 +30,7 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
     return y;
   } else {
     constexpr std::uint64_t own = C & ~kLocalColumns, all = own | P;
-    S by[N];
+    S by[std::size_t{N}];
     unrolled<N>([&](int j) { by[j] = y.partial(kFirstLocalColumn + j); });
     SparseDual<S, all> result;
     result.value() = y.value();

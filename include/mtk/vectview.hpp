@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace mtk {
 
 inline constexpr int Dynamic = Eigen::Dynamic;

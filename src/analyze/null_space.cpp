@@ -156,7 +156,7 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
       MatrixXd moved;
       const SolveStatus status = inverse.solve(result.scale.asDiagonal() * result.direction, moved);
       if (!status.ok) break;  // the vectors so far are the best there are
-      for (const int i : result.unobserved) moved.row(i).setZero();
+      for (const int row : result.unobserved) moved.row(row).setZero();
       result.direction = result.scale.asDiagonal() * moved;
       const double last = std::exchange(gain, orthonormalize(result.direction));
       all_determined =

@@ -142,10 +142,10 @@ void Problem::checkBounds(int variable, const std::vector<ComponentBound>& bound
   std::vector<double> x(at(record.dof));
   record.store->coordinates(value, x.data());
   for (const ComponentBound& bound : bounds) {
-    const double value = x[at(bound.component)], margin = 1e-12 * std::abs(value);  // steps round
-    if (value >= bound.lower - margin && value <= bound.upper + margin) continue;
+    const double own = x[at(bound.component)], margin = 1e-12 * std::abs(own);  // steps round
+    if (own >= bound.lower - margin && own <= bound.upper + margin) continue;
     throw Error("slom.outside-bound",
-                componentNames(variable)[at(bound.component)] + " is " + number(x[at(bound.component)], 6) +
+                componentNames(variable)[at(bound.component)] + " is " + number(own, 6) +
                     ", outside of its bound " + intervalText(bound.lower, bound.upper) +
                     "; give it a value inside, or another bound",
                 componentNames(variable)[at(bound.component)]);

@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace mtk::detail {
 
 inline constexpr std::size_t kMaxAggregateMembers = 20;

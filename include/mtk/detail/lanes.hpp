@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/cpp20.hpp"
+
 /// The statement for i = 0, ..., count - 1, written out. There are at most two in packs and most dual numbers, whose operations are done this way:
 /// they are thousands in a measurement function, and compilers take long over as many loops or functions.
 #define MTK_EACH_VECTOR(count, i, statement)                       \
@@ -61,6 +63,7 @@ struct LaneLayout {
 };
 
 #if !defined(EIGEN_DONT_VECTORIZE) && defined(__GNUC__) && EIGEN_MAX_STATIC_ALIGN_BYTES >= 16
+#define MTK_HAS_VECTORS 1
 inline constexpr int kNativeLanes = EIGEN_MAX_STATIC_ALIGN_BYTES / 8;
 
 /// The narrowest registers that hold N numbers at once, or the widest there are.
@@ -91,7 +94,7 @@ struct Lanes {
   static constexpr int lanes = LaneLayout<S, N>::lanes;
   static constexpr int count = LaneLayout<S, N>::count;
 
-  Vector v[count];
+  Vector v[std::size_t{count}];
 
   // Copied one by one, which lets the compiler keep them in registers; of whole arrays it makes calls of memcpy.
   Lanes() = default;

@@ -1,6 +1,8 @@
 /// Preprocessor: walks the published lists `((Type, name)) ((Type, name)) ...`.
 #pragma once
 
+#include "mtk/detail/cpp20.hpp"
+
 #define MTK_APPEND_END_(...) __VA_ARGS__##_END
 #define MTK_APPEND_END(...) MTK_APPEND_END_(__VA_ARGS__)
 

@@ -9,13 +9,13 @@
 
 namespace mtk::detail {
 
-#if defined(__has_builtin)
+#if defined(__has_builtin) && defined(MTK_HAS_VECTORS)
 #if __has_builtin(__builtin_shufflevector)
 #define MTK_HAS_SHUFFLES 1
 #endif
 #endif
 #if defined(MTK_HAS_SHUFFLES)
-inline constexpr bool kCanShuffle = kNativeLanes > 1;
+inline constexpr bool kCanShuffle = true;
 
 template <int Lanes>
 struct UnalignedVector {

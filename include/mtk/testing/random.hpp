@@ -10,6 +10,8 @@
 #include <numbers>
 #include <random>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace mtk::testing {
 
 /// Uniform and normal numbers from a 64-bit Mersenne twister, whose output the C++ standard fixes. Equal

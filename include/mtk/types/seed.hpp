@@ -244,7 +244,8 @@ struct Eigen::internal::functor_traits<mtk::detail::SeedEntries<N, S, Offset>> {
 };
 
 template <int N, class S, int Offset>
-struct std::tuple_size<mtk::detail::SeedVector<N, S, Offset>> : std::integral_constant<std::size_t, N> {};
+struct std::tuple_size<mtk::detail::SeedVector<N, S, Offset>>
+    : std::integral_constant<std::size_t, std::size_t{N}> {};
 template <std::size_t I, int N, class S, int Offset>
 struct std::tuple_element<I, mtk::detail::SeedVector<N, S, Offset>> {
   using type = mtk::SparseDual<S, mtk::detail::lowColumns(1) << (Offset + static_cast<int>(I))>;

@@ -16,7 +16,7 @@ template <class S>
 inline constexpr built_in_t<S> two_pi = built_in_t<S>(6.283185307179586476925286766559005768L);
 template <class S>
 inline constexpr built_in_t<S> two_pi_rest =
-    built_in_t<S>(6.283185307179586476925286766559005768L - (long double)(two_pi<S>));
+    built_in_t<S>(6.283185307179586476925286766559005768L - static_cast<long double>(two_pi<S>));
 
 /// Angles beyond are reduced by the C library's sine and cosine, as products of whole turns lose digits.
 inline constexpr double kFarAngle = 1e3;

@@ -47,9 +47,9 @@ std::array<P, 3> cross(const std::array<P, 3>& d, const vect<3, S>& p) {
 template <std::uint64_t A, std::uint64_t B, class S>
 RowPartials<S, A | B> add(const RowPartials<S, A>& a, const RowPartials<S, B>& b) {
   const auto same = [](const auto& x) { return x; };
-  const auto plus = [](const auto& x, const auto& y) { return x + y; };
-  return {combine<A, B, S>(a[0], b[0], plus, same, same), combine<A, B, S>(a[1], b[1], plus, same, same),
-          combine<A, B, S>(a[2], b[2], plus, same, same)};
+  const auto sum = [](const auto& x, const auto& y) { return x + y; };
+  return {combine<A, B, S>(a[0], b[0], sum, same, same), combine<A, B, S>(a[1], b[1], sum, same, same),
+          combine<A, B, S>(a[2], b[2], sum, same, same)};
 }
 template <class S, std::uint64_t C>
 RowPartials<S, C> partialsOf(const PlainVector<SparseDual<S, C>, 3>& p) {

@@ -230,7 +230,7 @@ inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
 // Structured bindings: `const auto& [fx, fy, cx, cy] = camera;`
 template <int N, class S>
   requires(N > 0)
-struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, N> {};
+struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, std::size_t{N}> {};
 template <std::size_t I, int N, class S>
 struct std::tuple_element<I, mtk::vect<N, S>> {
   using type = S;

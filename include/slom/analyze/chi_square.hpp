@@ -1,6 +1,8 @@
 /// The chi-square distribution, for tests of residuals.
 #pragma once
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The probability that chi-square with `dof` > 0 degrees of freedom (not only whole numbers) exceeds x: Q(dof / 2, x / 2).

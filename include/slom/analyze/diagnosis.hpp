@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Something that the measurements do not determine, or hardly, in a sentence.

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// How many false alarms are accepted, and how much is listed.

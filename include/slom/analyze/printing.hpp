@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/cpp20.hpp"
+
 #define SLOM_TEXT_(x) #x
 #define SLOM_TEXT(x) SLOM_TEXT_(x)
 

@@ -1,6 +1,8 @@
 /// Student's t distribution, for intervals whose variance is estimated.
 #pragma once
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The probability that |t| with `dof` > 0 degrees of freedom (not only whole numbers; infinite: the normal distribution) exceeds t >= 0.

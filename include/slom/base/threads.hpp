@@ -3,6 +3,8 @@
 
 #include <functional>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Runs f; the library's loops within it use at most this many threads, 0: as many as the machine has. Results do not depend on

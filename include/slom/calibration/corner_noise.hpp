@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::calibration {
 
 struct Dataset;

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::calibration {
 
 struct ModelDefinition;

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::calibration {
 
 /// A number in a sentence or a table, with this many decimals; a dash where it is not finite.

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::calibration {
 
 struct Dataset;

@@ -3,6 +3,8 @@
 
 #include <mtk/mtk.hpp>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::calibration {
 
 using vec2 = mtk::vect<2>;

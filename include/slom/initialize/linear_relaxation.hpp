@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::initialize {
 
 /// Finds the blocks X_k, each rows x columns, that minimise sum w |X_j - M X_i - C|^2, with orthogonal M;

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::initialize {
 
 enum class Start {

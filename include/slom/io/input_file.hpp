@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::io {
 
 /// Throws [slom.io.cannot-read], for a file that cannot be opened or read; errno says why.

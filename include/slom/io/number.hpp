@@ -5,6 +5,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::io {
 
 /// Reads all of `text` as one number, in the notation of C whatever the locale; a + may stand before it. Returns false, with

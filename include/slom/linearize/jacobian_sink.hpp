@@ -3,6 +3,8 @@
 
 #include <span>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Whitened residuals and Jacobians of the measurements [first, first + count) of one group, reweighted by their losses.

@@ -203,7 +203,7 @@ class CallableMeasurement {
       for (int lane = 0; lane < width; ++lane) {  // the last one fills lanes that are left over
         source[static_cast<std::size_t>(lane)] = &first[std::min(lane, left - 1)].args_;
       }
-      double rest_r[width * residual_dim], rest_J[width * entries];
+      double rest_r[std::size_t{width * residual_dim}], rest_J[std::size_t{width * entries}];
       const bool is_full = left >= width;
       double* const to_r = is_full ? r : rest_r;
       if (J == nullptr) {
@@ -308,7 +308,7 @@ class CallableMeasurement {
     constexpr bool in_registers =
         is_fixed && columns == window && residual_dim >= 4 && residual_dim * columns <= kMostInRegisters;
     [[maybe_unused]] mtk::detail::Lanes<double, in_registers ? columns : 1>
-        gathered[in_registers ? residual_dim : 1];
+        gathered[std::size_t{in_registers ? residual_dim : 1}];
     const auto sink = [&](int row, const auto& x) {
       if constexpr (mtk::detail::is_dual<std::remove_cvref_t<decltype(x + 0.0)>>) {
         r[row] = x.value();

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 /// Before a function that is to be compiled as one piece, with all that it calls: dual numbers stay in registers. Left out
 /// under sanitizers and with SLOM_NO_FLATTEN, which compile faster.
 #if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(SLOM_NO_FLATTEN)

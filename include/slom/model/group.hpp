@@ -14,6 +14,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The key of a group, in a dimension: the name of one way of grouping. Empty is the name of the usual one.

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The set.

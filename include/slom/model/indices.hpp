@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::detail {
 
 /// The positions of the true ones, as a std::index_sequence.

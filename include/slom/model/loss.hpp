@@ -25,6 +25,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// rho and its derivatives by s.

@@ -15,6 +15,8 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 enum class NoiseForm {

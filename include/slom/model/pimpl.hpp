@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::detail {
 
 /// Owns a T that is not a complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred

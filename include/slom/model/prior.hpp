@@ -1,6 +1,8 @@
 /// The function of a prior: the variable itself. See slom/measurements/prior.hpp.
 #pragma once
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 struct Prior {

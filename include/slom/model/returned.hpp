@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 namespace detail {

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// `mtk::trafo<mtk::SO3<double> >` becomes `trafo<SO3>`, a type inside a function loses the function.

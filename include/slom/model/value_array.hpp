@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Memory alone: the owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom::detail {
 
 template <std::size_t I, class T>

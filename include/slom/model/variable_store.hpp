@@ -256,8 +256,8 @@ VariableStoreBase* makeVariableStore() {
   return new VariableStore<T>;
 }
 extern template VariableStoreBase* makeVariableStore<double>();
-#if EIGEN_MAX_ALIGN_BYTES <= \
-    16  // with more, which -march=native brings, Eigen aligns in other ways than the library
+// Other flags (-march=native) and macros (EIGEN_DONT_ALIGN) make Eigen align in other ways than in the library.
+#if EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MAX_STATIC_ALIGN_BYTES == 16
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::VectorXd>();

@@ -66,7 +66,7 @@ struct PackedArgument {
   using Packed = std::conditional_t<possible, mtk::rebind_t<ContentOf<Stored>, Numbers>, std::tuple<>>;
   Packed value{};
 
-  explicit PackedArgument(const std::array<const ContentOf<Stored>*, Width>& x) {
+  explicit PackedArgument(const std::array<const ContentOf<Stored>*, std::size_t{Width}>& x) {
     mtk::detail::gatherParts(value, x);
   }
   PackedArgument(const PackedArgument&) = delete;
@@ -116,11 +116,11 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
 
  public:
   static constexpr int width = packWidth(Rows * Columns);
-  using Source = std::array<const Tuple*, width>;
+  using Source = std::array<const Tuple*, std::size_t{width}>;
 
   SLOM_FLATTEN static void evaluate(const F& f, const Source& source, double* r) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
-    Lanes rows[Rows];
+    Lanes rows[std::size_t{Rows}];
     const auto sink = [&](int row, const auto& x) { rows[row] = Lanes(x); };
     write(predict(f, arguments, PassedIndices{}), sink, arguments);
     mtk::detail::deinterleave<Rows>(&rows->lanes, r, Rows);
@@ -128,7 +128,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
 
   SLOM_FLATTEN static void linearize(const F& f, const Source& source, double* r, double* J) {
     const auto arguments = gather(source, std::index_sequence_for<Stored...>{});
-    Lanes rows[Rows], partials[Rows * Columns];
+    Lanes rows[std::size_t{Rows}], partials[std::size_t{Rows * Columns}];
     const auto sink = [&](int row, const auto& x) {
       using X = std::remove_cvref_t<decltype(x)>;
       if constexpr (mtk::detail::is_dual<X>) {
@@ -158,12 +158,13 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
 
   template <std::size_t... I>
   static Arguments gather(const Source& source, std::index_sequence<I...>) {
-    return {
-        {PackedArgument<Stored, width>(contents<I, Stored>(source, std::make_index_sequence<width>{}))}...};
+    return {{PackedArgument<Stored, width>(
+        contents<I, Stored>(source, std::make_index_sequence<std::size_t{width}>{}))}...};
   }
   /// Written out: of a loop over pointers compilers make gathering loads, which are slow.
   template <std::size_t I, class A, std::size_t... Lane>
-  static std::array<const ContentOf<A>*, width> contents(const Source& source, std::index_sequence<Lane...>) {
+  static std::array<const ContentOf<A>*, std::size_t{width}> contents(const Source& source,
+                                                                      std::index_sequence<Lane...>) {
     return {&contentOf(valueAt<I, A>(*source[Lane]))...};
   }
   template <std::size_t... I>

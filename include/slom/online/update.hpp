@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// When Estimator::update ends, and whether refused measurements are tried again.

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Why a fit ended.

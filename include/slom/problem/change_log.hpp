@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// An event that changes the structure of a problem.

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The points, by variable.

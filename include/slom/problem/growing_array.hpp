@@ -6,6 +6,8 @@
 #include <new>
 #include <utility>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// The values in the order in which they were appended. They may move when one is.

@@ -1,6 +1,8 @@
 /// The instructions that dense arithmetic uses on this processor.
 #pragma once
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// "AVX-512", "AVX2" or "portable" (SSE2 on x86-64): the kernels of the factorisation, chosen at the first call. The environment variable

@@ -1,0 +1,13 @@
+/// Stops compilers that are not set to C++20 at once, with a sentence instead of a thousand errors.
+#pragma once
+
+#if defined(_MSVC_LANG)
+#define MTK_CPLUSPLUS _MSVC_LANG
+#else
+#define MTK_CPLUSPLUS __cplusplus
+#endif
+#if MTK_CPLUSPLUS < 202002L
+#error "SLoM needs C++20: compile with -std=c++20, in CMake by target_compile_features(your_target PRIVATE cxx_std_20)"
+#include "SLoM needs C++20: compile with -std=c++20"  // no such file, which ends the compilation; #error alone does not
+#endif
+#undef MTK_CPLUSPLUS
