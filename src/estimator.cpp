@@ -9,9 +9,9 @@
 #include "analyze/fit_tables.hpp"
 #include "analyze/free_directions.hpp"
 #include "analyze/preflight.hpp"
-#include "analyze/profile.hpp"
 #include "analyze/residual_tests.hpp"
 #include "analyze/singular.hpp"
+#include "base/index.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
 #include "slom/analyze/chi_square.hpp"
@@ -45,6 +45,21 @@ int Estimator::dofOf(int variable) const {
   return problem().variables()[static_cast<std::size_t>(variable)].dof;
 }
 
+void Estimator::setGroup(const MeasurementHandle& id, const Group& group) {
+  const auto [pool, i] = problem().locate(id);
+  problem().assignGroups(*pool, i, &group, 1);
+}
+
+void Estimator::removeMeasurement(const MeasurementHandle& id) {
+  const auto [pool, i] = problem().locate(id);
+  problem().removeMeasurement(*pool, i);
+}
+
+std::string Estimator::nameOf(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  return pool->measurementName(i);
+}
+
 Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
 
 Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
@@ -53,10 +68,16 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   Summary before;
   fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
   RankAtEnd rank;
-  Summary summary = run([&] {
-    return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, rank,
-                        [this] { return analyze(&findFreeDirections); });
-  });
+  const auto fit = [&] {
+    return run([&] {
+      return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, rank,
+                          [this] { return analyze(&findFreeDirections); });
+    });
+  };
+  std::unique_ptr<FreeNetwork> network = gauge == FreeGauge::inner_constraints ? freeNetwork() : nullptr;
+  const bool is_free = network != nullptr;
+  Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
+  summary.is_free_network = is_free;
   summary.groups = std::move(before.groups);
   complete(summary, options, rank);
   unconverged = summary.converged ? "" : toString(summary.stop_reason);
@@ -115,15 +136,21 @@ double Estimator::rssOfVariable(int variable) const {
   return sum;
 }
 
+double Estimator::getRSS(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  return rssOfMeasurement(*pool, i);
+}
+
 double Estimator::rssOfMeasurement(MeasurementPool& pool, int i) const {
   const double s = squaredResidual(problem(), pool, i);
   const Loss* loss = pool.lossOf(i);
   return loss == nullptr || !std::isfinite(s) ? s : loss->evaluate(s).rho;
 }
 
-double Estimator::weightOf(MeasurementPool& pool, int i) const {
-  const Loss* loss = pool.lossOf(i);
-  return loss == nullptr ? 1 : loss->evaluate(squaredResidual(problem(), pool, i)).first;
+double Estimator::weight(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  const Loss* loss = pool->lossOf(i);
+  return loss == nullptr ? 1 : loss->evaluate(squaredResidual(problem(), *pool, i)).first;
 }
 
 double Estimator::getRMS() const {
@@ -192,16 +219,22 @@ void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
 
 Sigma Estimator::sigma() const { return state_->sigma; }
 
-double Estimator::State::varianceFactor() {
-  if (sigma == Sigma::known) return 1;
+int Estimator::State::redundancy() {
   // With FreeGauge::error there are no covariances where directions are free.
   const bool may_be_free = gauge == FreeGauge::inner_constraints;
-  const int unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); });
-  const int free =
-      may_be_free ? analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); })
-                  : 0;
-  const int residuals = evaluator.structure().residuals, redundancy = residuals - unknowns + free;
-  if (redundancy > 0) return linearized().rss() / redundancy;
+  return analyze([&](const LinearizedProblem& linearized) {
+    return linearized.structure().residuals - linearized.freeUnknowns() +
+           (may_be_free ? linearized.freeDirections() : 0);
+  });
+}
+
+double Estimator::State::varianceFactor() {
+  if (sigma == Sigma::known) return 1;
+  const int dof = redundancy();
+  if (dof > 0) return linearized().rss() / dof;
+  const int residuals = evaluator.structure().residuals,
+            unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); }),
+            free = dof - residuals + unknowns;
   throw Error("slom.no-redundancy",
               "uncertainties can be estimated from residuals only when there are more of them than "
               "unknowns; here are " +
@@ -248,25 +281,11 @@ Preflight Estimator::preflight() const {
   return state_->analyze([](const LinearizedProblem& linearized) { return slom::preflight(linearized); });
 }
 
-ProfiledFit Estimator::profiledFit(int variable) {
-  ProfiledFit fit;
-  fit.variance_factor = [this] { return state_->varianceFactor(); };
-  fit.is_at_minimum = [this](double variance_factor) { return state_->isAtMinimum(variance_factor); };
-  fit.rss = [this] { return getRSS(); };
-  fit.covariance = [this, variable](double* C) { writeCovariance(variable, variable, C); };
-  fit.refit = [this] { return optimize().final_rss; };
-  return fit;
-}
-
-ProfileInterval Estimator::profile(int variable, const std::string& path, double probability) {
-  requireProbabilityOfProfile(probability);
-  ProfiledFit fit = profiledFit(variable);
-  fit.half_width = [&](int) { return std::sqrt(chiSquareCritical(1 - probability, 1)); };
-  return profileLikelihood(problem(), fit, variable, path);
-}
-
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {
-  problem().setBound(variable, problem().componentsAt(variable, path), lower, upper);
+  std::vector<int> components(at(dofOf(variable)));
+  std::iota(components.begin(), components.end(), 0);
+  if (!path.empty()) components = problem().componentsAt(variable, path);
+  problem().setBound(variable, components, lower, upper);
 }
 
 void Estimator::setFixed(int variable, int first, int count, bool is_fixed) {

@@ -1,6 +1,5 @@
 // Clustered covariances of a fit.
 #include "analyze/clustered_state.hpp"
-#include "analyze/profile.hpp"
 #include "base/index.hpp"
 #include "estimator_state.hpp"
 #include "slom/analyze/clustered.hpp"
@@ -28,31 +27,6 @@ GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
   GroupRefits result = refitWithoutGroups(problem, structure, way, fit);
   current.reset();
   return result;
-}
-
-ProfileInterval Estimator::profile(int variable, const std::string& path, const Clustered& clustered,
-                                   double probability) {
-  requireProbabilityOfProfile(probability);
-  if (&clustered.problem() != &problem()) {
-    throw Error("slom.stale-clustered",
-                "clustered covariances are those of another estimator; pass those of clustered() of this one",
-                "Clustered");
-  }
-  ProfiledFit fit = profiledFit(variable);
-  fit.half_width = [&](int component) {
-    const int dof = problem().variables()[at(variable)].dof;
-    Eigen::VectorXd interval(dof), deviations(dof);
-    clustered.writePerComponent(variable, Clustered::Kind::interval, probability, interval.data());
-    writeDeviations(variable, deviations.data());
-    if (interval[component] > 0) return interval[component] / deviations[component];
-    const std::string name = problem().componentNames(variable)[at(component)];
-    throw Error("slom.no-clustered-deviation",
-                name +
-                    " has no clustered standard deviation, as it is at its bound or all residuals are 0; "
-                    "take the profile without clustered covariances",
-                name);
-  };
-  return profileLikelihood(problem(), fit, variable, path);
 }
 
 Clustered Estimator::clustered() const { return clustered(ClusterOptions{}); }

@@ -1,9 +1,11 @@
 /// What an estimator owns: the problem, its linearisation, the solver, the algorithm and the choices of the user.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
+#include "analyze/free_network.hpp"
 #include "analyze/given_derivatives.hpp"
 #include "analyze/group_refits.hpp"
 #include "analyze/linearized_problem.hpp"
@@ -55,12 +57,19 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
 
   /// A fit by this algorithm from the current values.
   Summary optimize(Algorithm& by, const Options& options);
+  using Fit = std::function<Summary()>;
+  /// The free network at the current values; null: no direction is free, or more than the gauge.
+  std::unique_ptr<FreeNetwork> freeNetwork();
+  /// Fits it by `fit` to the values with the smallest distance from the start.
+  Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
   /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
   std::string whyUnconverged() const {
     const bool is_there =
         problem.valueRevision() == unconverged_values && problem.structureRevision() == unconverged_structure;
     return is_there ? unconverged : "";
   }
+  /// Residuals less what the unknowns take of them, for the variance factor.
+  int redundancy();
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
   /// Whether the current values count as a minimum, for statements that hold at one alone.

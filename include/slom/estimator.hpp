@@ -14,6 +14,7 @@
 #pragma once
 
 #include <concepts>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,6 +26,7 @@
 
 #include "slom/analyze/derivative_check.hpp"
 #include "slom/analyze/diagnosis.hpp"
+#include "slom/analyze/intervals.hpp"
 #include "slom/analyze/outliers.hpp"
 #include "slom/analyze/preflight.hpp"
 #include "slom/analyze/printing.hpp"
@@ -48,7 +50,6 @@ class Clustered;
 class GaussianPrior;
 struct ClusterOptions;
 struct VarianceComponents;
-struct ProfiledFit;
 struct VarianceOptions;
 
 namespace detail {
@@ -92,6 +93,7 @@ class Estimator {
   MeasID<M> own(const MeasID<M>& id) const {
     return problem().own(id);
   }
+  AnyMeasID own(const AnyMeasID& id) const { return problem().own(id); }
 
   // Variables.
 
@@ -165,7 +167,7 @@ class Estimator {
   void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
     bound(problem().indexOf(id), path, lower, upper);
   }
-  /// Bounds a variable with one component.
+  /// Bounds every component of a variable, each of which must be a coordinate of a vector.
   template <class T>
   void bound(const VarID<T>& id, double lower, double upper) {
     bound(problem().indexOf(id), "", lower, upper);
@@ -276,17 +278,14 @@ class Estimator {
   auto registerMeasurement(F f, const Args&... args) {
     return insertMeasurement(std::move(f), args...);
   }
+  // The functions that take a MeasurementHandle take a MeasID or an AnyMeasID. They throw [slom.stale-handle].
+
   /// Puts a measurement that is there already into a group, instead of one of the same dimension that it was in.
-  template <class M>
-  void setGroup(const MeasID<M>& id, const Group& group) {
-    inGroups(id, &group, 1);
-  }
-  /// Removes a measurement. Throws [slom.stale-handle].
-  template <class M>
-  void removeMeasurement(const MeasID<M>& id) {
-    const auto [pool, i] = problem().locate(id);
-    problem().removeMeasurement(*pool, i);
-  }
+  void setGroup(const MeasurementHandle& id, const Group& group);
+  /// Removes a measurement: `est.removeMeasurement(est.outliers().ranking().front().id)`.
+  void removeMeasurement(const MeasurementHandle& id);
+  /// The name that messages and reports give it: `Gravity #12`, its label or type and its running number there.
+  std::string nameOf(const MeasurementHandle& id) const;
 
   /// Forgets variables without losing what their measurements say of others: these measurements, linearised at the current values, are
   /// replaced by GaussianPriors on the variables that they share with the rest of the problem, and the variables are removed. Any set of
@@ -344,22 +343,14 @@ class Estimator {
     return rssOfPools(problem().template poolsOf<M>());
   }
   /// The RSS of one measurement.
-  template <class M>
-  double getRSS(const MeasID<M>& id) const {
-    const auto [pool, i] = problem().locate(id);
-    return rssOfMeasurement(*pool, i);
-  }
+  double getRSS(const MeasurementHandle& id) const;
   /// The RSS of all measurements that depend on a variable.
   template <class T>
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
   }
   /// The weight that its loss gives a measurement: the factor rho'(|W r|^2) of its square, from 1 (full weight, as without a loss) down to 0.
-  template <class M>
-  double weight(const MeasID<M>& id) const {
-    const auto [pool, i] = problem().locate(id);
-    return weightOf(*pool, i);
-  }
+  double weight(const MeasurementHandle& id) const;
   /// sqrt(RSS / M): near 1 when the stated uncertainties are right. 0 without measurements.
   double getRMS() const;
   /// Number of scalar residuals.
@@ -369,15 +360,9 @@ class Estimator {
   int getN() const;
 
   /// The residual of a measurement in its own units, f(Y) [-] z.
-  template <class M>
-  Eigen::VectorXd residual(const MeasID<M>& id) const {
-    return residualOf(id, false);
-  }
+  Eigen::VectorXd residual(const MeasurementHandle& id) const { return residualOf(id, false); }
   /// The residual in units of its standard deviation.
-  template <class M>
-  Eigen::VectorXd whitenedResidual(const MeasID<M>& id) const {
-    return residualOf(id, true);
-  }
+  Eigen::VectorXd whitenedResidual(const MeasurementHandle& id) const { return residualOf(id, true); }
   /// All whitened residuals: type by type in order of their first insertion.
   Eigen::VectorXd residuals() const {
     Eigen::VectorXd r(getM());
@@ -483,7 +468,8 @@ class Estimator {
   void setSigma(Sigma sigma);
   /// What setSigma has set.
   Sigma sigma() const;
-  /// What covariances are when a rigid motion or a scale of everything is free.
+  /// What fits and covariances are when a rigid motion or a scale of everything is free, or a shift of all of some numbers, as of heights:
+  /// FreeGauge::inner_constraints fits a free network.
   void setFreeGauge(FreeGauge gauge);
   /// What setFreeGauge has set.
   FreeGauge freeGauge() const;
@@ -506,21 +492,22 @@ class Estimator {
   /// residuals, and diagnoses the rest. Throws nothing for what it finds.
   Preflight preflight() const;
   /// The interval in which a component lies with this probability, by profile likelihood: at its ends the best fit of everything
-  /// else is worse by the quantile of chi-square. Where the RSS is not quadratic it says more than the standard deviation
-  /// does. For coordinates of vectors; at the values of a fit, which come back afterwards. An end that is not reached within
+  /// else is worse by the quantile of chi-square; with Sigma::estimated by the square of Student's quantile for the redundancy, times
+  /// the variance factor (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988, section 6.1). Where the RSS is not
+  /// quadratic it says more than the standard deviation does. For coordinates of vectors; at the values of a fit, which come back afterwards. An end that is not reached within
   /// 1000 standard deviations is infinite. The interval ends at the component's bound, where the quantile is not reached before; of
   /// a component at its bound it is one-sided, from the bound inwards. A fixed component has no width. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and
   /// what covariance throws.
   ///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
   template <class T>
   ProfileInterval profile(const VarID<T>& id, const std::string& path, double probability = 0.95) {
-    return profile(problem().indexOf(id), path, probability);
+    return profile(problem().indexOf(id), path, probability, nullptr);
   }
 
   /// The interval of a variable with one component.
   template <class T>
   ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
-    return profile(problem().indexOf(id), "", probability);
+    return profile(problem().indexOf(id), "", probability, nullptr);
   }
   /// The same for errors that measurements share: at the ends the best fit of everything else is worse by (t s / s_stated)^2, with the
   /// clustered standard deviation s, the stated one and Student's quantile t for the degrees of freedom of the former. Where the RSS is
@@ -529,8 +516,14 @@ class Estimator {
   template <class T>
   ProfileInterval profile(const VarID<T>& id, const std::string& path, const Clustered& clustered,
                           double probability = 0.95) {
-    return profile(problem().indexOf(id), path, clustered, probability);
+    return profile(problem().indexOf(id), path, probability, &clustered);
   }
+
+  /// The intervals of all unknowns, each as profile gives it; of components that are no coordinates, from their standard deviations.
+  /// Throws what profile throws.
+  IntervalTable intervals(double probability = 0.95);
+  /// The same for errors that measurements share, as profile with `clustered` gives them.
+  IntervalTable intervals(const Clustered& clustered, double probability = 0.95);
 
   /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, the probability of
   /// such a residual, and how far the fit would move without it. Throws as covariance does.
@@ -618,10 +611,12 @@ class Estimator {
     setFixed(variable, first, count, is_fixed);
   }
   void bound(int variable, const std::string& path, double lower, double upper);
-  ProfiledFit profiledFit(int variable);
-  ProfileInterval profile(int variable, const std::string& path, double probability);
-  ProfileInterval profile(int variable, const std::string& path, const Clustered& clustered,
-                          double probability);
+  using HalfWidth = std::function<double(int component)>;
+  HalfWidth halfWidth(int variable, double probability, const Clustered* clustered);
+  ProfileInterval profile(int variable, int component, HalfWidth half_width);
+  ProfileInterval profile(int variable, const std::string& path, double probability,
+                          const Clustered* clustered);
+  IntervalTable intervals(double probability, const Clustered* clustered);
   void setFixed(int variable, int first, int count, bool is_fixed);
   [[noreturn]] void raiseNoMember(int variable) const;
 
@@ -630,9 +625,7 @@ class Estimator {
   double rssOfPools(const std::vector<const MeasurementPool*>& pools) const;
   double rssOfVariable(int variable) const;
   double rssOfMeasurement(MeasurementPool& pool, int i) const;
-  double weightOf(MeasurementPool& pool, int i) const;
-  template <class M>
-  Eigen::VectorXd residualOf(const MeasID<M>& id, bool whitened) const {
+  Eigen::VectorXd residualOf(const MeasurementHandle& id, bool whitened) const {
     const auto [pool, i] = problem().locate(id);
     Eigen::VectorXd r(pool->rows(i));
     writeResidual(*pool, i, whitened, r.data());

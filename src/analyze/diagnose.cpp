@@ -158,6 +158,19 @@ class Examination {
     return movementAlong(direction, scale, unknowns, [this](int unknown) { return nameOf(unknown); });
   }
 
+  /// Whether several numbers move by the same amount, as heights of a levelling network do.
+  bool isShift(const Movement& moves, const std::vector<int>& unknowns, const VectorXd& direction) const {
+    const auto is_same = [](const std::string& amount) { return amount == "+1"; };
+    if (moves.names.size() < 2 || !std::ranges::all_of(moves.amounts, is_same)) return false;
+    const double least = kNegligibleEntry * direction.cwiseAbs().maxCoeff();
+    for (Index i = 0; i < direction.size(); ++i) {
+      if (std::abs(direction[i]) > least &&
+          recordOf(variableOf(structure_, unknowns[at(static_cast<int>(i))])).dof > 1)
+        return false;
+    }
+    return true;
+  }
+
   void describeUndetermined(const ConnectedPart& part, const MatrixXd& own, const VectorXd& scale) {
     const MatrixXd basis = basisOfFewEntries(own);
     for (Index j = 0; j < basis.cols(); ++j) {
@@ -177,7 +190,8 @@ class Examination {
                ") without changing any residual; fix " +
                "one of them, or add a prior or measurements that depend on them in another way";
       }
-      add(Kind::undetermined, true, text, moves.names, 1);
+      add(isShift(moves, part.unknowns, basis.col(j)) ? Kind::gauge : Kind::undetermined, true, text,
+          moves.names, 1);
     }
   }
 

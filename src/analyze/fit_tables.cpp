@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "analyze/residual_tests.hpp"
+#include "base/index.hpp"
 #include "base/words.hpp"
 #include "slom/analyze/losses.hpp"
 
@@ -139,18 +140,31 @@ void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double 
                     ", and there are " + std::to_string(unknowns) + " now; take the summary of the last fit",
                 "Summary");
   }
-  const InverseBlocks& inverse = linearized.inverse(gauge);
-  int last = -1;
-  Eigen::MatrixXd C;
-  addRows(linearized, summary, [&](int variable, int component, int) {
-    if (variable != std::exchange(last, variable)) {
-      const int dof = linearized.structure().system.dof(variable);
-      C.resize(dof, dof);
-      inverse.block(variable, variable, C.data());
-    }
-    return std::sqrt(variance_factor * C(component, component));
-  });
+  for (UnknownRow& unknown : unknownRows(linearized, gauge, variance_factor, summary.has_rotations)) {
+    if (!unknown.is_at_bound) summary.parameters.push_back(std::move(unknown.row));
+  }
   summary.parameters_not_shown = 0;
+}
+
+std::vector<UnknownRow> unknownRows(const LinearizedProblem& linearized, FreeGauge gauge,
+                                    double variance_factor, bool& has_rotations) {
+  const ProblemStructure& structure = linearized.structure();
+  const InverseBlocks& inverse = linearized.inverse(gauge);
+  std::vector<UnknownRow> result;
+  for (int v = 0; v < structure.system.blockCount(); ++v) {
+    if (structure.system.isEmpty(v)) continue;
+    std::vector<ParameterSummary> rows = rowsOf(linearized.problem(), v, has_rotations);
+    const int dof = structure.system.dof(v);
+    Eigen::MatrixXd C(dof, dof);
+    inverse.block(v, v, C.data());
+    for (int c = 0; c < dof; ++c) {
+      if (linearized.activeSet().isFixed(v, c)) continue;
+      UnknownRow& unknown = result.emplace_back(
+          UnknownRow{v, c, std::move(rows[at(c)]), linearized.activeSet().isFixedOrActive(v, c)});
+      if (!unknown.is_at_bound) unknown.row.standard_deviation = std::sqrt(variance_factor * C(c, c));
+    }
+  }
+  return result;
 }
 
 std::vector<std::string> activeBounds(const Problem& problem) {

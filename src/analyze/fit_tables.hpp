@@ -23,6 +23,16 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
 void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                    Summary& summary);
 
+/// An unknown as a row of the table of parameters.
+struct UnknownRow {
+  int variable, component;
+  ParameterSummary row;
+  bool is_at_bound;  ///< its standard deviation is 0
+};
+/// Rows of all unknowns, those at a bound too, with standard deviations from the selected inverse. Throws what covariances throw.
+std::vector<UnknownRow> unknownRows(const LinearizedProblem& linearized, FreeGauge gauge,
+                                    double variance_factor, bool& has_rotations);
+
 /// `camera.k3 is at its upper bound 0.5`
 std::vector<std::string> activeBounds(const Problem& problem);
 

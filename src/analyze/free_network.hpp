@@ -18,6 +18,10 @@ class FreeNetwork final : public InverseBlocks {
   /// By unknown, positive for as many unknowns as there are free directions: what is added to the diagonal of H so that it is regular, and
   /// changes no residual of a solution.
   const Eigen::VectorXd& damping() const { return damping_; }
+  /// Whether any direction is free.
+  bool isFree() const { return N_.cols() > 0; }
+  /// The part of a step, by unknown, that moves along the free directions.
+  Eigen::VectorXd freePartOf(const Eigen::VectorXd& step) const { return N_ * (N_.transpose() * step); }
   /// Columns of the pseudo-inverse: those of the unknowns [first, first + count).
   Eigen::MatrixXd columns(int first, int count) const;
   /// The pseudo-inverse times B.

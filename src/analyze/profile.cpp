@@ -15,24 +15,24 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
+std::vector<double> coordinatesOf(const Problem& problem, int variable) {
+  const VariableRecord& record = problem.variables()[at(variable)];
+  std::vector<double> x(at(record.dof));
+  record.store->coordinates(record.store->valueAt(record.slot), x.data());
+  return x;
+}
+
 /// One coordinate of a variable, moved along while everything else is fitted again.
 class Profile {
  public:
-  Profile(Problem& problem, const ProfiledFit& fit, int variable, const std::string& path)
+  Profile(Problem& problem, const ProfiledFit& fit, int variable, int component)
       : problem_(problem),
         fit_(fit),
         variable_(variable),
-        components_(problem.componentsAt(variable, path)),
+        components_{component},
         record_(problem.variables()[at(variable)]),
-        component_(components_.front()),
-        x_(at(record_.dof)) {
-    record_.store->coordinates(record_.store->valueAt(record_.slot), x_.data());
-    if (components_.size() == 1 && !std::isnan(value())) return;
-    throw Error("slom.no-component",
-                path + " of variable " + problem.variableName(variable) +
-                    " is not one coordinate; profile takes one component of a vector at a time",
-                problem.variableName(variable));
-  }
+        component_(component),
+        x_(coordinatesOf(problem, variable)) {}
 
   ProfileInterval interval() {
     factor_ = fit_.variance_factor();
@@ -112,9 +112,22 @@ class Profile {
 
 }  // namespace
 
-ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
-                                  const std::string& path) {
-  return Profile(problem, fit, variable, path).interval();
+ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable, int component) {
+  return Profile(problem, fit, variable, component).interval();
+}
+
+int profiledComponent(const Problem& problem, int variable, const std::string& path) {
+  const std::vector<int> components = problem.componentsAt(variable, path);
+  if (components.size() == 1 && isCoordinate(problem, variable, components.front()))
+    return components.front();
+  throw Error("slom.no-component",
+              path + " of variable " + problem.variableName(variable) +
+                  " is not one coordinate; profile takes one component of a vector at a time",
+              problem.variableName(variable));
+}
+
+bool isCoordinate(const Problem& problem, int variable, int component) {
+  return !std::isnan(coordinatesOf(problem, variable)[at(component)]);
 }
 
 void requireProbabilityOfProfile(double probability) {

@@ -20,10 +20,14 @@ struct ProfiledFit {
   std::function<double(int component)> half_width;
 };
 
-/// The interval of the component at `path`, see Estimator::profile. Values, fixed components and bounds are as before when it returns
-/// or throws.
-ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable,
-                                  const std::string& path);
+/// The interval of a component that is a coordinate, see Estimator::profile. Values, fixed components and bounds are as before when it
+/// returns or throws.
+ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable, int component);
+
+/// The component at `path`. Throws [slom.no-component] unless it is one, and a coordinate.
+int profiledComponent(const Problem& problem, int variable, const std::string& path);
+/// Whether the component is a coordinate of a vector, so that it has a profile.
+bool isCoordinate(const Problem& problem, int variable, int component);
 
 /// Throws [slom.bad-option] unless it is between 0 and 1.
 void requireProbabilityOfProfile(double probability);

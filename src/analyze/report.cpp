@@ -157,6 +157,8 @@ std::string report(const Summary& summary) {
   if (!summary.parameters.empty()) text += parameterTable(summary);
   if (summary.parameters_not_shown > 0)
     text += "  " + counted(summary.parameters_not_shown, "parameter") + " not shown\n";
+  if (summary.is_free_network)
+    text += "  free network: of all values with this RSS, these are the nearest to the start values\n";
   for (const std::string& bound : summary.active_bounds)
     text += "  " + bound + "; standard deviations hold on that condition\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";

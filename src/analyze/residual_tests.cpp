@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <ostream>
 
 #include "analyze/singular.hpp"
-#include "base/classic_numbers.hpp"
 #include "base/decompositions.hpp"
 #include "base/index.hpp"
 #include "base/threads.hpp"
@@ -71,6 +69,7 @@ class GroupExamination {
     MeasurementCheck& check = result.check;
     check.measurement = pool_.measurementName(i);
     check.number = pool_.serial(i);
+    check.id = AnyMeasID(MeasurementHandle(pool_.presence(), pool_.handleOf(i)));
     const double squared = w.squaredNorm();
     if (pool_.lossOf(i) != nullptr) check.weight = pool_.lossOf(i)->evaluate(squared).first;
     if (w.size() == 0) return result;
@@ -105,6 +104,15 @@ class GroupExamination {
   double variance_factor_;
 };
 
+/// The first `most` in this order; changes that of `all`.
+template <class Order>
+std::vector<MeasurementCheck> firstOf(std::vector<MeasurementCheck>& all, std::size_t most,
+                                      const Order& order) {
+  const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(most, all.size()));
+  std::partial_sort(all.begin(), end, all.end(), order);
+  return {all.begin(), end};
+}
+
 /// `group` has its name.
 GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck group,
                       const OutlierOptions& options, double significance) {
@@ -119,25 +127,14 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck 
     const double above = chiSquareProbability(group.chi2, group.redundancy);
     group.probability = 2 * std::min(above, 1 - above);
   }
-  const auto worse = [](const auto& a, const auto& b) {
-    const auto& x = a.check;
-    const auto& y = b.check;
-    return x.probability != y.probability ? x.probability < y.probability : x.studentized > y.studentized;
-  };
-  const std::size_t count = std::min(results.size(), static_cast<std::size_t>(std::max(0, options.worst)));
-  std::partial_sort(results.begin(), results.begin() + static_cast<std::ptrdiff_t>(count), results.end(),
-                    worse);
-  for (std::size_t i = 0; i < count; ++i) group.worst.push_back(std::move(results[i].check));
+  std::vector<MeasurementCheck> all;
+  all.reserve(results.size());
+  for (auto& result : results) all.push_back(std::move(result.check));
+  group.hardly_checkable = static_cast<int>(std::ranges::count_if(all, &MeasurementCheck::isHardlyCheckable));
+  const auto most = static_cast<std::size_t>(std::max(0, options.worst));
+  group.least_checkable = firstOf(all, std::min(most, at(group.hardly_checkable)), lessCheckable);
+  group.worst = firstOf(all, most, lessProbable);
   return group;
-}
-
-std::string row(const char* name, const MeasurementCheck& check) {
-  const ClassicNumbers points;
-  char text[160];
-  std::snprintf(text, sizeof text, "  %-24s %9.3g %11.3g %10.3g %7.3g %11.2g %9.3g%s\n", name, check.residual,
-                check.studentized, check.redundancy, check.weight, check.probability, check.effect,
-                check.is_suspect ? "  suspect" : "");
-  return text;
 }
 
 }  // namespace
@@ -174,31 +171,5 @@ OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierO
   }
   return report;
 }
-
-int OutlierReport::suspects() const {
-  int sum = 0;
-  for (const GroupCheck& group : groups) sum += group.suspects;
-  return sum;
-}
-
-std::string OutlierReport::text() const {
-  const ClassicNumbers points;
-  std::string all = unconvergedLine(unconverged);
-  char line[200];
-  for (const GroupCheck& group : groups) {
-    std::snprintf(line, sizeof line,
-                  "%s: %s, chi-square %.6g where %.6g is expected (probability %.2g), %s\n",
-                  group.name.c_str(), counted(group.measurements, "measurement").c_str(), group.chi2,
-                  group.redundancy, group.probability, counted(group.suspects, "suspect").c_str());
-    all += line;
-    std::snprintf(line, sizeof line, "  %-24s %9s %11s %10s %7s %11s %9s\n", "measurement", "residual",
-                  "studentized", "redundancy", "weight", "probability", "effect");
-    all += line;
-    for (const MeasurementCheck& check : group.worst) all += row(check.measurement.c_str(), check);
-  }
-  return all;
-}
-
-std::ostream& operator<<(std::ostream& os, const OutlierReport& report) { return os << report.text(); }
 
 }  // namespace slom

@@ -11,4 +11,8 @@ namespace slom {
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
                              double variance_factor, FreeGauge gauge = FreeGauge::error);
 
+/// The orders of OutlierReport::ranking and of GroupCheck::least_checkable.
+bool lessProbable(const MeasurementCheck& a, const MeasurementCheck& b);
+bool lessCheckable(const MeasurementCheck& a, const MeasurementCheck& b);
+
 }  // namespace slom

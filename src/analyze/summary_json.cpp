@@ -179,6 +179,7 @@ std::string Summary::json() const {
       .add("measurements", measurements)
       .add("unknowns", unknowns)
       .add("free_directions", free_directions)
+      .add("free_network", is_free_network)
       .add("redundancy", redundancy)
       .add("initial_rss", initial_rss)
       .add("final_rss", final_rss)

@@ -12,7 +12,7 @@ namespace slom {
 /// Something that the measurements do not determine, or hardly, in a sentence.
 struct Finding {
   enum class Kind {
-    gauge,                  ///< a rigid motion or a scale of everything changes no residual
+    gauge,  ///< a rigid motion or a scale of everything changes no residual, or a shift of several numbers
     undetermined,           ///< other directions in which variables can move without changing any residual
     unmeasured_variable,    ///< no measurement depends on it
     unobserved_component,   ///< measurements depend on the variable, but not on this component of it

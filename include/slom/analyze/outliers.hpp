@@ -14,9 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "mtk/detail/cpp20.hpp"
+#include "slom/model/meas_id.hpp"
 
 namespace slom {
+
+/// A measurement with less redundancy is hardly checkable: less than a tenth of an error in it shows in its residual.
+///   source   Foerstner and Wrobel, "Photogrammetric Computer Vision", 2016, section 4.6 (classes of redundancy numbers)
+inline constexpr double kHardlyCheckable = 0.1;
 
 /// How many false alarms are accepted, and how much is listed.
 struct OutlierOptions {
@@ -43,6 +47,11 @@ struct MeasurementCheck {
   bool is_suspect = false;
   /// The number in `measurement`: 1 for the first that was inserted with this label or of this type; 0 for a group of measurements.
   long number = 0;
+  AnyMeasID
+      id;  ///< its handle, for removeMeasurement and others; refers to nothing for a group of measurements
+
+  /// Whether its residual says little of its errors: redundancy < kHardlyCheckable.
+  bool isHardlyCheckable() const { return redundancy < kHardlyCheckable; }
 };
 
 /// The test of all measurements with one label or of one type.
@@ -54,7 +63,9 @@ struct GroupCheck {
   double probability = 1;  ///< that a chi2 is this far off or farther, to either side; 1 without redundancy
   bool has_losses = false;
   int suspects = 0;
-  std::vector<MeasurementCheck> worst;  ///< sorted by probability, the least probable first
+  std::vector<MeasurementCheck> worst;            ///< sorted by probability, the least probable first
+  int hardly_checkable = 0;                       ///< measurements with a redundancy below kHardlyCheckable
+  std::vector<MeasurementCheck> least_checkable;  ///< the OutlierOptions::worst of them, by redundancy
 };
 
 /// The tests of all measurements, by group.
@@ -67,7 +78,11 @@ struct OutlierReport {
 
   /// The number of measurements whose test fails, in all groups.
   int suspects() const;
-  /// A table, with a line for each suspect.
+  /// The measurements that the groups list, over all groups: the least probable first.
+  std::vector<MeasurementCheck> ranking() const;
+  /// The number of measurements that are hardly checkable, in all groups.
+  int hardlyCheckable() const;
+  /// A table for each group, the ranking over all of them, and what is hardly checkable.
   std::string text() const;
 };
 

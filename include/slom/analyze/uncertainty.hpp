@@ -28,7 +28,8 @@ enum class Sigma {
 enum class FreeGauge {
   error,  ///< none: covariance throws [slom.free-gauge] with the motions that are free
   inner_constraints,  ///< those of the free network: the pseudo-inverse of J^T J, whose trace is the smallest of all choices
-  ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns
+  ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns. optimize() then ends, by whatever algorithm, at those
+  ///< of the best values that are nearest to the start values: N^T (x [-] start) = 0, with the free directions N
 };
 
 /// A confidence interval of a coordinate.

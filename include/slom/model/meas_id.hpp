@@ -1,7 +1,10 @@
-/// MeasID<M>: the user's handle to a measurement.
+/// MeasID<M>: the user's handle to a measurement; AnyMeasID: to one of any type.
+///     std::vector<slom::AnyMeasID> all;
+///     all.push_back(est.insertMeasurement(...));   // whatever its type
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "slom/model/variable_store.hpp"
 
@@ -57,6 +60,21 @@ class MeasID : public MeasurementHandle {
  private:
   friend class Problem;
   explicit MeasID(MeasurementHandle handle) : MeasurementHandle(std::move(handle)) {}
+};
+
+/// Made of any MeasID; the estimator takes it wherever it takes one.
+class AnyMeasID : public MeasurementHandle {
+ public:
+  /// Refers to nothing; using it throws.
+  AnyMeasID() = default;
+  /// From the handle to a measurement of any type, implicitly.
+  template <class M>
+  AnyMeasID(const MeasID<M>& id)  // NOLINT(google-explicit-constructor): a MeasID is one of any type
+      : MeasurementHandle(id) {}
+  /// Used by the library, for measurements whose type only their pool knows.
+  explicit AnyMeasID(MeasurementHandle handle) : MeasurementHandle(std::move(handle)) {}
+
+  friend bool operator==(const AnyMeasID& a, const AnyMeasID& b) { return a.equals(b); }
 };
 
 }  // namespace slom

@@ -185,12 +185,14 @@ struct Summary {
   std::string algorithm;              ///< the one at the end
   std::string solver;                 ///< what solved the linear systems
   int iterations = 0;
-  int stages = 0;                   ///< begun, of graduated non-convexity; 0: not graduated
-  int variables = 0;                ///< optimised ones
-  int measurements = 0;             ///< number of scalar residuals
-  int unknowns = 0;                 ///< without those at an active bound
-  int free_directions = 0;          ///< which no measurement determines; counted up to kMostCounted unknowns
-  int redundancy = 0;               ///< measurements - unknowns + free_directions
+  int stages = 0;           ///< begun, of graduated non-convexity; 0: not graduated
+  int variables = 0;        ///< optimised ones
+  int measurements = 0;     ///< number of scalar residuals
+  int unknowns = 0;         ///< without those at an active bound
+  int free_directions = 0;  ///< which no measurement determines; counted up to kMostCounted unknowns
+  int redundancy = 0;       ///< measurements - unknowns + free_directions
+  bool is_free_network =
+      false;  ///< of all best values these are nearest to the start: FreeGauge::inner_constraints
   bool sigma_is_estimated = false;  ///< Sigma::estimated: covariances are multiplied by chi2PerDof()
   StatedNoise stated_noise = StatedNoise::all;
   std::vector<std::string>

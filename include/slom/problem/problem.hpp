@@ -61,6 +61,10 @@ class Problem {
     const auto [pool, i] = locate(id);
     return MeasID<M>(handleOf(*pool, pool->handleOf(i)));
   }
+  AnyMeasID own(const AnyMeasID& id) const {
+    const auto [pool, i] = locate(id);
+    return AnyMeasID(handleOf(*pool, pool->handleOf(i)));
+  }
   /// Gives a variable another value. Throws [slom.stale-handle], [slom.size-change] or [slom.outside-bound].
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {

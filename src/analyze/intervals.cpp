@@ -1,0 +1,105 @@
+#include "slom/analyze/intervals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <ostream>
+
+#include "base/words.hpp"
+
+namespace slom {
+
+namespace {
+
+using Cells = std::array<std::string, 5>;  // name, value, standard deviation, lower, upper
+
+/// The value to a hundredth of its standard deviation, and as many digits for the ends.
+Cells cellsOf(const ParameterInterval& row) {
+  const double ratio = std::abs(row.value) / row.standard_deviation;
+  const int digits =
+      ratio > 1 && std::isfinite(ratio) ? std::min(17, static_cast<int>(std::log10(ratio)) + 4) : 6;
+  return {row.name + (row.is_profile ? "" : " *"), number(row.value, digits),
+          number(row.standard_deviation, 3), number(row.lower, digits), number(row.upper, digits)};
+}
+
+std::vector<Cells> cellsOf(const IntervalTable& table) {
+  std::vector<Cells> rows{{"parameter", "value", "standard deviation", "lower", "upper"}};
+  for (const ParameterInterval& row : table.rows) rows.push_back(cellsOf(row));
+  return rows;
+}
+
+bool isAnyByDeviation(const IntervalTable& table) {
+  return std::ranges::any_of(table.rows, [](const auto& row) { return !row.is_profile; });
+}
+
+constexpr const char* kByDeviation = "from the standard deviation; all others by profile likelihood";
+
+std::string allDigits(double x) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+/// RFC 4180.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (std::string_view("|\\`*_<").find(c) != std::string_view::npos) result += '\\';
+    result += c;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string IntervalTable::text() const {
+  const std::vector<Cells> cells = cellsOf(*this);
+  std::array<std::size_t, 5> width{};
+  for (const Cells& row : cells) {
+    for (std::size_t c = 0; c < width.size(); ++c) width[c] = std::max(width[c], row[c].size());
+  }
+  std::string all = number(100 * probability, 6) + " % intervals\n";
+  for (const Cells& row : cells) {
+    all += "  " + row[0] + std::string(width[0] - row[0].size(), ' ');
+    for (std::size_t c = 1; c < width.size(); ++c)
+      all += "  " + std::string(width[c] - row[c].size(), ' ') + row[c];
+    all += "\n";
+  }
+  if (isAnyByDeviation(*this)) all += std::string("  * ") + kByDeviation + "\n";
+  return all;
+}
+
+std::string IntervalTable::markdown() const {
+  std::string all = "| parameter | value | standard deviation | " + number(100 * probability, 6) +
+                    " % from | to |\n| --- | ---: | ---: | ---: | ---: |\n";
+  for (const ParameterInterval& row : rows) {
+    const Cells cells = cellsOf(row);
+    all += "| " + escaped(cells[0]);
+    for (std::size_t c = 1; c < cells.size(); ++c) all += " | " + cells[c];
+    all += " |\n";
+  }
+  if (isAnyByDeviation(*this)) all += std::string("\n\\* ") + kByDeviation + "\n";
+  return all;
+}
+
+std::string IntervalTable::csv() const {
+  std::string all = "parameter,value,standard_deviation,lower,upper,method\n";
+  for (const ParameterInterval& row : rows) {
+    all += quoted(row.name);
+    for (const double x : {row.value, row.standard_deviation, row.lower, row.upper})
+      all += "," + allDigits(x);
+    all += row.is_profile ? ",profile\n" : ",standard deviation\n";
+  }
+  return all;
+}
+
+std::ostream& operator<<(std::ostream& os, const IntervalTable& table) { return os << table.text(); }
+
+}  // namespace slom
