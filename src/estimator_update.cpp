@@ -21,7 +21,7 @@ std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options
                                 : "");
   }
   if (summary.needs_optimize) {
-    return "a step led uphill, or far away, where optimize() takes over if there is no budget; call it when "
+    return "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there if there is no budget; call it when "
            "there is time";
   }
   if (summary.is_put_off)

@@ -105,7 +105,8 @@ std::string panelText(const Panel& panel, const std::vector<std::string>& suspec
   std::vector<double> shown = panel.residual;
   shown.insert(shown.end(), {-3, 3});
   const auto [first, last] = std::ranges::minmax(panel.number);
-  Chart chart({kLeft, top, kWidth - kLeft - kRight, height, {first - 1, last + 1}, ChartRange::of(shown)});
+  Chart chart(
+      {kLeft, top, kWidth - kLeft - kRight, height, {first - 1, last + 1}, ChartRange::of(shown), true});
   chart.title(panel.name);
   chart.axes("number of the measurement", "residual / standard deviation");
   chart.level(0, false);

@@ -371,7 +371,8 @@ class Estimator {
   }
 
   /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
-  /// uncertainties and the linearisation at the current values. With losses this is the linearisation that the fit
+  /// uncertainties and the linearisation at the current values, which a fit that has not converged leaves anywhere: look at
+  /// Summary::converged first. With losses this is the linearisation that the fit
   /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
   /// 0 for fixed variables. Throws [slom.free-gauge], which names the
   /// motions that are free, [slom.rank-deficient] or [slom.unmeasured-variable].

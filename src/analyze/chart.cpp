@@ -103,8 +103,9 @@ void Chart::numbers(const std::vector<double>& at, bool is_x) {
 
 void Chart::axes(const std::string& x_label, const std::string& y_label, bool has_x_numbers) {
   const double bottom = frame_.top + frame_.height, right = frame_.left + frame_.width;
-  const std::vector<double> at_x = ticks(frame_.x, static_cast<int>(frame_.width / 90)),
-                            at_y = ticks(frame_.y, static_cast<int>(frame_.height / 40));
+  std::vector<double> at_x = ticks(frame_.x, static_cast<int>(frame_.width / 90)),
+                      at_y = ticks(frame_.y, static_cast<int>(frame_.height / 40));
+  if (frame_.has_whole_x) std::erase_if(at_x, [](double t) { return t != std::round(t); });
   for (const double t : at_x) svg_ += segment(place(t, 0)[0], frame_.top, place(t, 0)[0], bottom, "grid");
   for (const double t : at_y) svg_ += segment(frame_.left, place(0, t)[1], right, place(0, t)[1], "grid");
   svg_ += "<rect class=\"frame\" x=\"" + px(frame_.left) + "\" y=\"" + px(frame_.top) + "\" width=\"" +

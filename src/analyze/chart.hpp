@@ -28,6 +28,7 @@ class Chart {
   struct Frame {
     double left, top, width, height;
     ChartRange x, y;
+    bool has_whole_x = false;  // no numbers between whole ones at the axis
   };
   explicit Chart(const Frame& frame) : frame_(frame) {}
 

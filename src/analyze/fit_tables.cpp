@@ -54,6 +54,17 @@ class OrientationRows final : public OrientationSink {
   bool& has_rotations_;
 };
 
+/// A manifold of the user's own has neither coordinates nor an orientation; its first component shows what its operator<< writes.
+void showOwnManifold(const Problem& problem, int variable, std::vector<ParameterSummary>& rows) {
+  constexpr std::size_t most = 40;
+  const auto is_blank = [](const ParameterSummary& row) { return row.text.empty() && std::isnan(row.value); };
+  if (rows.empty() || !std::ranges::all_of(rows, is_blank)) return;
+  const VariableRecord& record = problem.variables()[at(variable)];
+  const std::string text = problem.variableValue(variable);
+  const bool is_written = text != "a " + record.store->typeName();
+  if (is_written && text.size() <= most && text.find('\n') == std::string::npos) rows.front().text = text;
+}
+
 /// A row for each component of the variable.
 std::vector<ParameterSummary> rowsOf(const Problem& problem, int variable, bool& has_rotations) {
   const VariableRecord& record = problem.variables()[static_cast<std::size_t>(variable)];
@@ -68,6 +79,7 @@ std::vector<ParameterSummary> rowsOf(const Problem& problem, int variable, bool&
   }
   OrientationRows orientations(rows, has_rotations);
   record.store->visitOrientations(value, orientations);
+  showOwnManifold(problem, variable, rows);
   return rows;
 }
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <ostream>
 
+#include "base/classic_numbers.hpp"
 #include "base/words.hpp"
 
 namespace slom {
@@ -14,13 +16,20 @@ namespace {
 
 using Cells = std::array<std::string, 5>;  // name, value, standard deviation, lower, upper
 
-/// The value to a hundredth of its standard deviation, and as many digits for the ends.
+/// With as many decimals as a hundredth of the standard deviation has.
+std::string decimal(double x, double standard_deviation) {
+  const double decimals = 1 - std::floor(std::log10(standard_deviation)) + 1;
+  if (!std::isfinite(x) || !(std::abs(x) < 1e9) || !(decimals >= 0 && decimals <= 12)) return number(x, 6);
+  const ClassicNumbers points;
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", static_cast<int>(decimals), x);
+  return text.data();
+}
+
 Cells cellsOf(const ParameterInterval& row) {
-  const double ratio = std::abs(row.value) / row.standard_deviation;
-  const int digits =
-      ratio > 1 && std::isfinite(ratio) ? std::min(17, static_cast<int>(std::log10(ratio)) + 4) : 6;
-  return {row.name + (row.is_profile ? "" : " *"), number(row.value, digits),
-          number(row.standard_deviation, 3), number(row.lower, digits), number(row.upper, digits)};
+  const double s = row.standard_deviation;
+  return {row.name + (row.is_profile ? "" : " *"), decimal(row.value, s), number(s, 3), decimal(row.lower, s),
+          decimal(row.upper, s)};
 }
 
 std::vector<Cells> cellsOf(const IntervalTable& table) {

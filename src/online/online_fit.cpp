@@ -125,7 +125,10 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   factor_.resetWork();
   follow(options.reconsider);
   factor_.refactor();
+  const std::size_t free_at_start = factor_.undetermined().size();
   End end = descend(options);
+  // Where steps have led to values at which an unknown has lost its influence: a saddle or a plateau, which optimize() leaves.
+  if (end == End::near && factor_.undetermined().size() > free_at_start) end = End::stuck;
   std::erase_if(waiting_,
                 [&](const Trial& trial) { return !problem_.pools()[at(trial.pool)]->has(trial.ref); });
   if (options.reconsider && end == End::near) end = reconsiderAll(options, summary);

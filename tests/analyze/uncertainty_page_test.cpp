@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <sstream>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <slom/analyze/clustered.hpp>
 #include <slom/analyze/variance_components.hpp>
+#include <slom/plot.hpp>
 #include <slom/posterior.hpp>
 #include <slom/slom.hpp>
 
@@ -127,6 +129,22 @@ TEST(UncertaintyPage, HowLargeErrorsAre) {
   EXPECT_TRUE(with_right_weights.converged);
 }
 
+TEST(UncertaintyPage, Pictures) {
+  const auto decay = [](const auto& a, const auto& k, double at) { return a * exp(-k * at); };
+  slom::Estimator est;
+  const auto size = est.insertRV(1.0, "size"), rate = est.insertRV(1.0, "rate");
+  const std::vector<double> t{0, 1, 2, 3}, y{3, 1.5, 0.7, 0.4};
+  for (std::size_t i = 0; i < t.size(); ++i)
+    est.insertMeasurement(decay, size, rate, t[i], slom::measured(y[i]), slom::StandardDeviation(0.08));
+  ASSERT_TRUE(est.optimize().converged);
+  const slom::testing::TemporaryFolder folder;
+  std::filesystem::current_path(folder.path());
+  slom::plot(est, t, y, 0.08, decay, size, rate).save("decay.svg");   // decay(size, rate, t[i]) fits y[i]
+  slom::plotResiduals(est).save("residuals.svg");
+  EXPECT_TRUE(std::filesystem::exists(folder / "decay.svg") && std::filesystem::exists(folder / "residuals.svg"));
+  std::filesystem::current_path(folder.path().parent_path());
+}
+
 TEST(UncertaintyPage, Works) {
   SurveyOfThePage survey;
   auto& [est, church, mill, tower, barn, oak] = survey;
@@ -171,6 +189,9 @@ TEST(UncertaintyPage, Works) {
   const slom::ProfileInterval interval = est.profile(oak, "x", 0.95);
   EXPECT_LT(interval.lower, interval.value);
   EXPECT_LT(interval.value, interval.upper);
+  const slom::IntervalTable table = est.intervals(0.95);
+  std::cout << table << table.markdown() << table.csv();
+  EXPECT_EQ(table.rows.size(), 7u);
 
   est.setSigma(slom::Sigma::estimated);
   EXPECT_GT(est.standardDeviation(tower)[0], 0);
@@ -179,6 +200,8 @@ TEST(UncertaintyPage, Works) {
   est.free(church);
   est.free(mill);
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  const slom::Summary network = est.optimize();
+  EXPECT_EQ(network.free_directions, 3);
   EXPECT_GT(est.standardDeviation(church)[0], 0);
   est.setFreeGauge(slom::FreeGauge::error);
   est.fix(church);
@@ -193,6 +216,8 @@ TEST(UncertaintyPage, Works) {
   const slom::OutlierReport report = est.outliers();
   std::cout << report;
   EXPECT_EQ(report.suspects(), 0);
+  const std::vector<slom::MeasurementCheck> ranking = report.ranking();   // the least probable first
+  if (ranking.front().is_suspect) est.removeMeasurement(ranking.front().id);
 
   const slom::Preflight preflight = est.preflight();
   if (!preflight.ok()) std::cout << preflight;

@@ -49,7 +49,8 @@ struct UpdateSummary {
   bool reordered = false;  ///< all variables were reordered
   /// The budget was used up before the tolerance was met: `promise` is left for later calls.
   bool is_put_off = false;
-  /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill or to values without residuals.
+  /// optimize() took over, in time proportional to everything: there are bounds, or steps went uphill, to values without residuals or to where an
+  /// unknown has lost its influence.
   bool used_optimize = false;
   int optimize_iterations = 0;  ///< of optimize(), where it took over; the other counts are without these
   /// It would have taken over, but there is a budget: call it when there is time.

@@ -1,0 +1,168 @@
+// Intervals: with an estimated variance by Student's t, of all parameters at once, as text, Markdown and CSV.
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <slom/analyze/clustered.hpp>
+#include <slom/analyze/student.hpp>
+#include <slom/slom.hpp>
+
+#include "support/message_of.hpp"
+
+namespace {
+
+using slom::testing::messageOf;
+
+/// A straight line through few points.
+struct Line {
+  slom::Estimator est;
+  slom::VarID<double> offset = est.insertRV(0.0, "offset"), slope = est.insertRV(0.0, "slope");
+  int count;
+
+  Line(unsigned seed, int points) : count(points) {
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> noise(0, 0.3);
+    for (int i = 0; i < points; ++i) {
+      est.insertMeasurement([](const auto& a, const auto& b, double x) { return a + b * x; }, offset, slope,
+                            double(i), slom::measured(2 + 0.5 * i + noise(engine)),
+                            slom::group("half", i / 2));
+    }
+  }
+};
+
+TEST(Intervals, OfALineWithEstimatedVarianceAreStudents) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Line line(seed, 3 + static_cast<int>(seed) % 6);
+    line.est.setSigma(slom::Sigma::estimated);
+    ASSERT_TRUE(line.est.optimize().converged);
+    for (const double probability : {0.5, 0.95, 0.999}) {
+      const double t = slom::studentCritical(1 - probability, line.count - 2);
+      const double half = t * line.est.standardDeviation(line.slope)[0];
+      const slom::ProfileInterval interval = line.est.profile(line.slope, probability);
+      EXPECT_NEAR(interval.upper, *line.slope + half, 1e-6 * half) << seed << " " << probability;
+      EXPECT_NEAR(interval.lower, *line.slope - half, 1e-6 * half) << seed << " " << probability;
+    }
+  }
+}
+
+TEST(Intervals, OfACurveWithEstimatedVarianceEndWhereFSaysSo) {
+  // At the ends of the interval (RSS - RSS0) / (RSS0 / dof) = F(1, dof) = t^2, with everything else fitted again: here one other
+  // parameter, which is linear, so that its best value has a closed formula.
+  std::mt19937 engine(3);
+  std::normal_distribution<double> noise(0, 0.05);
+  std::vector<double> x, y;
+  for (int i = 0; i < 8; ++i) {
+    x.push_back(0.4 * i);
+    y.push_back(2 * std::exp(-0.8 * x.back()) + noise(engine));
+  }
+  slom::Estimator est;
+  const auto size = est.insertRV(1.0, "size"), rate = est.insertRV(1.0, "rate");
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    est.insertMeasurement([](const auto& a, const auto& k, double at) { return a * exp(-k * at); }, size,
+                          rate, x[i], slom::measured(y[i]));
+  }
+  est.setSigma(slom::Sigma::estimated);
+  ASSERT_TRUE(est.optimize().converged);
+  const auto bestRss = [&](double k) {
+    double ee = 0, ey = 0, yy = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double e = std::exp(-k * x[i]);
+      ee += e * e, ey += e * y[i], yy += y[i] * y[i];
+    }
+    return yy - ey * ey / ee;
+  };
+  const slom::ProfileInterval interval = est.profile(rate, 0.95);
+  const double t = slom::studentCritical(0.05, 6), best = est.getRSS();
+  for (const double end : {interval.lower, interval.upper})
+    EXPECT_NEAR((bestRss(end) - best) / (best / 6), t * t, 1e-4 * t * t);
+  EXPECT_GT(std::abs(interval.upper - *rate) / std::abs(interval.lower - *rate), 1.03);  // not symmetric
+}
+
+TEST(Intervals, OfAllParametersAreThoseOfProfile) {
+  Line line(5, 9);
+  ASSERT_TRUE(line.est.optimize().converged);
+  const slom::IntervalTable table = line.est.intervals(0.9);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.probability, 0.9);
+  const std::vector<slom::VarID<double>> ids{line.offset, line.slope};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const slom::ProfileInterval own = line.est.profile(ids[i], 0.9);
+    EXPECT_EQ(table.rows[i].name, line.est.nameOf(ids[i]));
+    EXPECT_EQ(table.rows[i].value, *ids[i]);
+    EXPECT_NEAR(table.rows[i].standard_deviation, line.est.standardDeviation(ids[i])[0], 1e-12);
+    EXPECT_DOUBLE_EQ(table.rows[i].lower, own.lower);
+    EXPECT_DOUBLE_EQ(table.rows[i].upper, own.upper);
+    EXPECT_TRUE(table.rows[i].is_profile);
+  }
+  const slom::Clustered clustered = line.est.clustered();
+  const Eigen::VectorXd half = clustered.interval(line.slope, 0.95);
+  const slom::IntervalTable wide = line.est.intervals(clustered);
+  EXPECT_NEAR(wide.rows[1].upper - *line.slope, half[0], 1e-5 * half[0]);
+  EXPECT_GT(wide.rows[0].upper, wide.rows[0].value);
+}
+
+TEST(Intervals, AreOneSidedAtBoundsAndFromDeviationsForRotations) {
+  slom::Estimator est;
+  using Pose = mtk::trafo<mtk::SO3<>>;
+  const Pose truth(mtk::SO3<>::exp(mtk::vect<3>(0.3, -0.2, 0.1)), mtk::vect<3>(1, 2, 3));
+  const auto pose = est.insertRV(truth, "pose");
+  const auto bounded = est.insertRV(0.5, "bounded");
+  est.bound(bounded, 0, 1);
+  est.prior(pose, truth, slom::StandardDeviation(0.01));
+  est.insertMeasurement([](const auto& x) { return x - 2.0; }, bounded, slom::StandardDeviation(0.7));
+  ASSERT_TRUE(est.optimize().converged);
+  const slom::IntervalTable table = est.intervals();
+  ASSERT_EQ(table.rows.size(), 7u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const bool is_position = table.rows[i].name.find(".pos.") != std::string::npos;
+    EXPECT_EQ(table.rows[i].is_profile, is_position) << table.rows[i].name;
+    EXPECT_NEAR(table.rows[i].upper - table.rows[i].value, 1.959963984540054 * 0.01, 1e-8);
+    EXPECT_NEAR(table.rows[i].value - table.rows[i].lower, 1.959963984540054 * 0.01, 1e-8);
+  }
+  EXPECT_EQ(table.rows[6].value, 1);
+  EXPECT_EQ(table.rows[6].upper, 1);
+  EXPECT_LT(table.rows[6].lower, 1);
+  EXPECT_EQ(table.rows[6].standard_deviation, 0);
+}
+
+TEST(Intervals, AreWrittenForPagesAndPrograms) {
+  slom::IntervalTable table;
+  table.probability = 0.95;
+  table.rows = {
+      {.name = "rate, \"fast\"", .value = 0.25, .standard_deviation = 0.0125, .lower = 0.225, .upper = 0.3},
+      {.name = "a|b_c",
+       .value = 1234.56789,
+       .standard_deviation = 0.01,
+       .lower = 1234.54,
+       .upper = INFINITY,
+       .is_profile = false}};
+  EXPECT_EQ(table.csv(),
+            "parameter,value,standard_deviation,lower,upper,method\n"
+            "\"rate, \"\"fast\"\"\",0.25,0.0125,0.225,0.3,profile\n"
+            "a|b_c,1234.56789,0.01,1234.54,inf,standard deviation\n");
+  EXPECT_EQ(table.markdown(),
+            "| parameter | value | standard deviation | 95 % from | to |\n"
+            "| --- | ---: | ---: | ---: | ---: |\n"
+            "| rate, \"fast\" | 0.2500 | 0.0125 | 0.2250 | 0.3000 |\n"
+            "| a\\|b\\_c \\* | 1234.5679 | 0.01 | 1234.5400 | inf |\n"
+            "\n"
+            "\\* from the standard deviation; all others by profile likelihood\n");
+  EXPECT_EQ(table.text(),
+            "95 % intervals\n"
+            "  parameter         value  standard deviation      lower   upper\n"
+            "  rate, \"fast\"     0.2500              0.0125     0.2250  0.3000\n"
+            "  a|b_c *       1234.5679                0.01  1234.5400     inf\n"
+            "  * from the standard deviation; all others by profile likelihood\n");
+}
+
+TEST(Intervals, AreThoseOfAFit) {
+  Line line(5, 9);
+  EXPECT_EQ(messageOf([&] { line.est.intervals(); }).substr(0, 20), "[slom.not-a-minimum]");
+  EXPECT_EQ(messageOf([&] { line.est.intervals(1.0); }).substr(0, 17), "[slom.bad-option]");
+}
+
+}  // namespace
