@@ -203,7 +203,10 @@ TEST(ComingFromCeres, BoundsHold) {
     EXPECT_TRUE(fit.converged) << fit;
     EXPECT_EQ(*radius, 2.9);
     EXPECT_EQ(fit.active_bounds.size(), 1u);
-    EXPECT_NEAR(fit.final_rss, 2 * found.final_cost, 1e-6 * fit.final_rss);
+    EXPECT_NEAR(fit.final_rss, 9.32618, 1e-5) << "with the radius fixed, by another program";
+    // Ceres projects its steps onto the bounds, and stops before the centre has followed.
+    EXPECT_GT(2 * found.final_cost, fit.final_rss);
+    EXPECT_NEAR(2 * found.final_cost, 9.385, 0.01);
   }
   EXPECT_NEAR(radius, 2.9, 1e-9);
   est.bound(centre_here, "x", -1, 1);
