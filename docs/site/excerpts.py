@@ -8,7 +8,7 @@ from docutils import nodes
 from sphinx import addnodes
 
 def own_text(section, titles):
-    """The text of a section without its headings, its declarations of C++ and the sections in it."""
+    """The text of a section without its headings and the sections in it; of declarations the name alone."""
     left_out = (nodes.section, nodes.title, nodes.comment, nodes.raw, addnodes.toctree)
     found = []
 
@@ -16,7 +16,7 @@ def own_text(section, titles):
         if isinstance(node, nodes.Text):
             found.append(node.astext())
         elif isinstance(node, addnodes.desc_signature):
-            found.append(" ".join(name.astext() for name in node.findall(addnodes.desc_sig_name)) + " ")
+            found.append(" ".join(name.astext() for name in node.findall(addnodes.desc_name)) + " ")
         elif isinstance(node, addnodes.pending_xref) and node["reftype"] == "doc" and not node["refexplicit"]:
             found.append(titles[node["reftarget"].lstrip("/")].astext())
         elif not isinstance(node, left_out):
