@@ -59,7 +59,8 @@ void add(Score& score, const Problem& problem, const Fit& fit, bool verbose, int
     ++score.optima;
   } else if (hasFreeDirections(problem, claim.x)) {
     ++score.free;
-    if (verbose) std::printf("    free directions: %s %d, RSS %.9g\n", problem.name.c_str(), number, claim.rss);
+    if (verbose)
+      std::printf("    free directions: %s %d, RSS %.9g\n", problem.name.c_str(), number, claim.rss);
   }
 }
 
@@ -89,10 +90,11 @@ int main(int count, char** words) {
     } else if (std::strcmp(words[i], "--set") == 0 && i + 1 < count) {
       only = words[++i];
     } else {
-      std::fprintf(stderr,
-                   "bench_honesty: unknown argument '%s'; usage: bench_honesty [--first K] [--fits N] [--set NAME] "
-                   "[--slom] [--verbose]\n",
-                   words[i]);
+      std::fprintf(
+          stderr,
+          "bench_honesty: unknown argument '%s'; usage: bench_honesty [--first K] [--fits N] [--set NAME] "
+          "[--slom] [--verbose]\n",
+          words[i]);
       return 2;
     }
   }
@@ -109,11 +111,12 @@ int main(int count, char** words) {
        true},
       {"SLoM, dog leg", [](const auto& p) { return fitBySlom(p, Method::dog_leg); }, true}};
 #ifdef SLOM_BENCH_CERES
-  methods.push_back({"Ceres, default", [](const auto& p) { return fitByCeres(p, Method::automatic); }, false});
+  methods.push_back(
+      {"Ceres, default", [](const auto& p) { return fitByCeres(p, Method::automatic); }, false});
   methods.push_back({"Ceres, dog leg", [](const auto& p) { return fitByCeres(p, Method::dog_leg); }, false});
 #endif
-  std::printf("%-10s %-28s %8s %8s %8s %8s %8s %8s %8s %10s\n", "starts", "method", "fits", "throws", "claims",
-              "false", "free", "saddle", "optima", "iterations");
+  std::printf("%-10s %-28s %8s %8s %8s %8s %8s %8s %8s %10s\n", "starts", "method", "fits", "throws",
+              "claims", "false", "free", "saddle", "optima", "iterations");
   int lies = 0;
   for (const Row& method : methods) {
     if (!method.is_slom && !with_peers) continue;
