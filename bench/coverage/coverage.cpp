@@ -1,4 +1,8 @@
-// How often 95 % intervals hold, stated and clustered, over a thousand simulated calibrations and pose graphs each: prints docs/coverage.md.
+// How often 95 % intervals hold, stated and clustered, over a thousand simulated calibrations, pose graphs and regressions each: prints
+// docs/coverage.md.
+//
+//   bench_coverage [RUNS] [--sizes]
+//     1000 RUNS without; --sizes: the section on sizes of groups alone, 4 times as many
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +17,7 @@
 #include <slom/slom.hpp>
 
 #include "calibrate/simulated_rig.hpp"
+#include "coverage/group_sizes.hpp"
 
 namespace {
 
@@ -161,7 +166,19 @@ void print(const char* title, const char* groups, Coverage (*simulate)(int, cons
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 1000;
+  int runs = 1000;
+  bool only_sizes = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--sizes") {
+      only_sizes = true;
+    } else {
+      runs = std::max(1, std::atoi(argv[i]));
+    }
+  }
+  if (only_sizes) {
+    slom::bench::printGroupSizes(4 * runs);
+    return 0;
+  }
   std::printf(
       "# How often intervals hold\n\n"
       "Written by `bench_coverage`. Of %d simulations each, the share in which an interval of 95 %% has the true value, by stated and by clustered standard "
@@ -177,4 +194,5 @@ int main(int argc, char** argv) {
   std::printf(
       "\nA round of 12 places that is driven again and again; in each round odometry has a scale and a sideways drift of its own; x, y and heading of two places. Groups are rounds, "
       "with `ordered` where successive ones are alike, and where it says \"taken in order\" though they are not.\n");
+  slom::bench::printGroupSizes(4 * runs);
 }

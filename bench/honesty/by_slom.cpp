@@ -28,10 +28,12 @@ Claim fitBySlom(const Problem& problem, Method method) {
     const Summary summary = est.optimize();
     claim.converged = summary.converged;
     claim.iterations = summary.iterations;
+    claim.rss = summary.final_rss;
   } catch (const Error&) {  // a residual is not finite at the start
+    claim.threw = true;
+    claim.rss = std::nan("");
   }
   claim.x.assign((*x).begin(), (*x).end());
-  claim.rss = claim.converged ? est.getRSS() : std::nan("");
   return claim;
 }
 

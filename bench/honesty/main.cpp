@@ -1,16 +1,18 @@
 // Does "converged" hold? Fits from random starts, their claims checked in long double.
 //
-//   bench_honesty [--first K] [--fits N] [--slom] [--verbose]
-//     N random starts of each set, 1000 without, from number K on, 0 without; --slom: without the peers
+//   bench_honesty [--first K] [--fits N] [--set NAME] [--slom] [--verbose]
+//     N random starts of each set, 1000 without, from number K on, 0 without; of the set NAME alone; --slom: without the peers
 //
 // by_scipy.py has the rows of SciPy.
 //
 // A false claim of SLoM ends the program with status 1.
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "honesty/methods.hpp"
 
@@ -20,31 +22,52 @@ using namespace slom::testing::classics;
 namespace {
 
 struct Score {
-  int fits = 0, claims = 0, false_claims = 0, optima = 0;
+  int fits = 0, throws = 0, claims = 0, false_claims = 0;
+  int free = 0;     ///< true claims with free directions, away from the known minima
+  int saddles = 0;  ///< fits that end at the known saddle, whatever they claim
+  int optima = 0;
   double iterations = 0;
 };
 
 using Fit = std::function<Claim(const Problem&)>;
 
-void add(Score& score, const Problem& problem, const Fit& fit, bool verbose, int first = 0) {
+struct Set {
+  const char* name;
+  std::function<Problem(std::uint64_t)> problem;
+  int count = -1;  ///< the number of its problems; -1: as many as asked for
+};
+
+struct Row {
+  const char* name;
+  Fit fit;
+  bool is_slom;
+};
+
+void add(Score& score, const Problem& problem, const Fit& fit, bool verbose, int number) {
   const Claim claim = fit(problem);
   ++score.fits;
+  score.throws += claim.threw ? 1 : 0;
   score.iterations += claim.iterations;
+  score.saddles += isSaddle(problem, claim.rss) ? 1 : 0;
   if (!claim.converged) return;
   ++score.claims;
   std::string why;
   if (isFalse(problem, claim.x, &why)) {
     ++score.false_claims;
+    if (verbose) std::printf("    false: %s %d, %s\n", problem.name.c_str(), number, why.c_str());
+  } else if (isOptimum(problem, claim.rss)) {
+    ++score.optima;
+  } else if (hasFreeDirections(problem, claim.x)) {
+    ++score.free;
     if (verbose)
-      std::printf("    false: %s %d, %s\n", problem.name.c_str(), first + score.fits - 1, why.c_str());
-  } else {
-    score.optima += isOptimum(problem, claim.rss);
+      std::printf("    free directions: %s %d, RSS %.9g\n", problem.name.c_str(), number, claim.rss);
   }
 }
 
 void print(const char* set, const char* method, const Score& score) {
-  std::printf("%-10s %-28s %8d %8d %8d %8d %10.1f\n", set, method, score.fits, score.claims,
-              score.false_claims, score.optima, score.iterations / score.fits);
+  std::printf("%-10s %-28s %8d %8d %8d %8d %8d %8d %8d %10.1f\n", set, method, score.fits, score.throws,
+              score.claims, score.false_claims, score.free, score.saddles, score.optima,
+              score.iterations / score.fits);
   std::fflush(stdout);
 }
 
@@ -54,6 +77,7 @@ int main(int count, char** words) {
   int fits = 1000;
   int first = 0;
   bool verbose = false, with_peers = true;
+  std::string only;
   for (int i = 1; i < count; ++i) {
     if (std::strcmp(words[i], "--verbose") == 0) {
       verbose = true;
@@ -63,43 +87,48 @@ int main(int count, char** words) {
       first = std::atoi(words[++i]);
     } else if (std::strcmp(words[i], "--fits") == 0 && i + 1 < count) {
       fits = std::atoi(words[++i]);
+    } else if (std::strcmp(words[i], "--set") == 0 && i + 1 < count) {
+      only = words[++i];
     } else {
       std::fprintf(
           stderr,
-          "bench_honesty: unknown argument '%s'; usage: bench_honesty [--first K] [--fits N] [--slom] [--verbose]\n",
+          "bench_honesty: unknown argument '%s'; usage: bench_honesty [--first K] [--fits N] [--set NAME] "
+          "[--slom] [--verbose]\n",
           words[i]);
       return 2;
     }
   }
-  struct Row {
-    const char* name;
-    Fit fit;
-    bool is_slom;
-  };
-  std::vector<Row> rows{
+  const auto published = publishedStarts();
+  const std::vector<Set> sets{
+      {"published", [&](std::uint64_t i) { return published[i]; }, static_cast<int>(published.size())},
+      {"classics", randomClassic},
+      {"curves", randomCurve},
+      {"sigmoid", wideSigmoid},
+      {"decays", twoDecays}};
+  std::vector<Row> methods{
       {"SLoM, default", [](const auto& p) { return fitBySlom(p, Method::automatic); }, true},
       {"SLoM, Levenberg-Marquardt", [](const auto& p) { return fitBySlom(p, Method::levenberg_marquardt); },
        true},
       {"SLoM, dog leg", [](const auto& p) { return fitBySlom(p, Method::dog_leg); }, true}};
 #ifdef SLOM_BENCH_CERES
-  rows.push_back({"Ceres, default", [](const auto& p) { return fitByCeres(p, Method::automatic); }, false});
-  rows.push_back({"Ceres, dog leg", [](const auto& p) { return fitByCeres(p, Method::dog_leg); }, false});
+  methods.push_back(
+      {"Ceres, default", [](const auto& p) { return fitByCeres(p, Method::automatic); }, false});
+  methods.push_back({"Ceres, dog leg", [](const auto& p) { return fitByCeres(p, Method::dog_leg); }, false});
 #endif
-  std::printf("%-10s %-28s %8s %8s %8s %8s %10s\n", "starts", "method", "fits", "claims", "false", "optima",
-              "iterations");
+  std::printf("%-10s %-28s %8s %8s %8s %8s %8s %8s %8s %10s\n", "starts", "method", "fits", "throws",
+              "claims", "false", "free", "saddle", "optima", "iterations");
   int lies = 0;
-  for (const Row& row : rows) {
-    if (!row.is_slom && !with_peers) continue;
-    Score published, classics, curves;
-    for (const Problem& problem : publishedStarts()) add(published, problem, row.fit, verbose);
-    print("published", row.name, published);
-    for (int i = first; i < first + fits; ++i)
-      add(classics, randomClassic(static_cast<std::uint64_t>(i)), row.fit, verbose, first);
-    print("classics", row.name, classics);
-    for (int i = first; i < first + fits; ++i)
-      add(curves, randomCurve(static_cast<std::uint64_t>(i)), row.fit, verbose, first);
-    print("curves", row.name, curves);
-    if (row.is_slom) lies += published.false_claims + classics.false_claims + curves.false_claims;
+  for (const Row& method : methods) {
+    if (!method.is_slom && !with_peers) continue;
+    for (const Set& set : sets) {
+      if (!only.empty() && only != set.name) continue;
+      Score score;
+      const int begin = set.count < 0 ? first : 0, end = set.count < 0 ? first + fits : set.count;
+      for (int i = begin; i < end; ++i)
+        add(score, set.problem(static_cast<std::uint64_t>(i)), method.fit, verbose, i);
+      print(set.name, method.name, score);
+      if (method.is_slom) lies += score.false_claims;
+    }
   }
   return lies > 0 ? 1 : 0;
 }

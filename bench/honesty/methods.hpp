@@ -7,8 +7,9 @@
 
 namespace slom::bench {
 
+/// What a fit ended with; after an exception `rss` is NaN.
 struct Claim {
-  bool converged = false;
+  bool converged = false, threw = false;
   double rss = 0;
   int iterations = 0;
   std::vector<double> x;

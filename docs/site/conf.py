@@ -14,7 +14,7 @@ project = "SLoM"
 author = "the authors of SLoM"
 release = version = ".".join(numbers)
 sys.path.insert(0, os.fspath(pathlib.Path(__file__).parent))
-extensions = ["myst_parser", "theme", "code_links", "cpp_objects"]
+extensions = ["myst_parser", "theme", "code_links", "cpp_objects", "excerpts"]
 root_doc = "index"
 language = "en"
 nitpicky = True
@@ -33,9 +33,9 @@ html_show_sphinx = False
 html_show_copyright = False
 html_last_updated_fmt = None
 html_use_index = True
-html_show_search_summary = False  # a page in a file may not read another one
-pygments_style = "friendly"
-pygments_dark_style = "native"
+html_show_search_summary = False  # a page in a file may not read another one; excerpts.py has what it may
+pygments_style = "code_style.Light"
+pygments_dark_style = "code_style.Dark"
 
 
 def setup(app):

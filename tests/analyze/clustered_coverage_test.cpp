@@ -11,6 +11,7 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
+#include "support/clustered_designs.hpp"
 #include "support/slow_with_sanitizers.hpp"
 
 namespace {
@@ -182,6 +183,54 @@ TEST(ClusteredCoverage, HoldsWhereGroupsDifferInSize) {
     EXPECT_GE(holds, sizes.least * repetitions) << sizes.name << sizes.of.size();
     EXPECT_GT(std::sqrt(variance / squared_error), 0.85) << sizes.name << sizes.of.size();
     if (sizes.name == std::string("one large")) EXPECT_GT(notes, 0.9 * repetitions);
+  }
+}
+
+/// The largest number k with P(at most k - 1 of n hold) <= 1e-4 where each holds with probability 0.95.
+int leastOf(int n) {
+  double probability = std::pow(0.05, n), sum = probability;
+  int k = 0;
+  while (sum <= 1e-4) {
+    probability *= 0.95 / 0.05 * (n - k) / (k + 1);
+    sum += probability;
+    ++k;
+  }
+  return k;
+}
+
+/// 5 to 50 groups, one way or two; equal, with 400 of one group against 3 of each other, and lognormal.
+TEST(ClusteredCoverage, OfTheDefaultHoldsOverNumbersAndSizesOfGroups) {
+  SLOM_SKIP_WITH_SANITIZERS();
+  namespace clusters = slom::testing::clusters;
+  using clusters::Sizes;
+  constexpr int runs = 200;
+  EXPECT_EQ(leastOf(runs), 177);
+  for (const int ways : {1, 2}) {
+    for (const Sizes sizes : {Sizes::equal, Sizes::one_large, Sizes::lognormal}) {
+      for (const int groups : {5, 10, 20, 50}) {
+        const clusters::Design design{ways, sizes, groups};
+        std::mt19937_64 random(17);
+        clusters::Tally tally, uncorrected;
+        for (int run = 0; run < runs; ++run) {
+          slom::Estimator est;
+          est.setThreads(1);
+          const auto p = clusters::simulate(est, design, random);
+          est.optimize({.most_parameters = 0});
+          tally.add(design, est.clustered(clusters::optionsOf(design, slom::ClusterCorrection::by_leverage)),
+                    p);
+          if (ways == 1 && sizes == Sizes::one_large && groups >= 20)
+            uncorrected.add(design, est.clustered(clusters::optionsOf(design, slom::ClusterCorrection::cr2)),
+                            p);
+        }
+        const std::size_t worst = tally.worst();
+        const auto where = ::testing::Message() << ways << " ways, sizes " << static_cast<int>(sizes) << ", "
+                                                << groups << " groups";
+        EXPECT_GE(tally.holds[worst], leastOf(runs)) << where;
+        EXPECT_GT(tally.printedOverTrue(worst), 0.8) << where;
+        if (sizes == Sizes::one_large || groups < 10) EXPECT_GT(tally.named, 0.95 * runs) << where;
+        if (uncorrected.runs > 0) EXPECT_LT(uncorrected.holds[1], 0.7 * runs) << where << ", cr2";
+      }
+    }
   }
 }
 

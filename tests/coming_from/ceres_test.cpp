@@ -34,6 +34,16 @@ struct RotationDifference {
 };
 // clang-format on
 
+// clang-format off
+struct Watch : ceres::IterationCallback {
+  std::vector<double> costs;
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
+    costs.push_back(s.cost);
+    return s.cumulative_time_in_seconds > 60 ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+// clang-format on
+
 /// Twice the quaternion's x, measured as 0.
 struct About {
   template <class T>
@@ -158,6 +168,91 @@ TEST(ComingFromCeres, RotationsArePerturbedOnTheOtherSideByHalfTheVector) {
   // clang-format on
   EXPECT_LT((est.covariance(R) - here).norm(), 1e-5 * here.norm()) << est.covariance(R) << "\n\n" << here;
   EXPECT_GT((est.covariance(R) - 4 * there).norm(), 1e-2 * here.norm()) << "the side does not matter here";
+}
+
+TEST(ComingFromCeres, BoundsHold) {
+  double centre[2] = {0, 0}, radius = 1;
+  ceres::Problem problem;
+  for (const auto& p : points) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OnCircle, 1, 2, 1>(new OnCircle{p}), nullptr,
+                             centre, &radius);
+  }
+  // clang-format off
+  problem.SetParameterLowerBound(&radius, 0, 0.5);
+  problem.SetParameterUpperBound(&radius, 0, 2.9);
+  // clang-format on
+  ceres::Solver::Options there;
+  there.function_tolerance = there.parameter_tolerance = 1e-14;
+  there.max_num_iterations = 1000;
+  ceres::Solver::Summary found;
+  ceres::Solve(there, &problem, &found);
+
+  slom::Estimator est;
+  auto centre_here = est.insertRV(Eigen::Vector2d(0, 0), "centre");
+  {
+    auto radius = est.insertRV(1.0, "radius");
+    for (const auto& p : points) {
+      est.insertMeasurement(
+          [](const auto& c, const auto& r, const auto& point) { return (point - c).norm() - r; }, centre_here,
+          radius, p, slom::StandardDeviation(0.1));
+    }
+    // clang-format off
+  est.bound(radius, 0.5, 2.9);
+    // clang-format on
+    const slom::Summary fit = est.optimize();
+    EXPECT_TRUE(fit.converged) << fit;
+    EXPECT_EQ(*radius, 2.9);
+    EXPECT_EQ(fit.active_bounds.size(), 1u);
+    EXPECT_NEAR(fit.final_rss, 9.32618, 1e-5) << "with the radius fixed, by another program";
+    // Ceres projects its steps onto the bounds, and stops before the centre has followed.
+    EXPECT_GT(2 * found.final_cost, fit.final_rss);
+    EXPECT_NEAR(2 * found.final_cost, 9.385, 0.01);
+  }
+  EXPECT_NEAR(radius, 2.9, 1e-9);
+  est.bound(centre_here, "x", -1, 1);
+  EXPECT_TRUE(est.optimize().converged);
+  EXPECT_LE(std::abs(centre_here->x()), 1);
+}
+
+TEST(ComingFromCeres, ObserversWatchAFit) {
+  double centre[2] = {0, 0}, radius = 1;
+  ceres::Problem problem;
+  slom::Estimator est;
+  const auto c = est.insertRV(Eigen::Vector2d(0, 0), "centre");
+  const auto r = est.insertRV(1.0, "radius");
+  for (const auto& p : points) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<OnCircle, 1, 2, 1>(new OnCircle{p}), nullptr,
+                             centre, &radius);
+    est.insertMeasurement(
+        [](const auto& c, const auto& r, const auto& point) { return (point - c).norm() - r; }, c, r, p,
+        slom::StandardDeviation(0.1));
+  }
+  Watch watch;
+  ceres::Solver::Options there;
+  there.callbacks.push_back(&watch);
+  ceres::Solver::Summary found;
+  ceres::Solve(there, &problem, &found);
+
+  std::vector<double> costs;
+  // clang-format off
+  slom::Options options;
+  options.observer = [&](const slom::IterationRecord& record) {
+    costs.push_back(record.rss / 2);  // Ceres' cost
+    return record.seconds > 60 ? slom::FitControl::stop : slom::FitControl::go_on;
+  };
+  const slom::Summary summary = est.optimize(options);
+  // clang-format on
+  ASSERT_EQ(costs.size(), static_cast<std::size_t>(summary.iterations) + 1);
+  EXPECT_NEAR(costs.front(), watch.costs.front(), 1e-12 * costs.front());
+  EXPECT_NEAR(costs.back(), watch.costs.back(), 1e-6);
+
+  // Variables have the values of the iteration that the record is of.
+  est.reinitRV(r, 1.0);
+  options.observer = [&](const slom::IterationRecord& record) {
+    EXPECT_NEAR(est.getRSS(), record.rss, 1e-9 * record.rss);
+    return record.iteration == 1 ? slom::FitControl::stop : slom::FitControl::go_on;
+  };
+  EXPECT_EQ(est.optimize(options).stop_reason, slom::StopReason::interrupted);
 }
 
 }  // namespace

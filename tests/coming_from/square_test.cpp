@@ -33,4 +33,40 @@ TEST(ComingFromGtsam, ASquareCloses) {
   EXPECT_GT(covariance(0, 0), 0.05 * 0.05 / 2);
 }
 
+/// A prior along the axes of the body, as GTSAM's, and the same one along those of the world.
+TEST(ComingFromGtsam, APriorAlongTheAxesOfTheBody) {
+  for (const bool is_in_body : {true, false}) {
+    slom::Estimator est;
+    const auto robot = est.insertRV(mtk::trafo<mtk::SO3<>>(), "robot");
+    const auto insert = [&] {
+      // clang-format off
+  using Pose = mtk::trafo<mtk::SO3<>>;
+  const Pose start(mtk::SO3<>::exp(mtk::vect<3>(0, 0, 1.5707963267949)), mtk::vect<3>(1, 2, 0));
+  mtk::vect<6> sigmas;
+  sigmas << 0.5, 0.1, 0.1, 0.01, 0.01, 0.02;  // x, y, z of the body [m], then roll, pitch, yaw [rad]
+  est.insertMeasurement(slom::RelativePose(), Pose(), robot, slom::measured(start), slom::StandardDeviation(sigmas));
+      // clang-format on
+    };
+    const auto insert_in_world = [&](const mtk::trafo<mtk::SO3<>>& start) {
+      // clang-format off
+  mtk::vect<6> in_world;
+  in_world << 0.1, 0.5, 0.1, 0.01, 0.01, 0.02;  // x, y, z of the world [m], then roll, pitch, yaw [rad]
+  est.prior(robot, start, slom::StandardDeviation(in_world));
+      // clang-format on
+    };
+    if (is_in_body) {
+      insert();
+    } else {
+      insert_in_world({mtk::SO3<>::exp(mtk::vect<3>(0, 0, 1.5707963267949)), mtk::vect<3>(1, 2, 0)});
+    }
+    EXPECT_TRUE(est.optimize().converged);
+    EXPECT_NEAR(robot->pos.y(), 2, 1e-9);
+    mtk::vect<6> expected;
+    expected << 0.1, 0.5, 0.1, 0.01, 0.01, 0.02;
+    EXPECT_LT((est.standardDeviation(robot) - expected).norm(), 1e-9)
+        << est.standardDeviation(robot).transpose();
+    EXPECT_NEAR(est.covariance(robot)(0, 1), 0, 1e-12);
+  }
+}
+
 }  // namespace

@@ -1,15 +1,18 @@
 #!/usr/bin/python3
-"""Opens the built site in Chromium: no errors, nothing loaded from elsewhere, no page wider than the window, search, dark, keyboard.
+"""Opens the built site in Chromium: no errors, nothing loaded from elsewhere, no page wider than the window, readable code, search, dark, keyboard.
 
     browser_test.py HTML PICTURES
 
 HTML: folder that scripts/docs wrote; PICTURES: a folder for screenshots, which are there to be looked at. Exit code 77: skipped.
 """
+import functools
+import http.server
 import json
 import os
 import pathlib
 import sys
 import tempfile
+import threading
 import unittest
 
 HTML, PICTURES = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
@@ -29,6 +32,34 @@ except ImportError:
 if not (os.path.exists("/usr/bin/chromium") and os.path.exists("/usr/bin/chromedriver")):
     print("skipped: needs Debian's chromium and chromium-driver")
     sys.exit(77)
+
+
+# The smallest contrast of the texts of code blocks, and the text that has it; null on a page without code.
+LEAST_CONTRAST = """
+const linear = (c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number);
+const luminance = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+const background = (e) => { const c = numbers(getComputedStyle(e).backgroundColor); return c.length < 4 || c[3] === 1 ? c : background(e.parentElement); };
+let least = null;
+for (const e of document.querySelectorAll('.highlight pre, .highlight pre span')) {
+  if (![...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim())) continue;
+  const [a, b] = [luminance(numbers(getComputedStyle(e).color)), luminance(background(e))];
+  const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  if (!least || contrast < least[0]) least = [contrast, e.className + ': ' + e.textContent.slice(0, 40)];
+}
+return least;
+"""
+
+# The number of columns of the widest code block, whose lines do not wrap, nor scroll.
+COLUMNS = """
+const pre = document.querySelector('.highlight pre'), style = getComputedStyle(pre);
+const line = pre.appendChild(document.createElement('span'));
+line.style.cssText = 'white-space: pre; position: absolute';
+line.textContent = 'x'.repeat(100);
+const columns = 100 * (pre.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight)) / line.getBoundingClientRect().width;
+line.remove();
+return columns;
+"""
 
 
 class Site(unittest.TestCase):
@@ -83,6 +114,35 @@ class Site(unittest.TestCase):
         self.assertEqual([entry["message"] for entry in self.browser.get_log("browser")], [])
         self.assertEqual([url for url in self.requests() if not url.startswith(("file:", "data:"))], [])
 
+    def test_code_and_output_have_contrast(self):
+        pages = [path for path in sorted(HTML.rglob("*.html")) if not {"_static", "files", "reference"} & set(path.parts)]
+        pages.append(HTML / "reference/slom/estimator.html")
+        seen = 0
+        for dark in [False, True]:
+            self.window(1280, dark=dark)
+            for path in pages:
+                self.browser.get(path.as_uri())
+                least = self.js(LEAST_CONTRAST)
+                if least:
+                    self.assertGreaterEqual(least[0], 7, f"{path}, dark {dark}, {least[1]}")
+                    seen += 1
+        self.assertGreater(seen, 40)
+
+    def test_code_of_124_columns_fits_a_window_of_1280_pixels(self):
+        scrollbar = 15  # the widest lines of code of the pages, but for a few, have 124 columns
+        for width in [1280 - scrollbar, 1280, 1540, 1600, 1920]:
+            self.window(width)
+            self.open("fitting.html")
+            self.assertGreaterEqual(self.js(COLUMNS), 124, width)
+            self.assertLessEqual(self.js("return document.scrollingElement.scrollWidth"), width)
+
+    def test_no_width_makes_a_page_scroll_sideways(self):
+        for width in [320, 600, 760, 900, 1060, 1090, 1200, 1300, 1500, 1700]:
+            self.window(width)
+            for name in ["calibrate.html", "reference/slom/estimator.html"]:
+                self.open(name)
+                self.assertLessEqual(self.js("return document.scrollingElement.scrollWidth"), width, name)
+
     def test_pictures(self):
         names = os.environ.get("SLOM_DOCS_PAGES", "index fitting conventions").split()
         for name in names:
@@ -108,6 +168,40 @@ class Site(unittest.TestCase):
         self.window(1280)
         self.open("search.html?q=covariance")
         WebDriverWait(self.browser, 10).until(lambda b: len(b.find_elements(By.CSS_SELECTOR, "ul.search li")) > 3)
+
+    def check_excerpts(self, address):
+        self.window(1280)
+        self.browser.get(f"{address}/search.html?q=leverage")
+        WebDriverWait(self.browser, 10).until(lambda b: "finished" in b.find_element(By.CSS_SELECTOR, ".search-summary").text)
+        results = self.browser.find_elements(By.CSS_SELECTOR, "ul.search li")
+        self.assertGreater(len(results), 3)
+        for result in results:
+            excerpt = result.find_element(By.CSS_SELECTOR, "p.context")
+            self.assertIn("leverage", excerpt.text.lower())
+            self.assertLess(len(excerpt.text), 500)
+        heading = self.browser.find_element(By.CSS_SELECTOR, "ul.search p.context a").get_attribute("href")
+        self.browser.get(heading)  # leads to the section
+        self.assertTrue(self.js("return document.getElementById(decodeURIComponent(location.hash.slice(1))) !== null"))
+
+    def test_results_of_the_search_have_excerpts(self):
+        self.assertLess((HTML / "_static/excerpts_data.js").stat().st_size, 1_000_000)
+        self.check_excerpts(HTML.as_uri())
+
+    def test_results_have_excerpts_from_a_server_too(self):
+        class Quiet(http.server.SimpleHTTPRequestHandler):
+            def log_message(self, *words):
+                pass
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=os.fspath(HTML)))
+        self.addCleanup(server.server_close)
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        self.addCleanup(server.shutdown)
+        self.check_excerpts(f"http://127.0.0.1:{server.server_port}")
+
+    def test_search_of_nothing_and_of_signs_does_not_fail(self):
+        self.browser.get_log("browser")
+        for query in ["", "the", "%28%2B%2B", "zzzzzz", "J%5ET+r"]:
+            self.open(f"search.html?q={query}")
+        self.assertEqual([entry["message"] for entry in self.browser.get_log("browser")], [])
 
     def test_keyboard(self):
         self.window(1280)

@@ -11,14 +11,25 @@ using namespace slom::testing::classics;
 namespace {
 
 Problem problemOf(int set, std::uint64_t number) {
-  return set == 0 ? publishedStarts()[number] : set == 1 ? randomClassic(number) : randomCurve(number);
+  switch (set) {
+    case 0:
+      return publishedStarts()[number];
+    case 1:
+      return randomClassic(number);
+    case 2:
+      return randomCurve(number);
+    case 3:
+      return wideSigmoid(number);
+    default:
+      return twoDecays(number);
+  }
 }
 
 }  // namespace
 
 extern "C" {
 
-/// Sets: 0 published starts, 1 classics, 2 curves.
+/// Sets: 0 published starts, 1 classics, 2 curves, 3 sigmoid, 4 decays.
 int honesty_published() { return static_cast<int>(publishedStarts().size()); }
 
 /// The problem stays valid until honesty_close.
@@ -49,5 +60,9 @@ void honesty_jacobian(const Problem* problem, const double* x, double* J) {
 int honesty_is_false(const Problem* problem, const double* x) {
   return isFalse(*problem, std::vector<double>(x, x + honesty_unknowns(problem))) ? 1 : 0;
 }
+int honesty_has_free_directions(const Problem* problem, const double* x) {
+  return hasFreeDirections(*problem, std::vector<double>(x, x + honesty_unknowns(problem))) ? 1 : 0;
+}
+int honesty_is_saddle(const Problem* problem, double rss) { return isSaddle(*problem, rss) ? 1 : 0; }
 int honesty_is_optimum(const Problem* problem, double rss) { return isOptimum(*problem, rss) ? 1 : 0; }
 }

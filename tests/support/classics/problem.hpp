@@ -11,11 +11,13 @@
 #include <Eigen/Core>
 #include <Eigen/QR>
 
+#include <mtk/testing/random.hpp>
+
 #include "support/classics/models.hpp"
 
 namespace slom::testing::classics {
 
-enum class Curve { exponential, logistic, gaussian, sine };
+enum class Curve { exponential, logistic, gaussian, sine, sigmoid, decays };
 
 struct Problem {
   std::string name;
@@ -24,6 +26,7 @@ struct Problem {
   std::vector<double> start, t, y;
   int residuals = 0;
   std::vector<double> minima;  ///< minima of the RSS, empty where they are not known
+  double saddle = 0;           ///< the RSS of a known saddle; 0: none
 };
 
 template <class T>
@@ -46,6 +49,12 @@ void evaluate(const Problem& problem, const T* x, T* r) {
         break;
       case Curve::sine:
         value = x[0] * sin(x[1] * t + x[2]);
+        break;
+      case Curve::sigmoid:
+        value = x[0] + x[1] / (1.0 + exp(-x[2] * (t - x[3])));
+        break;
+      case Curve::decays:
+        value = x[0] * exp(-x[1] * t) + x[2] * exp(-x[3] * t);
         break;
     }
     r[i] = value - problem.y[i];
@@ -129,6 +138,9 @@ inline Problem randomCurve(std::uint64_t seed) {
     case Curve::sine:
       truth = {uniform(1, 10), uniform(0.5, 3), uniform(-3, 3)};
       break;
+    case Curve::sigmoid:
+    case Curve::decays:
+      break;  // wideSigmoid, twoDecays
   }
   for (int i = 0; i < problem.residuals; ++i) problem.t.push_back(10.0 * i / (problem.residuals - 1));
   problem.y.assign(problem.t.size(), 0.0);
@@ -142,20 +154,52 @@ inline Problem randomCurve(std::uint64_t seed) {
   return problem;
 }
 
-/// Whether x is not a stationary point, in long double: the cosine of residual and some column is above 1e-6,
-/// and the linear model promises a decrease of the RSS by more than a millionth, by a step that changes some
-/// digits.
-inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::string* why = nullptr) {
-  using detail::Matrix, detail::Number, detail::Vector, detail::residualsAt;
-  const auto n = static_cast<Eigen::Index>(at.size());
-  Vector x(n);
-  for (Eigen::Index i = 0; i < n; ++i) x[i] = at[static_cast<std::size_t>(i)];
-  const Vector r = residualsAt(problem, x);
-  const Number rss = r.squaredNorm();
-  if (!(rss > 1e-24L)) return false;
-  Matrix J(problem.residuals, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    // The fourth-order difference, from numbers of 19 digits.
+/// 1 + 2 / (1 + exp(-1.5 (t - 5))) with noise of 0.02 from a wide random start: from about half of the starts, plateaus surround the fit.
+inline Problem wideSigmoid(std::uint64_t seed) {
+  std::mt19937_64 random(seed + 2'000'000'011);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
+  Problem problem;
+  problem.curve = Curve::sigmoid;
+  problem.name = "sigmoid";
+  problem.residuals = 40;
+  problem.minima = {0.0121800178396339};
+  mtk::testing::Random noise(11);
+  for (int i = 0; i < problem.residuals; ++i) {
+    problem.t.push_back(0.25 * i);
+    problem.y.push_back(1 + 2 / (1 + std::exp(-1.5 * (0.25 * i - 5))) + 0.02 * noise.normal());
+  }
+  for (const double limit : {10.0, 10.0, 5.0}) problem.start.push_back(uniform(-limit, limit));
+  problem.start.push_back(uniform(-10, 20));
+  return problem;
+}
+
+/// 3 exp(-0.5 t) + 2 exp(-4 t), exact, from a random start. Equal rates are a saddle with two free directions.
+inline Problem twoDecays(std::uint64_t seed) {
+  std::mt19937_64 random(seed + 3'000'000'019);
+  Problem problem;
+  problem.curve = Curve::decays;
+  problem.name = "decays";
+  problem.residuals = 20;
+  problem.minima = {0};
+  problem.saddle = 1.2164679396202487;
+  for (int i = 0; i < problem.residuals; ++i) {
+    const double t = 0.2 * i;
+    problem.t.push_back(t);
+    problem.y.push_back(3 * std::exp(-0.5 * t) + 2 * std::exp(-4 * t));
+  }
+  for (const double limit : {10.0, 5.0, 10.0, 5.0})
+    problem.start.push_back(std::uniform_real_distribution<>(-limit, limit)(random));
+  return problem;
+}
+
+namespace detail {
+
+/// The Jacobian by fourth-order differences, from numbers of 19 digits.
+inline Matrix jacobianAt(const Problem& problem, const Vector& x) {
+  Matrix J(problem.residuals, x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
     const Number h = 1e-6L * std::max<Number>(std::abs(x[i]), 1e-8L);
     const auto shifted = [&](Number s) {
       Vector y = x;
@@ -164,27 +208,49 @@ inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::
     };
     J.col(i) = (8 * (shifted(1) - shifted(-1)) - (shifted(2) - shifted(-2))) / (12 * h);
   }
-  if (!J.allFinite()) return false;
-  Number cosine = 0;
-  Vector length = Vector::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
+  return J;
+}
+
+inline Vector vectorOf(const std::vector<double>& x) {
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).cast<Number>();
+}
+
+/// Scales the columns of J to length 1 and returns their lengths. Columns that rounding errors of doubles hide become 0.
+inline Vector scaleColumns(Matrix& J, const Vector& x, const Vector& r) {
+  Vector length = Vector::Zero(x.size());
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
     const Number norm_of_column = J.col(i).norm();
-    // Columns that rounding errors of doubles hide are not part of it.
     if (!(norm_of_column * std::abs(x[i]) > 1e-15L * r.norm())) {
       J.col(i).setZero();
       continue;
     }
     length[i] = norm_of_column;
-    cosine = std::max(cosine, std::abs(J.col(i).dot(r)) / (norm_of_column * r.norm()));
     J.col(i) /= norm_of_column;
   }
+  return length;
+}
+
+}  // namespace detail
+
+/// Whether x is not a stationary point, in long double: the cosine of residual and some column is above 1e-6,
+/// and the linear model promises a decrease of the RSS by more than a millionth, by a step that changes some
+/// digits.
+inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::string* why = nullptr) {
+  using detail::Matrix, detail::Number, detail::Vector;
+  const Vector x = detail::vectorOf(at), r = detail::residualsAt(problem, x);
+  const Number rss = r.squaredNorm();
+  if (!(rss > 1e-24L)) return false;
+  Matrix J = detail::jacobianAt(problem, x);
+  if (!J.allFinite()) return false;
+  const Vector length = detail::scaleColumns(J, x, r);
+  const Number cosine = (J.transpose() * r).cwiseAbs().maxCoeff() / r.norm();
   Eigen::ColPivHouseholderQR<Matrix> qr(J);
   qr.setThreshold(1e-11L);
   const Vector step = qr.solve(r);
   const Number promise = (J * step).squaredNorm() / rss;
   // Digits of x that a test of steps may leave out.
   bool is_negligible = true;
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
     is_negligible =
         is_negligible && std::abs(step[i]) <= 1e-9L * std::max(std::abs(x[i]) * length[i], Number(1));
   }
@@ -194,6 +260,24 @@ inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::
     *why = text;
   }
   return cosine > 1e-6L && promise > 1e-6L && !is_negligible;
+}
+
+/// Whether the measurements leave directions free at x, in long double: of the columns of the Jacobian, scaled to length 1, some combination is
+/// shorter than a millionth.
+inline bool hasFreeDirections(const Problem& problem, const std::vector<double>& at) {
+  using detail::Matrix, detail::Vector;
+  const Vector x = detail::vectorOf(at);
+  Matrix J = detail::jacobianAt(problem, x);
+  if (!J.allFinite()) return false;
+  detail::scaleColumns(J, x, detail::residualsAt(problem, x));
+  Eigen::ColPivHouseholderQR<Matrix> qr(J);
+  qr.setThreshold(1e-6L);
+  return qr.rank() < x.size();
+}
+
+/// Whether the RSS is that of the known saddle.
+inline bool isSaddle(const Problem& problem, double rss) {
+  return problem.saddle > 0 && std::abs(rss - problem.saddle) <= 1e-4 * problem.saddle;
 }
 
 /// Whether the RSS is one of the known minima.
