@@ -148,6 +148,8 @@ struct ManifoldTraits<M> {
     if constexpr (NamedCompound<M>) {
       detail::NamedTraits<M>::visitComponentNames(x, path, sink);
     } else if constexpr (requires { M::component_names; }) {
+      static_assert(DOF == Dynamic || std::size(M::component_names) == std::size_t(DOF),
+                    "mtk: `component_names` has one name for each degree of freedom (`DOF`)");
       for (const auto& name : M::component_names) sink(detail::joinPath(path, name));
     } else {
       detail::visitIndexNames(dof(x), detail::DerivesFromEigen<M>, path, sink);

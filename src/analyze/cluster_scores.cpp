@@ -485,6 +485,22 @@ MatrixXd ClusterScores::effects(const MatrixXd& Z, ClusterCorrection correction)
   return result;
 }
 
+MatrixXd ClusterScores::expectedSquares(const MatrixXd& Z, ClusterCorrection correction) const {
+  MatrixXd result(count(), Z.cols());
+  for (int g = 0; g < count(); ++g) {
+    const ClusterFactor& factor = factors_[at(g)];
+    const MatrixXd image = imageOf(Z, g);
+    if (factor.has_leverage) {
+      const VectorXd weight =
+          factorsOf(correction, g).cwiseAbs2().cwiseProduct((1 - factor.leverage.array()).matrix());
+      result.row(g) = weight.transpose() * image.cwiseAbs2();
+    } else {
+      result.row(g) = image.colwise().squaredNorm();
+    }
+  }
+  return result;
+}
+
 MatrixXd ClusterScores::vouchedFor(const MatrixXd& Za, const MatrixXd& Zb) const {
   MatrixXd sum = MatrixXd::Zero(Za.cols(), Zb.cols());
   for (int g = 0; g < count(); ++g) sum.noalias() += imageOf(Za, g).transpose() * imageOf(Zb, g);

@@ -53,6 +53,8 @@ class ClusterScores {
   Eigen::VectorXd factorsOf(ClusterCorrection correction, int g) const;
   /// Z^T J_g^T A_g r_g of each group, groups x k.
   Eigen::MatrixXd effects(const Eigen::MatrixXd& Z, ClusterCorrection correction) const;
+  /// The squares that these would have on average with errors that are independent and as stated, groups x k.
+  Eigen::MatrixXd expectedSquares(const Eigen::MatrixXd& Z, ClusterCorrection correction) const;
   /// sum_g (E^T J_g Z_a)^T (E^T J_g Z_b): the part of the stated covariance for which other groups vouch.
   Eigen::MatrixXd vouchedFor(const Eigen::MatrixXd& Za, const Eigen::MatrixXd& Zb) const;
   /// The part of z^T H z in directions that group g, whose leverage is known, determines alone of shared unknowns.

@@ -152,17 +152,22 @@ ClusterCorrection Clustered::State::correctionFor(const ClusterScores& scores, c
                                                   std::vector<std::string>* carriers) const {
   if (options.correction != ClusterCorrection::by_leverage) return options.correction;
   ClusterCorrection result = ClusterCorrection::cr2;
-  if (options.ordered) return result;
-  const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2),
-                 wide = scores.effects(Z, ClusterCorrection::cr3);
   const double factor = scores.factorOf(ClusterCorrection::cr3);
+  const auto isWider = [&](const auto& wide, const auto& usual) {
+    return factor * wide.sum() > kLeverageMatters * kLeverageMatters * usual.sum();
+  };
+  // Both as it is and as leverages let expect: the residuals of the group that carries a value may happen to be small.
+  const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2).cwiseAbs2(),
+                 wide = scores.effects(Z, ClusterCorrection::cr3).cwiseAbs2(),
+                 usual_expected = scores.expectedSquares(Z, ClusterCorrection::cr2),
+                 wide_expected = scores.expectedSquares(Z, ClusterCorrection::cr3);
   for (Index i = 0; i < Z.cols(); ++i) {
-    const double limit = kLeverageMatters * kLeverageMatters * usual.col(i).squaredNorm();
-    if (!(factor * wide.col(i).squaredNorm() > limit)) continue;
+    if (!isWider(wide.col(i), usual.col(i)) && !isWider(wide_expected.col(i), usual_expected.col(i)))
+      continue;
     result = ClusterCorrection::cr3;
     if (carriers == nullptr) break;
     Index most = 0;
-    wide.col(i).cwiseAbs().maxCoeff(&most);
+    wide_expected.col(i).maxCoeff(&most);
     (*carriers)[at(i)] = scores.clustering().names[at(most)];
   }
   return result;

@@ -24,6 +24,29 @@ std::string linesWith(const std::string& text, const std::string& part) {
   return found;
 }
 
+/// A direction on a compass, in degrees: a manifold of a user's own.
+struct Heading {
+  using scalar = double;
+  static constexpr int DOF = 1;
+  double degrees = 0;
+  void boxplus(mtk::vectview<const double, 1> d, double scale = 1) {
+    degrees = std::remainder(degrees + scale * d[0], 360);
+  }
+  void boxminus(mtk::vectview<double, 1> out, const Heading& other) const {
+    out[0] = std::remainder(degrees - other.degrees, 360);
+  }
+  friend std::ostream& operator<<(std::ostream& os, const Heading& x) { return os << x.degrees << " deg"; }
+};
+
+TEST(ParameterTable, ShowsManifoldsOfUsersAsTheyAreWritten) {
+  slom::Estimator est;
+  const auto north = est.insertRV(Heading{170}, "north");
+  est.prior(north, Heading{-179}, 2.0);
+  const slom::Summary summary = est.optimize();
+  ASSERT_EQ(summary.parameters.size(), 1u);
+  EXPECT_EQ(linesWith(summary.report(), "  north "), "  north           -179 deg                    2\n");
+}
+
 TEST(ParameterTable, HasValuesOfRotationsAndDirections) {
   slom::Estimator est;
   const SE3 truth(mtk::SO3<>::exp(vec3(0.1, -0.2, 0.3)), vec3(1, 2, 3));

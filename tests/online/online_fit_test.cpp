@@ -466,11 +466,36 @@ TEST(OnlineFit, LeavesAnUphillStepToOptimizeWhereThereIsABudget) {
   EXPECT_FALSE(update.converged || update.used_optimize);
   EXPECT_TRUE(update.needs_optimize);
   EXPECT_EQ(update.message,
-            "a step led uphill, or far away, where optimize() takes over if there is no budget; call it when "
-            "there is time");
+            "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there "
+            "if there is no budget; call it when there is time");
   EXPECT_EQ(*x, 3.0);
   EXPECT_TRUE(est.update().used_optimize);
   EXPECT_NEAR(*x, 0, 1e-6);
+}
+
+TEST(OnlineFit, GoesOnWhereAnUnknownHasLostItsInfluence) {
+  // a b c + e a^2: steps may lead to a = 0, where no residual changes with b.
+  const auto product = [](const auto& a, const auto& b, double c, double e) { return a * b * c + e * a * a; };
+  int handed_over = 0;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> normal;
+    Estimator est;
+    est.setThreads(1);
+    const double a_start = normal(engine), b_start = normal(engine);
+    const auto a = est.insertRV(a_start, "a"), b = est.insertRV(b_start, "b");
+    UpdateSummary update;
+    for (int i = 0; i < 3; ++i) {
+      const double c = normal(engine), e = normal(engine), y = normal(engine);
+      est.insertMeasurement(product, a, b, c, e, measured(y), StandardDeviation(0.3));
+      if (i > 0) update = est.update();
+    }
+    if (!update.converged) continue;
+    handed_over += update.used_optimize ? 1 : 0;
+    const double rss = est.getRSS();
+    EXPECT_GE(est.optimize().final_rss, 0.99 * rss - 1e-9) << seed << "\n" << update;
+  }
+  EXPECT_GT(handed_over, 10);
 }
 
 TEST(OnlineFit, RefusesOptionsWithoutSense) {

@@ -39,7 +39,8 @@ enum class ClusterCorrection : std::uint8_t {
   cr1,  ///< by the factor G / (G - 1) (N - 1) / (N - K) of all variances: G groups, N residuals, K unknowns
   cr2,  ///< (I - H_gg)^(-1/2) r_g: unbiased where the stated uncertainties hold after all
   cr3,  ///< sqrt((G - 1) / G) (I - H_gg)^-1 r_g: the jackknife, leaving out one group at a time; variances are too large rather than too small
-  by_leverage,  ///< cr2, or cr3 if a component's standard deviation by cr3 is larger by more than a fifth, as single groups carry it
+  by_leverage,  ///< cr2, or cr3 if a component's standard deviation by cr3 is larger by more than a fifth, or is expected to be, as single groups
+  ///< carry it
 };
 
 /// A measurement, as functions that form groups see it.
