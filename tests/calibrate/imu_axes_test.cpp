@@ -105,7 +105,7 @@ TEST(ImuAxes, ASensorThatReadsGravityIsStated) {
 }
 
 TEST(ImuAxes, ReadingsInGAreNamed) {
-  constexpr double g = 9.80665;
+  static constexpr double g = 9.80665;
   for (unsigned seed = 1; seed <= 9; ++seed) {
     const CalibratedRig run = calibrated(seed, [](const vec3& a) { return vec3(a / g); });
     const std::string which = "seed " + std::to_string(seed),

@@ -103,8 +103,8 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
 std::vector<ImuFinding> imuFindings(const Result& result) {
   std::vector<ImuFinding> findings;
   if (!result.imu) return findings;
+  findGravity(*result.imu, findings);  // another unit first: it is the likeliest mistake
   findSign(*result.imu, findings);
-  findGravity(*result.imu, findings);
   findMisfit(result, findings);
   findWeakness(*result.imu, findings);
   return findings;
