@@ -1,8 +1,11 @@
 // Whole runs on real and simulated data, compared with OpenCV, the truth and independent fits.
 #include <fstream>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include <slom/solve/instruction_set.hpp>
 
 #include "calibrate/calibrate_command.hpp"
 
@@ -115,7 +118,7 @@ TEST(CalibrateData, JustinEqualsAnIndependentFit) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
   std::vector<std::string> options = stereo(folder, "radial1");
-  options.insert(options.end(), {"--imu", (folder / "imu.csv").string()});
+  options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--imu-reads", "gravity"});
   const json result = calibrated(options);
   EXPECT_EQ(result["measurements"], 2 * 3352 + 3 * 11);
   EXPECT_EQ(result["unknowns"], 129);
@@ -144,8 +147,8 @@ TEST(CalibrateData, JustinWithGravityFixedKeepsTheSignOfTheData) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
   std::vector<std::string> options = stereo(folder, "radial1");
-  options.insert(options.end(),
-                 {"--imu", (folder / "imu.csv").string(), "--fix", "gravity=9.81", "--fix", "acc_bias"});
+  options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--imu-reads", "gravity", "--fix",
+                                 "gravity=9.81", "--fix", "acc_bias"});
   const json result = calibrated(options);
   EXPECT_EQ(result["imu"]["gravity"], -9.81);
   EXPECT_EQ(result["imu"]["gravity_std"], 0);
@@ -158,7 +161,7 @@ TEST(CalibrateData, JustinHasThePrecisionThatTheDocumentationShows) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("justin");
   const auto folder = sharedDataPath("justin");
   std::vector<std::string> options = stereo(folder, "radial1");
-  options.insert(options.end(), {"--imu", (folder / "imu.csv").string()});
+  options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--imu-reads", "gravity"});
   const std::string report = testing::runCalibrate(options).output;
   const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
   const std::size_t begin = report.find("  largest std"), end = report.find("\n\n", begin);
@@ -204,6 +207,34 @@ TEST(CalibrateData, JsonHoldsTheKeysThatAreDocumented) {
   EXPECT_EQ(result["imu"]["std"].size(), 3u);
   EXPECT_EQ(result["imu"]["acc_bias"].size(), 3u);
   EXPECT_TRUE(result["imu"]["gravity"].is_number());
+}
+
+/// The right camera's clock is late by 1.5 of the 100 ms between images.
+TEST(CalibrateData, JsonSaysHowTimeStampsWerePaired) {
+  const TemporaryFolder folder;
+  const auto data = sourcePath("data/opencv_stereo");
+  std::vector<std::string> options;
+  for (const std::string name : {"left", "right"}) {
+    std::istringstream lines(slom::testing::readFile(data / (name + "_corners.csv")));
+    std::string changed;
+    for (std::string line; std::getline(lines, line); changed += line + "\n") {
+      const std::size_t comma = line.find(',');
+      const bool is_row = line[0] >= '0' && line[0] <= '9';
+      if (is_row)
+        line = std::to_string(1'700'000'000'000'000'000 + 100'000'000LL * std::stoi(line) +
+                              (name == "right" ? 1'500'000 : 0)) +
+               line.substr(comma);
+    }
+    slom::testing::writeFile(folder / (name + ".csv"), changed);
+    options.insert(options.end(), {"--camera", name + "=" + (folder / (name + ".csv")).string()});
+  }
+  const json stamps = calibrated(options)["time_stamps"];
+  EXPECT_EQ(stamps["largest_difference"], 1'500'000);
+  EXPECT_EQ(stamps["spacing"], 100'000'000);
+  EXPECT_GT(stamps["paired_images"], 9);
+  const json numbered = calibrated(stereo(data, "opencv5"));
+  EXPECT_TRUE(numbered["time_stamps"].is_null());
+  EXPECT_EQ(numbered["kernels"], slom::instructionSet());
 }
 
 TEST(CalibrateData, OpenCVReadsTheYaml) {

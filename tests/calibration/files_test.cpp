@@ -164,5 +164,42 @@ TEST(ImuFiles, ReadingsThatAreValid) {
                 ":2: no row has valid = 1; leave out --imu, or mark the readings that can be used");
 }
 
+/// mrcal's corners; the command's tests read them in all formats.
+TEST(ForeignCornerFiles, NeedTheirBoard) {
+  const TemporaryFolder folder;
+  std::string text = "# filename x y\n";
+  for (int image = 1; image <= 2; ++image) {
+    for (int k = 0; k < 9; ++k)
+      text += "f" + std::to_string(image) + ".png " + std::to_string(100 + 30 * (k % 3) + image * k) + " " +
+              std::to_string(90 + 30 * (k / 3)) + "\n";
+  }
+  const std::string vnl = written(folder, "corners.vnl", text);
+  EXPECT_EQ(
+      messageOf([&] { readCorners("left", vnl); }),
+      "[slom.calibration.no-board] " + vnl +
+          ": the file does not say how many corners the board has in a row, and how long a square is; state the columns, rows and "
+          "side of a square in BoardOfFiles");
+  const CameraData camera = readRig({{"left", {vnl}}}, "", BoardOfFiles{3, 3, 0.05}).cameras[0];
+  ASSERT_EQ(camera.views.size(), 2u);
+  EXPECT_EQ(camera.views[1].photo, "f2.png");
+  EXPECT_TRUE(camera.views[1].corners[5].world == vec3(0.1, 0.05, 0.));
+  EXPECT_EQ(camera.views[1].corners[5].line, 16);
+  const std::string table = written(folder, "left.csv", toCornerFile(camera));
+  expectSameViews(readCorners("left", table), camera);
+  EXPECT_EQ(messageOf([&] {
+              readRig({{"left", {table}}}, "", BoardOfFiles{3, 3, 0.05});
+            }),
+            "[slom.calibration.unused-board] " + table +
+                ": the corner files say themselves where their corners lie; state no board");
+  EXPECT_EQ(messageOf([&] { readKalibrTarget(written(folder, "t.yaml", "target_type: 'dots'\n")); }),
+            "[slom.calibration.bad-file] " + (folder / "t.yaml").string() +
+                ":1: target_type is \"dots\"; write checkerboard, circlegrid or aprilgrid");
+  EXPECT_EQ(messageOf([&] {
+              readKalibrTarget(written(folder, "t.yaml", "target_type: checkerboard\ntargetCols: 6.5\n"));
+            }),
+            "[slom.calibration.bad-file] " + (folder / "t.yaml").string() +
+                ":2: targetCols is \"6.5\"; write a whole number from 1 to 1000");
+}
+
 }  // namespace
 }  // namespace slom::calibration

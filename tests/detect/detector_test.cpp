@@ -4,13 +4,14 @@
 #include <numbers>
 
 #include <gtest/gtest.h>
-#include <opencv2/aruco.hpp>
 
-#include "detect/rendered_board.hpp"
+#include "detect/rendered_markers.hpp"
 
 namespace slom::app::calib {
 namespace {
 
+using testing::bitsOf;
+using testing::charucoPicture;
 using testing::chessboard;
 using testing::chessboardPicture;
 using testing::placed;
@@ -107,39 +108,6 @@ TEST(Chessboard, NoneIsFoundWhereThereIsNone) {
   const auto smaller =
       viewer.photograph(placed(board, vec3(0., 0., 0.5), 0, 0, 0), chessboardPicture(chessboard(8, 6)));
   EXPECT_TRUE(findBoard(board, smaller).empty());
-}
-
-/// Bits of a marker, border and all, as the dictionary prints it: 0 or 1 by row and column.
-std::vector<std::vector<int>> bitsOf(int dictionary, int id, int bits, int border) {
-  cv::Mat drawn;
-  const int side = bits + 2 * border;
-  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(dictionary), id, side, drawn, border);
-  std::vector<std::vector<int>> result;
-  for (int row = 0; row < side; ++row) {
-    result.emplace_back();
-    for (int column = 0; column < side; ++column) result.back().push_back(drawn.at<uchar>(row, column) > 0);
-  }
-  return result;
-}
-
-/// Squares from (0, 0) at the upper left, the first one black, markers in the white ones by rows. The corners
-/// of Board begin at the first inner one.
-testing::Picture charucoPicture(const Board& board) {
-  std::vector<std::vector<std::vector<int>>> markers;
-  for (int id = 0; id < board.columns * board.rows / 2; ++id)
-    markers.push_back(bitsOf(cv::aruco::DICT_5X5_100, id, 5, 1));
-  return [=](double x, double y) {
-    const double u = x / board.square_m + 1, v = y / board.square_m + 1;
-    const int column = int(std::floor(u)), row = int(std::floor(v));
-    if (column < 0 || row < 0 || column >= board.columns || row >= board.rows) return 0.95;
-    if ((column + row) % 2 == 0) return 0.05;
-    const double margin = (1 - board.marker_m / board.square_m) / 2,
-                 bit = board.marker_m / board.square_m / 7;
-    const int i = int(std::floor((u - column - margin) / bit)), j = int(std::floor((v - row - margin) / bit));
-    if (i < 0 || j < 0 || i > 6 || j > 6) return 0.95;
-    const int id = (row * board.columns + column) / 2;
-    return markers[std::size_t(id)][std::size_t(j)][std::size_t(i)] ? 0.95 : 0.05;
-  };
 }
 
 TEST(Charuco, CornersAreWhereTheyWereDrawn) {

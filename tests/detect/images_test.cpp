@@ -303,7 +303,7 @@ TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
   const auto options = [](const std::string& board) {
     return std::vector<std::string>{"--board", board, "--square", "0.03", "--images", "left=left*.pgm"};
   };
-  for (const std::string size : {"10x7", "9x5", "8x6"}) {
+  for (const std::string size : {"10x7", "9x5", "8x6", "7x6", "6x5", "5x4"}) {
     expectRefused(options(size), "left01.pgm: it shows a chessboard of 9x6 inner corners, not " + size +
                                      "; count them where four squares meet, and give --board 9x6");
   }
@@ -312,6 +312,25 @@ TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
       options("5x17"),
       "left01.pgm: it shows a chessboard of 6x9 inner corners, not 5x17; count them where four squares "
       "meet, and give --board 6x9");
+}
+
+TEST_F(Images, OfABoardGivenByRowsAreCalibratedFromAsWell) {
+  std::vector<std::string> options = stereo();
+  options[1] = "6x9";
+  const json by_rows = calibrated(options), by_columns = calibrated(stereo());
+  EXPECT_NEAR(by_rows["rss"], by_columns["rss"], 1e-6 * by_columns["rss"].get<double>());
+}
+
+TEST_F(Images, OfABoardInAKalibrFileAreCalibratedFrom) {
+  writeFile(
+      folder / "target.yaml",
+      "target_type: 'checkerboard'\ntargetCols: 9 # inner corners\ntargetRows: 6\nrowSpacingMeters: 0.03\n"
+      "colSpacingMeters: 0.03\n");
+  std::vector<std::string> options = stereo();
+  options.erase(options.begin() + 2, options.begin() + 4);
+  options[1] = "target.yaml";
+  EXPECT_EQ(calibrated(options)["cameras"]["left"]["parameters"],
+            calibrated(stereo())["cameras"]["left"]["parameters"]);
 }
 
 TEST_F(Images, TooFewAreRefused) {
@@ -331,8 +350,8 @@ TEST_F(Images, ResultsDoNotReplacePhotographs) {
 
 TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
   const std::string board =
-      "; write 9x6 (inner corners of a chessboard), charuco:8x5:4x4_50 (squares, dictionary) or "
-      "aprilgrid:6x6 (tags)";
+      "; write 9x6 (inner corners of a chessboard), charuco:8x5:4x4_50 (squares, dictionary), "
+      "aprilgrid:6x6 (tags), or the YAML file of a Kalibr target";
   const auto with = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"--images", "left=left*.pgm"});
     return more;
@@ -342,7 +361,7 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
   expectRefused(with({"--board", "9x6"}), "--board 9x6 needs --square, as in --square 0.025 [m]");
   expectRefused(with({"--board", "9by6", "--square", "1"}),
                 "--board 9by6: write 9x6 (inner corners of a chessboard), charuco:8x5:4x4_50 "
-                "(squares, dictionary) or aprilgrid:6x6 (tags)");
+                "(squares, dictionary), aprilgrid:6x6 (tags), or the YAML file of a Kalibr target");
   expectRefused(with({"--board", "2x6", "--square", "1"}),
                 "--board 2x6: 2 x 6 inner corners cannot be detected; give 3 to 100 in each direction");
   for (const std::string value : {"1e+300", "1e-300"}) {
@@ -379,8 +398,17 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
                 "files of photographs");
   expectRefused({"--images", "left01.pgm", "--board", "9x6", "--square", "1"},
                 "--images left01.pgm: write NAME=PATTERN, as in --images left='left*.jpg'");
-  expectRefused({"--camera", "left=left.csv", "--board", "9x6"},
-                "--board 9x6: it is about photographs, and there are none; add --images, or leave it out");
+  expectRefused(with({"--board", "circles.yaml"}),
+                "circles.yaml: cannot be read (No such file or directory); check the path");
+  writeFile(
+      folder / "circles.yaml",
+      "target_type: circlegrid\ntargetCols: 4\ntargetRows: 11\nspacingMeters: 0.02\nasymmetricGrid: 1\n");
+  expectRefused(
+      with({"--board", "circles.yaml"}),
+      "--board circles.yaml: circles are not looked for in photographs; give corner files by --camera, or photographs of a "
+      "chessboard, ChArUco board or AprilGrid");
+  expectRefused(with({"--board", "circles.yaml", "--square", "0.02"}),
+                "--square 0.02: circles.yaml has the lengths of the board; leave the option out");
   expectRefused(
       {"--camera", "left=left.csv", "--corners-out", "."},
       "--corners-out .: it is about photographs, and there are none; add --images, or leave it out");

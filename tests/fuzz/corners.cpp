@@ -8,7 +8,12 @@ SLOM_FUZZ_TARGET(corners) {
   using namespace slom::calibration;
   const MemoryFile file(input);
   CameraData camera;
-  if (!accepted([&] { camera = readCorners("left", file.name()); })) return;
+  accepted([&] { (void)readKalibrTarget(file.name()); });
+  const BoardOfFiles board{3, 2, 0.05};  // that of the seeds
+  if (!accepted([&] { camera = readCorners("left", file.name()); }) && !accepted([&] {
+        camera = readRig({{"left", {file.name()}}}, "", board).cameras.front();
+      }))
+    return;
   require(!camera.image_size || isPlausible(*camera.image_size), "an image size that cannot be");
   for (const View& view : camera.views) {
     require(!view.corners.empty() && camera.find(view.image) == &view, "a view is empty or not found");

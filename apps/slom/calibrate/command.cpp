@@ -47,6 +47,9 @@ Corner files: image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px
 IMU file:     image,ax_m_s2,ay_m_s2,az_m_s2,valid
 One row for each corner or reading, below this header. Images with the same number were taken at the same
 time; images and corners may be missing in some cameras.
+
+Others' corner files are read as they are: corners.vnl of mrcal, and XML, YAML or JSON of OpenCV with
+image_points. Where they do not say it, state the board by --board 9x6 --square 0.025.
 )";
 
 constexpr const char* footer_text =
@@ -59,15 +62,18 @@ void sayPairing(const ImageNumbers& numbers, const CommandSettings& settings) {
     say(sentence + "\n");
 }
 
-Dataset readDataset(const CommandSettings& settings) {
+/// `numbers` gets the image numbers as files have them.
+Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
   Dataset data;
   if (settings.board) {
-    data.cameras = readPhotos(settings);
+    data.cameras = readPhotos(settings, numbers);
   } else {
     std::vector<CameraFiles> files;
     for (const CameraFile& camera : settings.cameras) files.push_back({camera.name, camera.files});
-    ImageNumbers numbers;
-    data = readRig(files, settings.imu_file, &numbers);
+    data = inWordsOfOptions(settings, [&] {
+      return settings.board_of_files ? readRig(files, settings.imu_file, *settings.board_of_files, &numbers)
+                                     : readRig(files, settings.imu_file, &numbers);
+    });
     sayPairing(numbers, settings);
   }
   for (CameraData& camera : data.cameras) {
@@ -116,11 +122,12 @@ Progress printedProgress() {
 }
 
 /// A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would take it for good.
-void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings) {
+void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings,
+                const ImageNumbers& numbers) {
   OutputFiles files;
   std::string said;
   if (!settings.json_file.empty()) {
-    files.add(settings.json_file, toJson(result));
+    files.add(settings.json_file, toJson(result, numbers));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   const Unsoundness unsound = unsoundnessOf(result);
@@ -210,9 +217,9 @@ void compareReadout(const Dataset& data, CommandSettings& settings, Result& resu
 }
 
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
-Dataset readInTime(const CommandSettings& settings) {
+Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
   try {
-    return readDataset(settings);
+    return readDataset(settings, numbers);
   } catch (const RunEnded& ended) {
     sayError(fmt::format(
         "slom: {} while photographs were searched for the board, so nothing was calibrated; allow "
@@ -265,7 +272,8 @@ void run(const RawOptions& raw) {
   settings.limits = limitsOf(limits);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   if (settings.model_is_given) requireModelOf(settings);
-  const Dataset data = readInTime(settings);
+  ImageNumbers numbers;
+  const Dataset data = readInTime(settings, numbers);
   requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
   limits.catchInterrupts();
@@ -287,7 +295,7 @@ void run(const RawOptions& raw) {
   if (!settings.json_file.empty() || !settings.report_file.empty())
     result.quality = assess(data, settings, result);
   if (!settings.quiet) say(reportText(result));
-  writeFiles(data, result, settings);
+  writeFiles(data, result, settings, numbers);
   const std::string failure = failureOf(result);
   if (failure.empty()) return;
   sayError(fmt::format("slom: {}\n", oneLine(failure)));
@@ -314,9 +322,9 @@ void addCalibrateCommand(CLI::App& app) {
       ->type_name("NAME=PATTERN ...");
   command
       .add_option("--board", raw->board.board,
-                  "what the photographs show. 9x6: a chessboard with 9 by 6 inner corners;\n"
-                  "charuco:8x5:4x4_50: 8 by 5 squares with markers of the dictionary 4x4_50;\n"
-                  "aprilgrid:6x6: 6 by 6 tags 36h11, as Kalibr prints it")
+                  "what the photographs or others' corner files show. 9x6: a chessboard with 9 by 6 inner\n"
+                  "corners; charuco:8x5:4x4_50: 8 by 5 squares with markers of the dictionary 4x4_50;\n"
+                  "aprilgrid:6x6: 6 by 6 tags 36h11, as Kalibr prints it; FILE.yaml: a Kalibr target")
       ->type_name("BOARD");
   command.add_option("--square", raw->board.square_m, "side of a square, or of a tag of an aprilgrid [m]")
       ->type_name("NUMBER");
@@ -333,6 +341,12 @@ void addCalibrateCommand(CLI::App& app) {
   command.add_option("--imu", raw->imu_files, "accelerometer readings, one for an image at most")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  command
+      .add_option(
+          "--imu-reads", raw->imu_reads,
+          "what the accelerometer reports at rest: the reaction to gravity, which points up, or gravity")
+      ->type_name("reaction|gravity")
+      ->default_str("reaction");
   command.add_option("--intrinsics", raw->model, "model of all cameras, by its parameters:\n" + modelTable())
       ->type_name("MODEL")
       ->default_str("opencv5");

@@ -326,6 +326,21 @@ void checkPaths(const CommandSettings& settings) {
 
 }  // namespace
 
+namespace {
+
+bool parseImuReads(const std::string& text, const CommandSettings& settings) {
+  if (text.empty()) return false;
+  if (text != "gravity" && text != "reaction")
+    throw UserError(
+        fmt::format("--imu-reads {}: a sensor at rest reads gravity, or the reaction to it", text));
+  if (settings.imu_file.empty())
+    throw UserError(
+        fmt::format("--imu-reads {}: there is no IMU; add --imu FILE, or leave the option out", text));
+  return text == "gravity";
+}
+
+}  // namespace
+
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   if (raw.imu_files.size() > 1) {
@@ -336,6 +351,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
   if (!raw.imu_files.empty()) settings.imu_file = raw.imu_files.front();
   parseSources(raw, settings);
   settings.robust = parseRobust(raw.robust);
+  settings.imu_reads_gravity = parseImuReads(raw.imu_reads, settings);
   parseSigmaBy(raw, settings);
   parseBoardShape(raw, settings);
   settings.exclusions = parseExclusions(raw.excluded, settings.cameras);

@@ -31,6 +31,8 @@ struct LensOption : LensConstraint {
 struct CommandSettings : Settings {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files
+  std::optional<BoardOfFiles>
+      board_of_files;          ///< what the options say of a board in corner files; nothing: nothing
   std::string corners_folder;  ///< for the corners that were found; empty: none
   std::string imu_file;        ///< empty: no IMU
   std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
@@ -56,6 +58,7 @@ struct RawOptions {
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
   std::string robust = "reject";
+  std::string imu_reads;              ///< empty: reaction
   std::string sigma_by;               ///< empty: constant, or what the comparison chooses
   std::string board_shape;            ///< empty: flat, or what the comparison chooses
   std::optional<double> sigma_board;  ///< [m]

@@ -25,10 +25,37 @@ const ImageResult* worstImage(const Result& result) {
   return worst == result.images.end() ? nullptr : &*worst;
 }
 
+/// Images that are all of one other size than the others, as a whole; empty: they are not.
+std::string otherSize(const Result& result) {
+  const std::vector<Stray>& strays = result.strays;
+  const bool is_one_size = std::all_of(strays.begin(), strays.end(), [&](const Stray& stray) {
+    return stray.size != 1 && stray.size == strays.front().size && stray.camera == strays.front().camera;
+  });
+  if (!is_one_size) return "";
+  std::vector<std::string> images, options;
+  for (const Stray& stray : strays) {
+    images.push_back(std::to_string(stray.image));
+    options.push_back(result.cameras.size() == 1 ? fmt::format("--exclude {}", stray.image)
+                                                 : fmt::format("--exclude {}.{}", stray.camera, stray.image));
+  }
+  const std::string last = images.back();
+  images.pop_back();
+  const std::string all = images.empty() ? last : fmt::format("{} and {}", fmt::join(images, ", "), last);
+  const std::string size = strays.front().size == 0.5 ? "half the size"
+                           : strays.front().size == 2
+                               ? "twice the size"
+                               : fmt::format("{:.3g} times the size", strays.front().size);
+  return fmt::format("{} {} of {} {} at {} of the others: pass {}, or scale {}",
+                     strays.size() == 1 ? "image" : "images", all, strays.front().camera,
+                     strays.size() == 1 ? "is" : "are", size, fmt::join(options, " "),
+                     strays.size() == 1 ? "it" : "them");
+}
+
 /// Views that contradict the others, in one sentence; empty: none.
 std::string contradiction(const Result& result) {
   constexpr std::size_t most = 5;
   if (result.strays.empty()) return "";
+  if (const std::string sentence = otherSize(result); !sentence.empty()) return sentence;
   std::vector<std::string> names;
   double least = most_px, largest = 0;
   for (const Stray& stray : result.strays) {
@@ -85,6 +112,14 @@ std::string misfit(const Result& result) {
 
 }  // namespace
 
+std::string remedyOf(const ImuFinding& finding, const Result& result) {
+  if (finding.kind != ImuFinding::Kind::handedness) return finding.remedy;
+  return fmt::format(
+      "check whether one or all of its axes have the wrong sign, or two are exchanged; if the sensor reports {}, {} --imu-reads gravity",
+      result.imu->reads_gravity ? "the reaction to gravity" : "gravity itself",
+      result.imu->reads_gravity ? "drop" : "pass");
+}
+
 std::string causeText(const Result& result) {
   if (result.better_model) {
     return fmt::format("{0} fits them to {1} px: pass --intrinsics {0}", result.better_model->name,
@@ -102,7 +137,7 @@ Unsoundness unsoundnessOf(const Result& result) {
   }
   for (const ImuFinding& finding : imuFindings(result)) {
     if (finding.is_unusable)
-      return {"the readings of the IMU cannot be right", finding.fault + "; " + finding.remedy};
+      return {"the readings of the IMU cannot be right", finding.fault + "; " + remedyOf(finding, result)};
   }
   return {};
 }

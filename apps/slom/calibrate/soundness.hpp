@@ -16,6 +16,9 @@ struct Unsoundness {
 };
 Unsoundness unsoundnessOf(const Result& result);
 
+/// What to do about a finding, in options of the command.
+std::string remedyOf(const ImuFinding& finding, const Result& result);
+
 /// The likeliest cause of a fit that failed or fits badly, with the remedy.
 std::string causeText(const Result& result);
 

@@ -116,11 +116,14 @@ void parseSources(const RawOptions& raw, CommandSettings& settings) {
   settings.cameras = raw.images.empty() ? parseCameras(raw.cameras) : parseImages(raw.images);
   if (!raw.images.empty()) {
     settings.board = parseBoard(raw.board);
-  } else if (!raw.board.board.empty() || !settings.corners_folder.empty()) {
-    throw UserError(fmt::format(
-        "{}: it is about photographs, and there are none; add --images, or leave it out",
-        raw.board.board.empty() ? "--corners-out " + settings.corners_folder : "--board " + raw.board.board));
+    return;
   }
+  if (!settings.corners_folder.empty()) {
+    throw UserError(fmt::format(
+        "--corners-out {}: it is about photographs, and there are none; add --images, or leave it out",
+        settings.corners_folder));
+  }
+  settings.board_of_files = parseBoardOfFiles(raw.board);
 }
 
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,

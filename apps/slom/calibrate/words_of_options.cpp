@@ -43,6 +43,22 @@ std::string noStart(const CommandSettings& settings, const DataError::Parts& par
                      parts.place, parts.fault);
 }
 
+std::string noBoard(const CommandSettings& settings, const DataError::Parts& parts) {
+  const bool has_size = settings.board_of_files && settings.board_of_files->columns > 0;
+  const bool needs_size = !has_size && parts.fault.find("how many corners") != std::string::npos;
+  const bool needs_square = !(settings.board_of_files && settings.board_of_files->square_m > 0);
+  return fmt::format("{}: {}; pass {}", parts.place, parts.fault,
+                     needs_size && needs_square
+                         ? "--board COLUMNSxROWS, its inner corners, and --square METRES"
+                     : needs_size ? "--board COLUMNSxROWS, its inner corners"
+                                  : "--square METRES");
+}
+
+std::string unusedBoard(const CommandSettings& settings, const DataError::Parts& parts) {
+  return fmt::format("{}: {}; drop {}", parts.place, parts.fault,
+                     settings.board_of_files->columns > 0 ? "--board" : "--square");
+}
+
 }  // namespace
 
 std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error) {
@@ -52,6 +68,8 @@ std::string inWordsOfOptions(const CommandSettings& settings, const DataError& e
       {"slom.calibration.nothing-to-exclude", &nothingToExclude},
       {"slom.calibration.imu-open", &imuOpen},
       {"slom.calibration.no-start", &noStart},
+      {"slom.calibration.no-board", &noBoard},
+      {"slom.calibration.unused-board", &unusedBoard},
       {"slom.calibration.imu-images", &imuImages}};
   const auto found = sentences.find(error.id());
   return found == sentences.end() ? std::string(error.sentence()) : found->second(settings, error.parts());

@@ -32,10 +32,11 @@ Verdict verdictOf(const Result& result);
 /// Something that the readings of the IMU show of themselves.
 struct ImuFinding {
   enum class Kind {
-    sign,     ///< up or down is open, or down where up is to be expected
-    gravity,  ///< it is not that of the Earth
-    misfit,   ///< the readings do not follow the images
-    weak,     ///< bias and gravity trade off
+    sign,        ///< up or down is open
+    handedness,  ///< readings point down where up is to be expected, as of left-handed axes
+    gravity,     ///< it is not that of the Earth
+    misfit,      ///< the readings do not follow the images
+    weak,        ///< bias and gravity trade off
   };
   Kind kind{};
   std::string fault, remedy;  ///< a clause each: what is wrong or open; what to do

@@ -25,6 +25,8 @@ namespace slom::calibration {
 ///   imu-images     a reading of an image that no camera has
 ///   imu-open       readings that do not determine the IMU, or none at all
 ///   bad-file       a file of corners or readings that is not as it should be
+///   no-board       a corner file of another program that does not say where its corners lie, and nobody else does
+///   unused-board   a board stated for corner files that say themselves where their corners lie
 ///   no-result      uncertainty asked of a calibration that did not succeed, or of other data; a choice among models of which none fits
 ///   no-quality     a verdict asked of a result without Result::quality, or with that of another one
 ///   bad-question   a camera, a pixel or a distance that is not there

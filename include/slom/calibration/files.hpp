@@ -9,11 +9,20 @@
 
 namespace slom::calibration {
 
+/// What is known of the board in others' corner files, which list the corners of each image row by row and do not all say where these lie.
+struct BoardOfFiles {
+  int columns = 0, rows = 0;   ///< corners along a row, and rows; 0: unknown
+  double square_m = 0;         ///< how far corners are apart [m]; 0: unknown
+  std::vector<vec3> points{};  ///< where they lie [m], row by row; empty: in a grid of squares
+};
+
 /// Reads what a camera saw from a file of lines `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px` below a header of these words, in any
 /// order; a pipe will do. Blank lines and comments, which begin with #, are skipped, but `# image_size_px: 640 x 480` and
 /// `# photo 7: left07.jpg` (the photograph of image 7) are understood. Frames are those of Corner.
 /// Throws the errors of io::openInput; and DataError [slom.calibration.bad-file], naming file and line, for a file without rows, with another
 /// header or with a row of another length, a field that is not a number or too large, and a corner that is listed twice in an image.
+/// Others' files are recognised by their first words: `corners.vnl` of mrcal, XML, YAML and JSON of OpenCV's FileStorage with `image_points`;
+/// [slom.calibration.no-board] if such a file does not say where its corners lie.
 CameraData readCorners(const std::string& camera_name, const std::string& file);
 
 /// The same from several files of one camera, as from a recording in parts: image numbers count through all of them, and no image may be in two.
@@ -35,6 +44,23 @@ struct CameraFiles {
 /// which are paired over all cameras and the IMU (ImageNumbers); `found`, where given, gets them.
 Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
                 ImageNumbers* found = nullptr);
+
+/// The same of others' files, with what is known of their board; the error [slom.calibration.unused-board] if no file needs it.
+Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
+                const BoardOfFiles& board, ImageNumbers* found = nullptr);
+
+/// A calibration target as Kalibr's YAML states it.
+struct KalibrTarget {
+  enum class Kind { checkerboard, circlegrid, aprilgrid };
+  Kind kind = Kind::checkerboard;
+  int columns = 0, rows = 0;                       ///< inner corners, circles or tags
+  double column_spacing_m = 0, row_spacing_m = 0;  ///< between corners or circles
+  bool is_asymmetric = false;                      ///< circles of odd rows are set off by half a spacing
+  double tag_m = 0, spacing = 0;                   ///< aprilgrid: side of a tag, and gap over side
+};
+
+/// Reads Kalibr's `target_type: checkerboard`, `circlegrid` or `aprilgrid`. Throws as readCorners does.
+KalibrTarget readKalibrTarget(const std::string& file);
 
 /// The text of a file that readCorners reads; numbers with all digits, so that reading it again gives the same data. Standard deviations
 /// (Corner::sigma) have no column and are left out.

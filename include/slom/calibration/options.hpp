@@ -64,6 +64,8 @@ struct Settings {
   /// Of a free board: standard deviation of each coordinate of a corner from where it is stated [m]. Without a value it is estimated.
   std::optional<double> sigma_board;
   Fixed fixed;
+  /// Whether the sensor reports gravity itself, so that its readings at rest point down; most report the reaction to it, and point up.
+  bool imu_reads_gravity = false;
   std::vector<LensConstraint> lens;
   /// Standard deviation of a prior at 0 on the parameters that a model can trade against others (Model::heldNearZero). Without a value
   /// there is no such prior, unless a fit without it fails; with a board that is not flat it is 1.

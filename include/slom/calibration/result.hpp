@@ -116,9 +116,11 @@ struct ImuResult {
   ImuPrecision precision, if_gravity_fixed, if_acc_bias_fixed;
   double tilt_spread = 0;    ///< root mean square angle of "up" from its mean [rad]
   double sign_evidence = 0;  ///< ImuStart::sign_evidence
-  /// Whether the boards lie level below the cameras, so that it is known where up is, and then 1 where the world's z axis points up, -1 down.
+  /// Whether the boards lie level below the cameras, so that it is known where readings at rest point, and then 1 where along the world's z axis,
+  /// -1 where against it.
   bool up_is_known = false;
   int up_by_z = 1;
+  bool reads_gravity = false;  ///< Settings::imu_reads_gravity
 };
 
 /// The corner of an image with the largest residual.
@@ -163,7 +165,8 @@ struct Stray {
   std::string photo{};  ///< where it is known
   bool is_left_out =
       false;  ///< the values are those without it; `error_px` is then that of its best pose for the lens found
-  std::string why{};  ///< a clause, where the cause is known: "its corners disagree among themselves ..."
+  std::string why{};  ///< a clause, where the cause is known: "its corners disagree by 40 px ..."
+  double size = 1;    ///< of its image, over that of the others, where that is the cause
 };
 
 /// A model that fits the corners of a calibration much better than its own.

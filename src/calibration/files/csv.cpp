@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include "calibration/files/text.hpp"
-#include "slom/io/input_file.hpp"
 #include "slom/io/number.hpp"
 
 namespace slom::calibration {
@@ -117,10 +116,9 @@ std::string CsvRow::digits(std::size_t column) const {
   return std::string(text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)));
 }
 
-CsvTable::CsvTable(std::string file, std::vector<std::string> columns)
-    : file_(std::move(file)), columns_(std::move(columns)) {
+CsvTable::CsvTable(std::string file, std::string text_of_file, std::vector<std::string> columns)
+    : file_(std::move(file)), columns_(std::move(columns)), text_(std::move(text_of_file)) {
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));
-  text_ = io::readWhole(file_);
   if (isPhotograph(text_)) {
     badFile(fmt::format(
         "{}: this is a photograph, where a table with the header \"{}\" must be; slom calibrate takes photographs by "

@@ -47,9 +47,9 @@ struct CsvComment {
 /// whether lines end by a line feed, a carriage return or both do not matter.
 class CsvTable {
  public:
-  /// Reads all of the file; DataError [slom.calibration.bad-file] if it cannot be read, its header is another one, a row has another number of
+  /// Takes all of the file's text; DataError [slom.calibration.bad-file] if its header is another one, a row has another number of
   /// fields than the header, or there is no row at all.
-  CsvTable(std::string file, std::vector<std::string> columns);
+  CsvTable(std::string file, std::string text, std::vector<std::string> columns);
   CsvTable(const CsvTable&) = delete;
   CsvTable& operator=(const CsvTable&) = delete;
 

@@ -12,8 +12,10 @@
 #include <fmt/ranges.h>
 
 #include "calibration/files/csv.hpp"
+#include "calibration/files/grid_file.hpp"
 #include "calibration/files/text.hpp"
 #include "slom/calibration/files.hpp"
+#include "slom/io/input_file.hpp"
 #include "slom/io/number.hpp"
 
 namespace slom::calibration {
@@ -115,6 +117,30 @@ CameraData cornersIn(const CsvTable& table, const std::string& camera_name, cons
   return camera;
 }
 
+CameraData cornersIn(const GridFile& grid, const std::string& camera_name, const ImageOf& image_of) {
+  CameraData camera{camera_name, grid.file, {}, grid.image_size};
+  std::map<int, const GridImage*> image_with;
+  for (const GridImage& image : grid.images) {
+    const int number = *image_of(image.digits);
+    const auto [known, is_new] = image_with.emplace(number, &image);
+    if (!is_new)
+      badFile(fmt::format("{}: images {} and {} are both image {}; number them differently", grid.file,
+                          shortened(known->second->name, longest_comment),
+                          shortened(image.name, longest_comment), number));
+    if (image.unused.empty())
+      camera.views.push_back({number, image.corners, image.name});
+    else
+      camera.unused.push_back(
+          {number, image.name.empty() ? fmt::format("image {}", number) : image.name, image.unused});
+  }
+  if (camera.views.empty()) badFile(fmt::format("{}: no image has corners; detect some", grid.file));
+  std::sort(camera.views.begin(), camera.views.end(),
+            [](const View& a, const View& b) { return a.image < b.image; });
+  std::sort(camera.unused.begin(), camera.unused.end(),
+            [](const UnusedPhoto& a, const UnusedPhoto& b) { return a.image < b.image; });
+  return camera;
+}
+
 /// The parts of one camera's recording.
 CameraData joined(const std::string& camera_name, const std::vector<std::string>& files,
                   std::vector<CameraData> parts) {
@@ -175,43 +201,103 @@ ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
 
 }  // namespace
 
-Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file, ImageNumbers* found) {
-  std::vector<std::vector<std::unique_ptr<CsvTable>>> tables;
-  std::vector<std::vector<std::string>> numbers;
-  for (const CameraFiles& camera : cameras) {
-    if (camera.files.empty())
-      badFile(fmt::format("camera {} has no file of corners; give at least one", camera.name));
-    tables.emplace_back();
-    numbers.emplace_back();
-    for (const std::string& file : camera.files) {
-      tables.back().push_back(std::make_unique<CsvTable>(file, corner_columns));
-      for (std::string& number : numbersIn(*tables.back().back(), [](const CsvRow&) { return true; }))
-        numbers.back().push_back(std::move(number));
-    }
-    std::sort(numbers.back().begin(), numbers.back().end());
-    numbers.back().erase(std::unique(numbers.back().begin(), numbers.back().end()), numbers.back().end());
+namespace {
+
+/// One file of corners: a table, or what another program wrote.
+struct CornerFile {
+  std::unique_ptr<CsvTable> table;
+  std::optional<GridFile> grid;
+
+  CornerFile(const std::string& file, const BoardOfFiles& board) {
+    std::string text = io::readWhole(file);
+    const FileFormat format = formatOf(text);
+    if (format == FileFormat::table)
+      table = std::make_unique<CsvTable>(file, std::move(text), corner_columns);
+    else if (format == FileFormat::vnlog)
+      grid = readVnlog(file, text, board);
+    else
+      grid = readFileStorage(file, std::move(text), format, board);
   }
+
+  std::vector<std::string> numbers() const {
+    if (table) return numbersIn(*table, [](const CsvRow&) { return true; });
+    std::vector<std::string> digits;
+    for (const GridImage& image : grid->images) digits.push_back(image.digits);
+    return digits;
+  }
+
+  CameraData camera(const std::string& name, const ImageOf& image_of) const {
+    return table ? cornersIn(*table, name, image_of) : cornersIn(*grid, name, image_of);
+  }
+};
+
+/// The files of a rig, read but not yet put together: image numbers may be time stamps of all of them.
+struct RigFiles {
+  std::vector<std::vector<CornerFile>> cameras;
   std::unique_ptr<CsvTable> readings;
-  if (!imu_file.empty()) {
-    readings = std::make_unique<CsvTable>(imu_file, imu_columns);
+  std::vector<std::vector<std::string>> numbers;  // by camera, then those of the IMU
+
+  RigFiles(const std::vector<CameraFiles>& files, const std::string& imu_file, const BoardOfFiles& board) {
+    for (const CameraFiles& camera : files) {
+      if (camera.files.empty())
+        badFile(fmt::format("camera {} has no file of corners; give at least one", camera.name));
+      std::vector<CornerFile>& own = cameras.emplace_back();
+      std::vector<std::string>& found = numbers.emplace_back();
+      for (const std::string& file : camera.files) {
+        for (std::string& number : own.emplace_back(file, board).numbers())
+          found.push_back(std::move(number));
+      }
+      std::sort(found.begin(), found.end());
+      found.erase(std::unique(found.begin(), found.end()), found.end());
+    }
+    if (imu_file.empty()) return;
+    readings = std::make_unique<CsvTable>(imu_file, io::readWhole(imu_file), imu_columns);
     numbers.push_back(numbersIn(*readings, isValid));
   }
-  const ImageNumbers images(numbers);
+
+  bool useBoard() const {
+    return std::any_of(cameras.begin(), cameras.end(), [](const auto& files) {
+      return std::any_of(files.begin(), files.end(),
+                         [](const CornerFile& file) { return file.grid && file.grid->uses_board; });
+    });
+  }
+};
+
+Dataset putTogether(const std::vector<CameraFiles>& cameras, const RigFiles& files, ImageNumbers* found) {
+  const ImageNumbers images(files.numbers);
   const auto imageOf = [&](std::size_t source) {
     return [&, source](const std::string& digits) -> std::optional<int> {
-      if (!std::binary_search(numbers[source].begin(), numbers[source].end(), digits)) return {};
+      const std::vector<std::string>& own = files.numbers[source];
+      if (!std::binary_search(own.begin(), own.end(), digits)) return {};
       return images.of(source, digits);
     };
   };
   Dataset data;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     std::vector<CameraData> parts;
-    for (const auto& table : tables[c]) parts.push_back(cornersIn(*table, cameras[c].name, imageOf(c)));
+    for (const CornerFile& file : files.cameras[c]) parts.push_back(file.camera(cameras[c].name, imageOf(c)));
     data.cameras.push_back(joined(cameras[c].name, cameras[c].files, std::move(parts)));
   }
-  if (readings) data.imu = readingsIn(*readings, imageOf(cameras.size()));
+  if (files.readings) data.imu = readingsIn(*files.readings, imageOf(cameras.size()));
   if (found) *found = images;
   return data;
+}
+
+}  // namespace
+
+Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file, ImageNumbers* found) {
+  return putTogether(cameras, RigFiles(cameras, imu_file, {}), found);
+}
+
+Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
+                const BoardOfFiles& board, ImageNumbers* found) {
+  const RigFiles files(cameras, imu_file, board);
+  if (!files.useBoard())
+    throw DataError("slom.calibration.unused-board",
+                    {.place = cameras.empty() ? "" : cameras.front().files.front(),
+                     .fault = "the corner files say themselves where their corners lie",
+                     .remedy = "state no board"});
+  return putTogether(cameras, files, found);
 }
 
 CameraData readCorners(const std::string& camera_name, const std::string& file) {

@@ -14,6 +14,8 @@ namespace slom::calibration {
   throw DataError("slom.calibration.bad-file", sentence);
 }
 
+inline constexpr std::size_t longest_quote = 60;  ///< of what files hold, in messages
+
 /// Without blanks at both ends.
 inline std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");

@@ -221,9 +221,13 @@ Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Pr
     throw;
   }
   if (!reasonToEnd(settings.limits).empty()) return std::move(*first);
-  if (first->strays.empty() && !isBadFit(*first, settings)) return std::move(*first);
+  if (first->strays.empty() && !isBadFit(*first, settings)) {
+    if (auto without = withoutScaledViews(data, settings, *first, quietly)) return std::move(*without);
+    return std::move(*first);
+  }
   if (settings.robust != Robust::none) {
     if (auto without = withoutStrayViews(data, settings, &*first, quietly)) return std::move(*without);
+    if (auto without = withoutViewsToScale(data, settings, *first, quietly)) return std::move(*without);
   }
   if (first->strays.empty())
     nameCauses(data, settings, *first);

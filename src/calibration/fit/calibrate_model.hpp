@@ -196,8 +196,9 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   if (imu) {
     result.imu->tilt_spread = tiltSpread(tilts);
     result.imu->sign_evidence = imu->sign_evidence;
+    result.imu->reads_gravity = settings.imu_reads_gravity;
     if (const int up = upOfLevelBoards(data, result))
-      result.imu->up_is_known = true, result.imu->up_by_z = up;
+      result.imu->up_is_known = true, result.imu->up_by_z = settings.imu_reads_gravity ? -up : up;
   }
   return result;
 }

@@ -64,6 +64,18 @@ std::string excludedCauses(const Dataset& data, double tilts) {
       twoDigits(medianOf(distances)), tilts * 180 / std::numbers::pi);
 }
 
+/// The corner that contradicts the others most, and how many more do.
+std::string grossCause(const Result& result) {
+  const GrossCorner& worst = *std::max_element(
+      result.gross.begin(), result.gross.end(),
+      [](const GrossCorner& a, const GrossCorner& b) { return a.error_without_px < b.error_without_px; });
+  const std::size_t more = result.gross.size() - 1;
+  return fmt::format("corner {} of image {} of {} is {} px from where the others put it{}; leave it out",
+                     worst.number, worst.image, result.cameras[worst.camera].name,
+                     twoDigits(worst.error_without_px),
+                     more == 0 ? "" : fmt::format(", and {} more corners are far off", more));
+}
+
 /// The data with the corners of one camera counted from another end of the board: turned in its plane, by quarters, about its centre.
 std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) {
   const SE3 board2world = outlineOf(fullestView(data)).board2world;
@@ -121,8 +133,8 @@ void nameCauses(const Dataset& data, const Settings& settings, Result& result) {
   }
   if (!isBadFit(result, settings)) return;
   lookForBetterModel(data, settings, result);
-  if (!result.better_model && reasonToEnd(settings.limits).empty())
-    result.causes.push_back(excludedCauses(data, tilts));
+  if (result.better_model || !reasonToEnd(settings.limits).empty()) return;
+  result.causes.push_back(result.gross.empty() ? excludedCauses(data, tilts) : grossCause(result));
 }
 
 void nameOtherEnd(const Dataset& data, const Fit& fit, Result& result) {

@@ -2,25 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <memory>
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "calibration/cross_matrix.hpp"
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
+#include "calibration/fit/scaled_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
-#include "calibration/initialization/view_pose.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
-#include "calibration/quality/lens.hpp"
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
@@ -98,86 +92,20 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
       if (misfits[i].part() < std::max(least_part, over_median * usual) ||
           misfits[i].px < 2 * settings.sigma_px)
         continue;
-      found.push_back(
-          {camera.name, camera.views[i].image, misfits[i].px, camera.views[i].photo, true,
-           fmt::format(
-               "its corners disagree among themselves, by {} px where those of other images do by {} px",
-               twoDigits(misfits[i].px), twoDigits(usual_px))});
+      found.push_back({camera.name, camera.views[i].image, misfits[i].px, camera.views[i].photo, true,
+                       fmt::format("its corners disagree by {} px, those of other images by {} px",
+                                   twoDigits(misfits[i].px), twoDigits(usual_px))});
     }
   }
   return found;
 }
 
-/// The RMS distance of the corners from their pixels for the best pose of the view, from a start [px]: Gauss-Newton with step control.
-double rmsOfBestPose(const Lens& lens, const View& view, double pixel_scale, SE3 world2camera) {
-  constexpr int steps = 40;
-  const auto squares = [&](const SE3& pose) {
-    double sum = 0;
-    for (const Corner& corner : view.corners)
-      sum += (lens.project(vec3(pose * corner.world)) - vec2(pixel_scale * corner.pixel)).squaredNorm();
-    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-  };
-  double least = squares(world2camera), damping = 1e-4;
-  for (int step = 0; step < steps && std::isfinite(least); ++step) {
-    Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const Corner& corner : view.corners) {
-      const vec3 point(world2camera * corner.world);
-      const Lens::PointProjection at = lens.differentiateByPoint(point);
-      const Eigen::Vector2d e = at.pixel - vec2(pixel_scale * corner.pixel);
-      Eigen::Matrix<double, 2, 6> J;
-      J << at.by_point, -at.by_point * crossMatrix(point);
-      H += J.transpose() * J, g += J.transpose() * e;
-    }
-    H.diagonal() *= 1 + damping;
-    const Eigen::Matrix<double, 6, 1> d = -H.ldlt().solve(g);
-    const SO3 turn = SO3::exp(vec3(Eigen::Vector3d(d.tail<3>())));
-    const SE3 next(turn * world2camera.orient,
-                   vec3(turn * world2camera.pos + vec3(Eigen::Vector3d(d.head<3>()))));
-    const double sum = squares(next);
-    if (sum < least) {
-      const bool is_done = least - sum < 1e-9 * least;
-      world2camera = next, least = sum, damping = std::max(1e-9, damping / 10);
-      if (is_done) break;
-    } else if ((damping *= 10) > 1e6) {
-      break;
-    }
+std::optional<Result> fitted(const Fit& fit, const Dataset& data) {
+  try {
+    return fit(data);
+  } catch (const slom::Error&) {  // no start values without them either
+    return {};
   }
-  return std::sqrt(least / double(view.corners.size()));
-}
-
-/// By the poses of the boards in the other images, and by that of a homography as starts.
-double rmsOfBestPose(const Result& result, std::size_t c, const View& view, double pixel_scale) {
-  constexpr std::size_t most_starts = 12;
-  const CameraResult& camera = result.cameras[c];
-  const std::unique_ptr<Lens> lens = makeLens(camera);
-  View scaled = view;
-  for (Corner& corner : scaled.corners) corner.pixel *= pixel_scale;
-  const PlaneView plane(scaled);
-  const Eigen::Matrix3d& K = camera.camera_matrix;
-  const Pinhole pinhole{K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
-  const SE3 rough = poseFromHomography(plane, pinhole);
-  std::vector<SE3> starts{rough, tiltedOtherWay(plane, rough)};
-  const std::size_t step = 1 + result.images.size() / most_starts;
-  for (std::size_t i = 0; i < result.images.size(); i += step)
-    starts.push_back(camera.left2camera * result.images[i].left2world.inverse());
-  double least = std::numeric_limits<double>::infinity();
-  for (const SE3& start : starts) least = std::min(least, rmsOfBestPose(*lens, view, pixel_scale, start));
-  return least / pixel_scale;
-}
-
-std::size_t indexOf(const Result& result, const std::string& camera) {
-  return std::size_t(std::find_if(result.cameras.begin(), result.cameras.end(),
-                                  [&](const CameraResult& one) { return one.name == camera; }) -
-                     result.cameras.begin());
-}
-
-double usualRms(const Result& result, std::size_t c) {
-  std::vector<double> all;
-  for (const ImageResult& image : result.images) {
-    if (image.rms_px[c]) all.push_back(*image.rms_px[c]);
-  }
-  return medianOf(all);
 }
 
 /// Those of the views that no pose fits, with the cause where it is known.
@@ -186,22 +114,44 @@ std::vector<Stray> judged(const std::vector<Stray>& views, const Dataset& data, 
   for (Stray stray : views) {
     const std::size_t c = indexOf(result, stray.camera);
     const View& view = *data.cameras[c].find(stray.image);
-    const double usual = std::max(usualRms(result, c), 1e-3), limit = 3 * usual;
+    const double usual = std::max(usualRms(result, c), 1e-3);
     stray.error_px = rmsOfBestPose(result, c, view, 1);
-    if (stray.error_px <= limit) continue;
+    const std::optional<ImageScale> scale = scaleOf(result, c, view, strays.empty() ? 1 : strays.back().size);
+    if (stray.error_px <= 3 * usual && !scale) continue;
     stray.is_left_out = true;
     stray.photo = view.photo;
-    for (const double scale : {2.0, 0.5, 4.0, 0.25}) {
-      const double error = rmsOfBestPose(result, c, view, scale);
-      if (!(error <= std::max(1.0, scale) * limit) || !(error < 0.5 * stray.error_px)) continue;
+    if (scale) {
+      stray.size = scale->size;
       stray.why = fmt::format(
-          "it is of an image of {} times the size of the others, at which its corners fit to {} px",
-          1 / scale, twoDigits(error));
-      break;
+          "it is of an image of {:.3g} times the size of the others, at which its corners fit to {} px",
+          scale->size, twoDigits(scale->rms_px));
     }
     strays.push_back(std::move(stray));
   }
   return strays;
+}
+
+std::vector<Stray> sortedByImage(std::vector<Stray> strays) {
+  std::stable_sort(strays.begin(), strays.end(),
+                   [](const Stray& a, const Stray& b) { return a.image < b.image; });
+  return strays;
+}
+
+/// The strays and the further views of images of another size, which a fit that has them in it follows. The fit without all of them, if there are more.
+void addScaledViews(const Dataset& data, const Settings& settings, const Fit& fit, Result& without,
+                    std::vector<Stray>& strays) {
+  const bool has_scaled =
+      std::any_of(strays.begin(), strays.end(), [](const Stray& stray) { return stray.size != 1; });
+  if (!has_scaled) return;
+  const auto isEnough = [&](const Dataset& rest) { return suffices(rest, data); };
+  const std::vector<Stray> more = viewsOfAnotherSize(withoutViews(data, strays), settings, without, isEnough);
+  if (more.empty()) return;
+  std::vector<Stray> all = strays;
+  all.insert(all.end(), more.begin(), more.end());
+  std::optional<Result> next = fitted(fit, withoutViews(data, all));
+  if (!next || !next->success() || !next->strays.empty()) return;
+  without = std::move(*next);
+  strays = judged(all, data, without);
 }
 
 /// Whether the fit without them is that much better.
@@ -243,15 +193,39 @@ std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& se
   return good;
 }
 
-std::optional<Result> fitted(const Fit& fit, const Dataset& data) {
-  try {
-    return fit(data);
-  } catch (const slom::Error&) {  // no start values without them either
-    return {};
-  }
+}  // namespace
+
+std::optional<Result> withoutScaledViews(const Dataset& data, const Settings& settings, const Result& good,
+                                         const Fit& fit) {
+  constexpr double least_gain = 50;  // of chi-square, with as many unknowns
+  Dataset used = withoutRejected(data, good);
+  used.imu.reset();
+  if (!maybeOfAnotherSize(used, settings, good)) return {};
+  const auto isEnough = [&](const Dataset& rest) { return suffices(rest, used); };
+  const std::vector<Stray> scaled = viewsOfAnotherSize(used, settings, good, isEnough);
+  if (scaled.empty() || gainOfScaling(used, settings, good, scaled) < least_gain) return {};
+  std::optional<Result> without = fitted(fit, withoutViews(data, scaled));
+  if (!without || !without->success() || !without->strays.empty()) return {};
+  without->strays = sortedByImage(judged(scaled, data, *without));
+  if (without->strays.size() < scaled.size()) return {};
+  return without;
 }
 
-}  // namespace
+std::optional<Result> withoutViewsToScale(const Dataset& data, const Settings& settings, const Result& bad,
+                                          const Fit& fit) {
+  if (!bad.success() || !bad.strays.empty()) return {};
+  const std::vector<Stray> scaled = viewsToScale(data, settings, bad.rss, countViews(data) / 3);
+  if (scaled.empty()) return {};
+  std::optional<Result> without = fitted(fit, withoutViews(data, scaled));
+  if (!without || !without->success() || isBadFit(*without, settings)) return {};
+  std::vector<Stray> strays = judged(scaled, data, *without);
+  const bool are_all_scaled =
+      strays.size() == scaled.size() &&
+      std::all_of(strays.begin(), strays.end(), [](const Stray& one) { return one.size != 1; });
+  if (!are_all_scaled) return {};
+  without->strays = sortedByImage(std::move(strays));
+  return without;
+}
 
 bool isBadFit(const Result& result, const Settings& settings) {
   if (!result.success()) return true;
@@ -288,6 +262,8 @@ std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& set
     if (strays.empty() || !with_some || !isBetter(*with_some, bad, settings)) return {};
     without = std::move(with_some);
   }
+  addScaledViews(data, settings, fit, *without, strays);
+  strays = sortedByImage(std::move(strays));
   without->strays.insert(without->strays.end(), strays.begin(), strays.end());
   return without;
 }

@@ -23,6 +23,14 @@ using Fit = std::function<Result(const Dataset&)>;
 std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& settings, const Result* bad,
                                         const Fit& fit);
 
+/// Of a fit that looks good: the one without views of images of another size, which the lens followed; nothing where there are none.
+std::optional<Result> withoutScaledViews(const Dataset& data, const Settings& settings, const Result& good,
+                                         const Fit& fit);
+
+/// The same of a bad fit of one camera that leaving out views does not mend: by trying to scale each of at most 20 views.
+std::optional<Result> withoutViewsToScale(const Dataset& data, const Settings& settings, const Result& bad,
+                                          const Fit& fit);
+
 /// Sets Result::better_model, causes and, where all boards are nearly parallel, undetermined, of a fit that is bad.
 void nameCauses(const Dataset& data, const Settings& settings, Result& result);
 

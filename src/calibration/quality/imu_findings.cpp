@@ -72,11 +72,14 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
          "the IMU turned half round) fits as well",
          "add images tilted about another axis"});
   } else if (imu.up_is_known && imu.gravity * imu.up_by_z < 0) {
+    // A reflection of the axes and the opposite sign of gravity leave the same residuals, so that only the user can tell them apart.
+    const bool points_up = imu.reads_gravity;
     findings.push_back(
-        {ImuFinding::Kind::sign, "the readings point down, where those of an accelerometer at rest point up",
-         "that is right for a sensor that reports gravity itself; otherwise one of its axes has the wrong sign, so that they are "
-         "left-handed, and the rotation of the IMU is wrong: correct that axis",
-         false, false});
+        {ImuFinding::Kind::handedness,
+         fmt::format("the readings of the IMU point {} by {} m/s^2 at rest, where they must point {}",
+                     points_up ? "up" : "down", twoDigits(std::abs(imu.gravity)), points_up ? "down" : "up"),
+         "check whether one or all of its axes have the wrong sign, or two are exchanged, unless the sensor reports gravity itself",
+         true});
   }
 }
 
@@ -100,8 +103,8 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
 std::vector<ImuFinding> imuFindings(const Result& result) {
   std::vector<ImuFinding> findings;
   if (!result.imu) return findings;
+  findGravity(*result.imu, findings);  // another unit first: it is the likeliest mistake
   findSign(*result.imu, findings);
-  findGravity(*result.imu, findings);
   findMisfit(result, findings);
   findWeakness(*result.imu, findings);
   return findings;

@@ -5,23 +5,27 @@
 //               the inner ones
 //   aprilgrid   columns x rows tags of the family 36h11, small squares between them; x right, y up, four
 //               corners for each tag. As Kalibr prints it; tag 0 is at the lower left
+//   circles     columns x rows circles in a grid, or odd rows set off by half a spacing; corner files alone have them
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "calibrate/library.hpp"
 
 namespace slom::app::calib {
 
-enum class BoardKind { chessboard, charuco, aprilgrid };
+enum class BoardKind { chessboard, charuco, aprilgrid, circles };
 
 struct Board {
   BoardKind kind = BoardKind::chessboard;
-  int columns = 0, rows = 0;  ///< inner corners, squares or tags
-  double square_m = 0;        ///< side of a square; aprilgrid: of a tag
-  double marker_m = 0;        ///< charuco: side of a marker
-  double spacing = 0;         ///< aprilgrid: gap between tags, as a fraction of their side
-  std::string dictionary;     ///< charuco: of the markers, as "5x5_100"
+  int columns = 0, rows = 0;   ///< inner corners, squares or tags
+  double square_m = 0;         ///< side of a square; aprilgrid: of a tag; circles: their distance
+  double row_m = 0;            ///< chessboard: distance of rows, where it is another one; 0: it is not
+  double marker_m = 0;         ///< charuco: side of a marker
+  double spacing = 0;          ///< aprilgrid: gap between tags, as a fraction of their side
+  std::string dictionary;      ///< charuco: of the markers, as "5x5_100"
+  bool is_asymmetric = false;  ///< circles: odd rows are set off
 
   /// Size of the grid of corners.
   int cornerColumns() const;
@@ -33,7 +37,7 @@ struct Board {
   int symmetry() const;
 };
 
-/// `9x6`, `charuco:8x5:4x4_50`, `aprilgrid:6x6`.
+/// `9x6`, `charuco:8x5:4x4_50`, `aprilgrid:6x6`, `circles:7x5`.
 std::string toString(const Board& board);
 
 /// The options as the user wrote them; 0 for what was left out.
@@ -42,7 +46,10 @@ struct BoardOptions {
   double square_m = 0, marker_m = 0, spacing = 0;
 };
 
-/// UserError names the option that is wrong, missing, or of another board.
+/// The board of photographs; `options.board` may be the file of a Kalibr target. UserError names the option that is wrong, missing, or of another board.
 Board parseBoard(const BoardOptions& options);
+
+/// The board of corner files that do not say where their corners lie; what is missing may stand in the files. Nothing: no option is given.
+std::optional<BoardOfFiles> parseBoardOfFiles(const BoardOptions& options);
 
 }  // namespace slom::app::calib

@@ -12,8 +12,6 @@
 namespace slom::app::calib {
 namespace {
 
-constexpr std::size_t photos_to_try = 8;
-
 /// What `ask` says of a photograph; what the answer to none is where it cannot be read or searched.
 template <class Answer>
 Answer asked(const std::string& file, Answer (*ask)(const Board&, const Photograph&), const Board& board) {
@@ -54,15 +52,15 @@ Board chessboardOf(const ChessboardSize& size, Board like) {
   return like;
 }
 
-/// At most `photos_to_try`, evenly over all of them.
+}  // namespace
+
 std::vector<std::string> someOf(const std::vector<std::string>& photos) {
+  constexpr std::size_t most = 8;
   std::vector<std::string> some;
-  const std::size_t count = std::min(photos_to_try, photos.size());
+  const std::size_t count = std::min(most, photos.size());
   for (std::size_t i = 0; i < count; ++i) some.push_back(photos[i * photos.size() / count]);
   return some;
 }
-
-}  // namespace
 
 void requireSizeLikely(const Board& board, const std::vector<std::string>& photos) {
   if (board.kind != BoardKind::chessboard) return;

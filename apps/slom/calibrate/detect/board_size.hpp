@@ -8,6 +8,9 @@
 
 namespace slom::app::calib {
 
+/// Eight photographs at most, evenly over all of them, for a quick look.
+std::vector<std::string> someOf(const std::vector<std::string>& photos);
+
 /// A quick look before the search in all photographs, which takes long where there is nothing: UserError when
 /// the first ones show no chessboard of this size, but all of them one of another size.
 void requireSizeLikely(const Board& board, const std::vector<std::string>& photos);

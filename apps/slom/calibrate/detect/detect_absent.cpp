@@ -15,6 +15,8 @@ bool showsChessboard(const Board&, const Photograph&) { return false; }
 
 ChessboardSize largestChessboard(const Photograph&) { return {}; }
 
+std::vector<SeenMarker> seenMarkers(const std::string&, const Photograph&) { return {}; }
+
 void requireDetector(const Board&) {
   throw UserError(
       "--images: this slom was built without OpenCV; install libopencv-calib3d-dev and libstb-dev and build "

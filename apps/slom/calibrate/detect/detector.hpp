@@ -31,6 +31,14 @@ struct ChessboardSize {
 };
 ChessboardSize largestChessboard(const Photograph& photo);
 
+/// A marker of a ChArUco board.
+struct SeenMarker {
+  int id = 0;
+  vec2 centre;
+};
+/// All markers of a dictionary in a photograph.
+std::vector<SeenMarker> seenMarkers(const std::string& dictionary, const Photograph& photo);
+
 /// Whether findBoard can find such boards at all; UserError, which says what to install, where it cannot.
 void requireDetector(const Board& board);
 

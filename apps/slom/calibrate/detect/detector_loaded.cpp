@@ -94,6 +94,10 @@ bool showsChessboard(const Board& board, const Photograph& photo) {
 
 ChessboardSize largestChessboard(const Photograph& photo) { return module().largest_chessboard(photo); }
 
+std::vector<SeenMarker> seenMarkers(const std::string& dictionary, const Photograph& photo) {
+  return module().seen_markers(dictionary, photo);
+}
+
 void requireDetector(const Board& board) {
   if (const std::string complaint = module().complaint(board); !complaint.empty()) throw UserError(complaint);
 }

@@ -19,4 +19,4 @@ std::string complaint(const Board& board) {
 
 const slom::app::calib::DetectorModule slom_detector_module{
     slom::app::calib::findBoard, slom::app::calib::showsChessboard, slom::app::calib::largestChessboard,
-    slom::app::calib::complaint};
+    slom::app::calib::seenMarkers, slom::app::calib::complaint};

@@ -23,6 +23,7 @@ struct DetectorModule {
   std::vector<FoundCorner> (*find_board)(const Board& board, const Photograph& photo);
   bool (*shows_chessboard)(const Board& board, const Photograph& photo);
   ChessboardSize (*largest_chessboard)(const Photograph& photo);
+  std::vector<SeenMarker> (*seen_markers)(const std::string& dictionary, const Photograph& photo);
   std::string (*complaint)(const Board& board);  ///< what requireDetector throws; empty: nothing
 };
 

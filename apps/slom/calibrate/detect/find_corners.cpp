@@ -10,6 +10,7 @@
 
 #include "calibrate/detect/board_size.hpp"
 #include "calibrate/detect/detector.hpp"
+#include "calibrate/detect/marker_layout.hpp"
 #include "calibrate/detect/progress_bar.hpp"
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
@@ -134,6 +135,7 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
     std::vector<std::string> files;
     for (const Photo& photo : camera.photos) files.push_back(photo.file);
     requireSizeLikely(board, files);
+    requireLayoutLikely(board, files);
   }
   auto seen = lookAtAll(photos, board, with_progress);
   std::vector<CameraData> result;

@@ -8,6 +8,8 @@ namespace slom::app::calib {
 
 std::vector<FoundCorner> findMarkers(const Board&, const Photograph&) { return {}; }
 
+std::vector<SeenMarker> seenMarkers(const std::string&, const Photograph&) { return {}; }
+
 void requireDictionary(const Board& board) {
   throw UserError(
       fmt::format("--board {}: this slom was built without OpenCV's markers; install libopencv-contrib-dev "

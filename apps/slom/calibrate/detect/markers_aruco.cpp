@@ -199,6 +199,17 @@ std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo
   return board.kind == BoardKind::charuco ? findCharuco(board, image) : findAprilgrid(board, image);
 }
 
+std::vector<SeenMarker> seenMarkers(const std::string& dictionary, const Photograph& photo) {
+  const Markers markers = detect(viewOf(photo), dictionaries.at(dictionary).name, 1);
+  std::vector<SeenMarker> seen;
+  for (std::size_t i = 0; i < markers.ids.size(); ++i) {
+    const auto& c = markers.corners[i];
+    const cv::Point2f centre = (c[0] + c[1] + c[2] + c[3]) / 4;
+    seen.push_back({markers.ids[i], vec2(centre.x, centre.y)});
+  }
+  return seen;
+}
+
 void requireDictionary(const Board& board) {
   const bool is_charuco = board.kind == BoardKind::charuco;
   const auto dictionary = dictionaries.find(board.dictionary);

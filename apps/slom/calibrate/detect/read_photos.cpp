@@ -19,9 +19,8 @@ void checkPaths(const CommandSettings& settings, const std::vector<CameraPhotos>
 
 }  // namespace
 
-std::vector<CameraData> readPhotos(const CommandSettings& settings) {
+std::vector<CameraData> readPhotos(const CommandSettings& settings, ImageNumbers& numbers) {
   requireDetector(*settings.board);
-  ImageNumbers numbers;
   const std::vector<CameraPhotos> photos = findPhotos(settings.cameras, &numbers);
   if (const std::string sentence = sentenceOf(numbers); !settings.quiet && !sentence.empty())
     say(sentence + "\n");

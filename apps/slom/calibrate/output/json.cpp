@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <slom/solve/instruction_set.hpp>
+
 #include "calibrate/output/notes.hpp"
 #include "calibrate/output/quality_json.hpp"
 
@@ -239,9 +241,17 @@ Json downweightedJson(const Downweighted& down) {
           {"least_weight", down.least}, {"mean_weight", down.mean},  {"over_curvature", down.over_curvature}};
 }
 
+/// How image numbers that are time stamps were paired.
+Json stampsJson(const ImageNumbers& numbers) {
+  if (!numbers.areStamps()) return {};
+  return {{"paired_images", numbers.paired()},
+          {"largest_difference", numbers.largestDifference()},
+          {"spacing", numbers.spacing()}};
+}
+
 }  // namespace
 
-std::string toJson(const Result& result) {
+std::string toJson(const Result& result, const ImageNumbers& numbers) {
   const std::string& reference = result.cameras.front().name;
   Json rms, cameras, images = Json::array(), worst = Json::array(), strays = Json::array();
   for (const CameraResult& camera : result.cameras) {
@@ -254,10 +264,12 @@ std::string toJson(const Result& result) {
                       {"image", stray.image},
                       {"error_px", stray.error_px},
                       {"is_left_out", stray.is_left_out},
+                      {"size", stray.size},
                       {"why", stray.why}});
   }
   for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
   const Json json = {
+      {"kernels", slom::instructionSet()},
       {"converged", result.converged},
       {"stop_reason", result.stop_reason},
       {"message", result.message},
@@ -274,6 +286,7 @@ std::string toJson(const Result& result) {
       {"rms_acc", result.imu ? Json(result.imu->rms_acc) : Json()},
       {"undetermined", result.undetermined.empty() ? Json() : Json(result.undetermined)},
       {"reference", reference},
+      {"time_stamps", stampsJson(numbers)},
       {"cameras", std::move(cameras)},
       {"imu", result.imu ? imuJson(*result.imu, reference) : Json()},
       {"board", result.board ? boardJson(*result.board) : Json()},

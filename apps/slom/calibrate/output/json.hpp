@@ -7,7 +7,7 @@
 
 namespace slom::app::calib {
 
-/// All digits of all numbers; what is not determined is null.
-std::string toJson(const Result& result);
+/// All digits of all numbers; what is not determined is null. `numbers`: how time stamps of the files were paired.
+std::string toJson(const Result& result, const ImageNumbers& numbers = {});
 
 }  // namespace slom::app::calib

@@ -300,7 +300,7 @@ void noteImu(const Result& result, std::vector<std::string>& notes) {
         finding.kind == ImuFinding::Kind::weak
             ? "The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images "
               "with more tilt, about both axes, help without assuming anything"
-            : capitalised(finding.remedy);
+            : capitalised(remedyOf(finding, result));
     notes.push_back(fmt::format("{}. {}.", capitalised(finding.fault), remedy));
   }
 }
