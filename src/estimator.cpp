@@ -14,6 +14,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
+#include "problem/value_snapshot.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/optimize/optimizer.hpp"
 
@@ -60,6 +61,23 @@ std::string Estimator::nameOf(const MeasurementHandle& id) const {
   return pool->measurementName(i);
 }
 
+void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, Summary& summary) {
+  ValueSnapshot before(problem);
+  Summary nearer = by_damping();
+  if (nearer.converged) {
+    Summary again = fit();
+    if (again.converged) {
+      goOn(summary, std::move(nearer));
+      goOn(summary, std::move(again));
+      summary.warnings.push_back(
+          "rounding errors of the residuals at the start hide what an unknown changes; Levenberg-Marquardt came nearer first");
+      return;
+    }
+  }
+  before.restore();
+  current.reset();
+}
+
 Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
 
 Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
@@ -68,16 +86,25 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   Summary before;
   fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
   RankAtEnd rank;
-  const auto fit = [&] {
+  const auto fitBy = [&](Algorithm& algorithm) {
     return run([&] {
-      return runAlgorithm(evaluator, by, options, sigma == Sigma::estimated, rank,
+      return runAlgorithm(evaluator, algorithm, options, sigma == Sigma::estimated, rank,
                           [this] { return analyze(&findFreeDirections); });
     });
   };
+  const auto fit = [&] { return fitBy(by); };
   std::unique_ptr<FreeNetwork> network = gauge == FreeGauge::inner_constraints ? freeNetwork() : nullptr;
   const bool is_free = network != nullptr;
   Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
   summary.is_free_network = is_free;
+  if (summary.stop_reason == StopReason::rank_deficient && evaluator.wasHidden() && options.fall_back &&
+      by.safeguarded() != nullptr) {
+    LevenbergMarquardt damped;
+    const RankAtEnd rank_before = rank;
+    fitFromNearer(
+        fit, [&] { return fitBy(damped); }, summary);
+    if (!summary.converged) rank = rank_before;
+  }
   summary.groups = std::move(before.groups);
   complete(summary, options, rank);
   unconverged = summary.converged ? "" : toString(summary.stop_reason);

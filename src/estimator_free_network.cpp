@@ -54,19 +54,6 @@ VectorXd movedSince(const ValueSnapshot& start, const Problem& problem, const Pr
   return moved;
 }
 
-/// The end of a later fit, which went on where the one of `summary` has ended.
-void append(Summary& summary, Summary later) {
-  summary.iterations += later.iterations;
-  summary.final_rss = later.final_rss;
-  summary.seconds += later.seconds;
-  summary.converged = later.converged;
-  if (!later.converged) summary.stop_reason = later.stop_reason;
-  for (std::string& warning : later.warnings) summary.warnings.push_back(std::move(warning));
-  for (IterationRecord& line : later.trace) {
-    if (line.iteration > 0) summary.trace.push_back(std::move(line));
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<FreeNetwork> Estimator::State::freeNetwork() {
@@ -77,6 +64,22 @@ std::unique_ptr<FreeNetwork> Estimator::State::freeNetwork() {
     });
   } catch (const Error&) {
     return nullptr;
+  }
+}
+
+void Estimator::State::goOn(Summary& summary, Summary later) {
+  const int before = summary.iterations;
+  summary.iterations += later.iterations;
+  summary.final_rss = later.final_rss;
+  summary.seconds += later.seconds;
+  summary.converged = later.converged;
+  summary.stop_reason = later.stop_reason;
+  summary.algorithm = later.algorithm;
+  for (std::string& warning : later.warnings) summary.warnings.push_back(std::move(warning));
+  for (IterationRecord& line : later.trace) {
+    if (line.iteration == 0) continue;
+    line.iteration += before;
+    summary.trace.push_back(std::move(line));
   }
 }
 
@@ -95,7 +98,7 @@ Summary Estimator::State::fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNet
       if (round == 0) {
         summary = fit();
       } else {
-        append(summary, fit());
+        goOn(summary, fit());
       }
     }
     current.reset();

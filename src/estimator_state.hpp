@@ -60,8 +60,13 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   using Fit = std::function<Summary()>;
   /// The free network at the current values; null: no direction is free, or more than the gauge.
   std::unique_ptr<FreeNetwork> freeNetwork();
+  /// Takes over the end of a later fit, which went on where the one of `summary` has ended.
+  static void goOn(Summary& summary, Summary later);
   /// Fits it by `fit` to the values with the smallest distance from the start.
   Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
+  /// After a fit that ended where rounding errors of large residuals hide an unknown: comes nearer by Levenberg-Marquardt and fits again. Values and
+  /// `summary` stay where that does not converge.
+  void fitFromNearer(const Fit& fit, const Fit& by_damping, Summary& summary);
   /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
   std::string whyUnconverged() const {
     const bool is_there =

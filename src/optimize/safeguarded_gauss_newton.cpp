@@ -85,7 +85,10 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
       const bool is_taken = outcome.kind == StepOutcome::Kind::taken;
       const bool is_finite = is_taken && evaluator.hasFiniteDerivatives();
       if (is_finite && isAcceptable(evaluator, outcome)) return outcome;
-      if (is_finite && best_ == nullptr && evaluator.isNearlyNothing(outcome.predicted_decrease, options)) {
+      // All that is left of the RSS may be rounding errors, whose growth means nothing.
+      if (is_finite && best_ == nullptr &&
+          (evaluator.isNearlyNothing(outcome.predicted_decrease, options) ||
+           outcome.rss_before <= evaluator.roundingOfPromises())) {
         takeBack(evaluator);
         outcome.kind = StepOutcome::Kind::stuck;
         outcome.rss_after = outcome.rss_before;
