@@ -185,6 +185,33 @@ TEST(ForeignFiles, AllFormatsGiveTheCalibrationOfTheTable) {
   }
 }
 
+/// Files that OpenCV itself writes, of recorded corners.
+TEST(ForeignFiles, WhatOpenCvWritesIsRead) {
+  const std::string table = slom::testing::sourcePath("data/opencv_stereo/left_corners.csv");
+  const TemporaryFolder folder;
+  const CommandResult written = slom::testing::runCommand(
+      {"/usr/bin/python3", slom::testing::sourcePath("tests/calibrate_reference/file_storage.py").string(),
+       table, folder.path().string()});
+  if (written.exit_code == 3) GTEST_SKIP() << written.errors;
+  ASSERT_EQ(written.exit_code, 0) << written.errors;
+  ASSERT_EQ(
+      runCalibrate({"--camera", "cam=" + table, "--json", (folder / "r.json").string(), "--quiet"}).exit_code,
+      0);
+  const nlohmann::json expected = jsonIn(folder);
+  for (const std::string name :
+       {"sample.xml", "sample.yml", "sample.json", "hand.xml", "hand.yml", "hand.json"}) {
+    const CommandResult result = runCalibrate(
+        {"--camera", "cam=" + (folder / name).string(), "--json", (folder / "r.json").string(), "--quiet"});
+    ASSERT_EQ(result.exit_code, 0) << name << ": " << result.errors;
+    const nlohmann::json found = jsonIn(folder);
+    EXPECT_NEAR(found["rss"], expected["rss"], 1e-9) << name;  // places of corners round to other bits
+    for (const auto& [key, value] : expected["cameras"]["cam"]["parameters"].items())
+      EXPECT_NEAR(found["cameras"]["cam"]["parameters"][key]["value"], value["value"].get<double>(),
+                  1e-7 * value["std"].get<double>())
+          << name << " " << key;
+  }
+}
+
 TEST(ForeignFiles, LevelsDoubleTheStandardDeviation) {
   const CameraData camera = completeViews(4);
   const TemporaryFolder folder;
