@@ -43,6 +43,32 @@ TEST(GraphFit, RssIsTheSumOfSquaresWithoutAHalf) {
   EXPECT_NEAR(fitted(content)["final_rss"].get<double>(), 6, 1e-12);
 }
 
+TEST(GraphFit, WithoutNoiseHasNoWarningOfRoundingErrors) {
+  // Chains in the plane and in space with edges that the end fits exactly, but for rounding, from starts a little off.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise;
+    std::string plane, space;
+    for (int i = 0; i < 8; ++i) {
+      const std::string id = std::to_string(i), next = std::to_string(i + 1);
+      plane += "VERTEX_SE2 " + id + " " + std::to_string(2 * i + 0.1 * noise(random)) + " " +
+               std::to_string(0.1 * noise(random)) + " " + std::to_string(0.05 * noise(random)) + "\n";
+      space += "VERTEX_SE3:QUAT " + id + " " + std::to_string(2 * i + 0.1 * noise(random)) + " 0 0 0 0 " +
+               std::to_string(0.05 * noise(random)) + " 1\n";
+      if (i == 7) break;
+      plane += "EDGE_SE2 " + id + " " + next + " 2 0 0.1 100 0 0 100 0 100\n";
+      space += "EDGE_SE3:QUAT " + id + " " + next +
+               " 2 0 0 0 0 0.5 0.5 100 0 0 0 0 0 100 0 0 0 0 100 0 0 0 100 0 0 100 0 100\n";
+    }
+    for (const std::string& content : {plane, space}) {
+      const auto json = fitted(content);
+      EXPECT_LT(json["final_rss"].get<double>(), 1e-18);
+      for (const auto& warning : json["warnings"])
+        EXPECT_EQ(warning.get<std::string>().find("RSS grow"), std::string::npos) << seed << " " << warning;
+    }
+  }
+}
+
 TEST(GraphFit, HuberByHand) {
   // Measured 0, 0 and 10 along x: p = 1/2 balances 2 * 2p against the outlier's constant force 2; 2 p^2 + 2
   // (10 - p) - 1

@@ -26,7 +26,8 @@ class KernelsOfCommands {
 void eraseTimes(Json& json) {
   if (json.is_object()) {
     for (const char* key : {"seconds", "peak_memory_mb", "phases"}) json.erase(key);
-    std::erase_if(json.get_ref<Json::object_t&>(), [](const auto& entry) { return entry.first.find("seconds") != std::string::npos; });
+    std::erase_if(json.get_ref<Json::object_t&>(),
+                  [](const auto& entry) { return entry.first.find("seconds") != std::string::npos; });
   }
   for (auto& part : json) {
     if (part.is_structured()) eraseTimes(part);

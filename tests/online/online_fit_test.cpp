@@ -465,9 +465,10 @@ TEST(OnlineFit, LeavesAnUphillStepToOptimizeWhereThereIsABudget) {
   const UpdateSummary update = est.update({.budget = 1e9});
   EXPECT_FALSE(update.converged || update.used_optimize);
   EXPECT_TRUE(update.needs_optimize);
-  EXPECT_EQ(update.message,
-            "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there "
-            "if there is no budget; call it when there is time");
+  EXPECT_EQ(
+      update.message,
+      "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there "
+      "if there is no budget; call it when there is time");
   EXPECT_EQ(*x, 3.0);
   EXPECT_TRUE(est.update().used_optimize);
   EXPECT_NEAR(*x, 0, 1e-6);

@@ -27,7 +27,7 @@ std::vector<std::unique_ptr<slom::Algorithm>> threeAlgorithms() {
   return all;
 }
 
-/// 1 + 2 / (1 + exp(-1.5 (x - 5))) with noise of 0.02; the sum of squares is about 36 at the optimum.
+/// 1 + 2 / (1 + exp(-1.5 (x - 5))) with noise of 0.02; the sum of squares is 30.45 at the optimum.
 slom::VarID<Eigen::Vector4d> insertSigmoid(slom::Estimator& est, const Eigen::Vector4d& start) {
   const auto p = est.insertRV(start, "p");
   Random noise(11);
@@ -314,6 +314,27 @@ TEST(StatedNoise, ReportsSayWhatWasAssumed) {
             std::string::npos)
       << none;
   EXPECT_NE(fit(0).json().find("\"stated_noise\": \"none\""), std::string::npos);
+}
+
+TEST(HardStarts, AFarStartIsNoMatterOfRank) {
+  // A line whose terms have very different units. At a far start residuals are so large that their rounding errors hide what q changes.
+  for (const double far : {1.0, -5.0, 1e3, 1e6, 2.02e9}) {
+    for (const double unit : {1e18, 1e20, 1e21}) {
+      slom::Estimator est;
+      const double p_true = 2e9, q_true = 3e9 / unit;
+      const auto p = est.insertRV(far, "p"), q = est.insertRV(far == 2.02e9 ? 1.01 * q_true : 1.0, "q");
+      for (int i = 1; i <= 10; ++i) {
+        est.insertMeasurement([](const auto& a, const auto& b, double t, double y,
+                                 double in) { return a * t + b * (in * t * t) - y; },
+                              p, q, double(i), p_true * i + q_true * (unit * i * i), unit,
+                              slom::StandardDeviation(1e3));
+      }
+      const slom::Summary summary = est.optimize();
+      EXPECT_TRUE(summary.converged) << far << " " << unit << "\n" << summary;
+      EXPECT_NEAR(*p / p_true, 1, 1e-9) << far << " " << unit;
+      EXPECT_NEAR(*q / q_true, 1, 1e-9) << far << " " << unit;
+    }
+  }
 }
 
 }  // namespace
