@@ -23,19 +23,19 @@ void require(bool holds, const std::string& id, const std::string& what) {
 
 void requireData(const std::vector<double>& x, const std::vector<double>& y,
                  const std::vector<double>& sigma) {
-  require(!x.empty() && x.size() == y.size(), "slom.wrong-length",
+  require(!x.empty() && x.size() == y.size(), "slom.bad-plot",
           "plot got " + counted(static_cast<int>(x.size()), "value") + " of x and " +
               std::to_string(y.size()) + " of y; pass one y for each x");
-  require(sigma.size() <= 1 || sigma.size() == y.size(), "slom.wrong-length",
+  require(sigma.size() <= 1 || sigma.size() == y.size(), "slom.bad-plot",
           "plot got " + counted(static_cast<int>(sigma.size()), "standard deviation") + " for " +
               counted(static_cast<int>(y.size()), "value") + "; pass one for each, one for all, or none");
   for (std::size_t i = 0; i < x.size(); ++i) {
-    require(std::isfinite(x[i]) && std::isfinite(y[i]), "slom.not-finite",
+    require(std::isfinite(x[i]) && std::isfinite(y[i]), "slom.bad-plot",
             "point " + std::to_string(i) + " of the plot is (" + number(x[i], 6) + ", " + number(y[i], 6) +
                 "); pass finite numbers");
   }
   for (const double s : sigma) {
-    require(std::isfinite(s) && s > 0, "slom.not-finite",
+    require(std::isfinite(s) && s > 0, "slom.bad-plot",
             "a standard deviation of the plot is " + number(s, 6) + "; pass positive, finite numbers");
   }
 }

@@ -24,6 +24,7 @@ BY_HAND = {  # whose tests compare the text in parts
     "slom.calibration.nothing-to-exclude": ("exclusion left.17: that camera has no image 17", "the nearest are 15, 16, 18"),
     "slom.bad-kernels": ("the environment variable SLOM_KERNELS is \"neon\", which names no kernels",
                          "set it to avx512, avx2 or sse2, or unset it"),
+    "slom.cannot-write": ("the plot could not be written to plots/decay.svg", "see whether its folder is there and may be written to"),
     "slom.free-gauge": ("there are no covariances as long as the gauge is free. All 5 points can move together without changing any residual",
                         "fix as many of them as that takes, or add priors"),
     "slom.undetermined-start": ("the linear systems of chordal relaxation cannot be solved, as the weights of the edges differ too much",

@@ -41,7 +41,7 @@ Plot plotData(const std::vector<double>& x, const std::vector<double>& y, const 
 
 /// Data y at x with their standard deviations, the curve f(variables, x) with the band that holds it with 95 % at each x, and below the
 /// residuals y - f. `sigma` has one number for each y, or one for all, or none. f returns a number for values as measurement functions get them and
-/// a double. Throws [slom.wrong-length] and [slom.not-finite] for such data, and what covariance throws.
+/// a double. Throws [slom.bad-plot] for other numbers of them and for data that are not finite, and what covariance throws.
 template <class F, class... T>
 Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<double>& y,
           const std::vector<double>& sigma, const F& f, const VarID<T>&... ids) {

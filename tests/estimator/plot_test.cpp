@@ -122,14 +122,14 @@ TEST(Plot, RefusesOtherData) {
     return messageOf([&] { slom::plot(decay.est, x, y, sigma, Decay::curve, decay.size, decay.rate); });
   };
   EXPECT_EQ(plotted({1, 2}, {1}, {}),
-            "[slom.wrong-length] plot got 2 values of x and 1 of y; pass one y for each x");
+            "[slom.bad-plot] plot got 2 values of x and 1 of y; pass one y for each x");
   EXPECT_EQ(
       plotted({1, 2, 3}, {1, 2, 3}, {1, 2}),
-      "[slom.wrong-length] plot got 2 standard deviations for 3 values; pass one for each, one for all, or none");
+      "[slom.bad-plot] plot got 2 standard deviations for 3 values; pass one for each, one for all, or none");
   EXPECT_EQ(plotted({1, NAN}, {1, 2}, {}),
-            "[slom.not-finite] point 1 of the plot is (nan, 2); pass finite numbers");
+            "[slom.bad-plot] point 1 of the plot is (nan, 2); pass finite numbers");
   EXPECT_EQ(plotted({1, 2}, {1, 2}, {-1}),
-            "[slom.not-finite] a standard deviation of the plot is -1; pass positive, finite numbers");
+            "[slom.bad-plot] a standard deviation of the plot is -1; pass positive, finite numbers");
   expectWellFormed(
       slom::plot(decay.est, {2}, {1}, std::vector<double>{}, Decay::curve, decay.size, decay.rate).svg);
 }
