@@ -21,15 +21,15 @@ using slom::testing::messageOf;
 
 /// A network of numbers per point, its start values and the noise-free measurements between pairs of points.
 template <class Point>
-struct Network {
+struct FreePoints {
   using Difference = std::function<void(slom::Estimator&, const slom::VarID<Point>&,
                                         const slom::VarID<Point>&, const Point&, const Point&, double noise)>;
   slom::Estimator est;
   std::vector<slom::VarID<Point>> ids;
   std::vector<Point> start;
 
-  Network(unsigned seed, int points, const std::function<Point(std::mt19937&)>& draw,
-          const std::function<Point(std::mt19937&)>& error, const Difference& insert) {
+  FreePoints(unsigned seed, int points, const std::function<Point(std::mt19937&)>& draw,
+             const std::function<Point(std::mt19937&)>& error, const Difference& insert) {
     std::mt19937 engine(seed);
     std::normal_distribution<double> noise(0, 0.01);
     std::vector<Point> truth;
@@ -87,17 +87,17 @@ struct Network {
   }
 };
 
-std::vector<std::shared_ptr<slom::Algorithm>> algorithms() {
+std::vector<std::shared_ptr<slom::Algorithm>> allAlgorithms() {
   return {std::make_shared<slom::GaussNewton>(), std::make_shared<slom::LevenbergMarquardt>(),
           std::make_shared<slom::DogLeg>()};
 }
 
 /// `free`: the number of free directions.
 template <class Point>
-void expectFreeNetwork(const std::function<Network<Point>()>& make, int free) {
+void expectFreeNetwork(const std::function<FreePoints<Point>()>& make, int free) {
   VectorXd values;
-  for (const auto& algorithm : algorithms()) {
-    Network<Point> network = make();
+  for (const auto& algorithm : allAlgorithms()) {
+    FreePoints<Point> network = make();
     slom::Estimator& est = network.est;
     est.changeAlgorithm(algorithm->clone().release());
     est.setFreeGauge(slom::FreeGauge::inner_constraints);
@@ -128,7 +128,7 @@ void expectFreeNetwork(const std::function<Network<Point>()>& make, int free) {
   }
 }
 
-double uniform(std::mt19937& engine, double low, double high) {
+double uniformIn(std::mt19937& engine, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(engine);
 }
 
@@ -136,9 +136,9 @@ TEST(FreeNetwork, OfHeightsFromDifferences) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     expectFreeNetwork<double>(
         [&] {
-          return Network<double>(
-              seed, 6, [](auto& engine) { return uniform(engine, 90, 110); },
-              [](auto& engine) { return uniform(engine, -2, 2); },
+          return FreePoints<double>(
+              seed, 6, [](auto& engine) { return uniformIn(engine, 90, 110); },
+              [](auto& engine) { return uniformIn(engine, -2, 2); },
               [](auto& est, const auto& a, const auto& b, double x, double y, double noise) {
                 est.insertMeasurement([](const auto& p, const auto& q) { return q - p; }, a, b,
                                       slom::measured(y - x + noise), slom::StandardDeviation(0.01));
@@ -149,16 +149,16 @@ TEST(FreeNetwork, OfHeightsFromDifferences) {
 }
 
 template <int Dim>
-Network<mtk::vect<Dim>> distances(unsigned seed, double error) {
+FreePoints<mtk::vect<Dim>> distanceNetwork(unsigned seed, double error) {
   using Point = mtk::vect<Dim>;
   const auto within = [](double size) {
     return [size](std::mt19937& engine) {
       Point p;
-      for (int i = 0; i < Dim; ++i) p[i] = uniform(engine, -size, size);
+      for (int i = 0; i < Dim; ++i) p[i] = uniformIn(engine, -size, size);
       return p;
     };
   };
-  return Network<Point>(
+  return FreePoints<Point>(
       seed, 7, within(100), within(error),
       [](auto& est, const auto& a, const auto& b, const Point& x, const Point& y, double noise) {
         est.insertMeasurement([](const auto& p, const auto& q) { return (q - p).norm(); }, a, b,
@@ -168,8 +168,8 @@ Network<mtk::vect<Dim>> distances(unsigned seed, double error) {
 
 TEST(FreeNetwork, OfDistances) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    expectFreeNetwork<mtk::vect<2>>([&] { return distances<2>(seed, 5); }, 3);
-    expectFreeNetwork<mtk::vect<3>>([&] { return distances<3>(seed, 5); }, 6);
+    expectFreeNetwork<mtk::vect<2>>([&] { return distanceNetwork<2>(seed, 5); }, 3);
+    expectFreeNetwork<mtk::vect<3>>([&] { return distanceNetwork<3>(seed, 5); }, 6);
   }
 }
 
@@ -182,9 +182,9 @@ TEST(FreeNetwork, IsThatOfAllVariablesAlsoFarFromTheStart) {
   std::vector<slom::VarID<Point>> ids;
   std::vector<Point> truth, start;
   for (int i = 0; i < 8; ++i) {
-    truth.push_back(Point(uniform(engine, -50, 50), uniform(engine, -50, 50)));
+    truth.push_back(Point(uniformIn(engine, -50, 50), uniformIn(engine, -50, 50)));
     start.push_back(Eigen::Rotation2Dd(0.5) * truth.back() +
-                    Point(uniform(engine, -9, 9), uniform(engine, -9, 9)));
+                    Point(uniformIn(engine, -9, 9), uniformIn(engine, -9, 9)));
     ids.push_back(est.insertRV(start.back()));
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -211,9 +211,9 @@ TEST(FreeNetwork, IsThatOfAllVariablesAlsoFarFromTheStart) {
 }
 
 TEST(FreeNetwork, IsAnOrdinaryFitWhereNothingIsFreeOrMoreThanTheGauge) {
-  Network<double> network(
-      3, 4, [](auto& engine) { return uniform(engine, 90, 110); },
-      [](auto& engine) { return uniform(engine, -2, 2); },
+  FreePoints<double> network(
+      3, 4, [](auto& engine) { return uniformIn(engine, 90, 110); },
+      [](auto& engine) { return uniformIn(engine, -2, 2); },
       [](auto& est, const auto& a, const auto& b, double x, double y, double noise) {
         est.insertMeasurement([](const auto& p, const auto& q) { return q - p; }, a, b,
                               slom::measured(y - x + noise), slom::StandardDeviation(0.01));

@@ -18,12 +18,12 @@ namespace {
 using slom::testing::messageOf;
 
 /// A straight line through few points.
-struct Line {
+struct NoisyLine {
   slom::Estimator est;
   slom::VarID<double> offset = est.insertRV(0.0, "offset"), slope = est.insertRV(0.0, "slope");
   int count;
 
-  Line(unsigned seed, int points) : count(points) {
+  NoisyLine(unsigned seed, int points) : count(points) {
     std::mt19937 engine(seed);
     std::normal_distribution<double> noise(0, 0.3);
     for (int i = 0; i < points; ++i) {
@@ -36,7 +36,7 @@ struct Line {
 
 TEST(Intervals, OfALineWithEstimatedVarianceAreStudents) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    Line line(seed, 3 + static_cast<int>(seed) % 6);
+    NoisyLine line(seed, 3 + static_cast<int>(seed) % 6);
     line.est.setSigma(slom::Sigma::estimated);
     ASSERT_TRUE(line.est.optimize().converged);
     for (const double probability : {0.5, 0.95, 0.999}) {
@@ -83,7 +83,7 @@ TEST(Intervals, OfACurveWithEstimatedVarianceEndWhereFSaysSo) {
 }
 
 TEST(Intervals, OfAllParametersAreThoseOfProfile) {
-  Line line(5, 9);
+  NoisyLine line(5, 9);
   ASSERT_TRUE(line.est.optimize().converged);
   const slom::IntervalTable table = line.est.intervals(0.9);
   ASSERT_EQ(table.rows.size(), 2u);
@@ -160,7 +160,7 @@ TEST(Intervals, AreWrittenForPagesAndPrograms) {
 }
 
 TEST(Intervals, AreThoseOfAFit) {
-  Line line(5, 9);
+  NoisyLine line(5, 9);
   EXPECT_EQ(messageOf([&] { line.est.intervals(); }).substr(0, 20), "[slom.not-a-minimum]");
   EXPECT_EQ(messageOf([&] { line.est.intervals(1.0); }).substr(0, 17), "[slom.bad-option]");
 }

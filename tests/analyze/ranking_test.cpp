@@ -18,29 +18,29 @@ using slom::AnyMeasID;
 using slom::testing::messageOf;
 using vec2 = mtk::vect<2>;
 
-const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
-const auto position = [](const auto& a) { return a; };
+const auto lengthOf = [](const auto& a, const auto& b) { return (a - b).norm(); };
+const auto positionOf = [](const auto& a) { return a; };
 
 /// Points in the plane, positions of some of them, and distances; one point hangs on a single position and a single distance.
-struct Survey {
+struct CheckedSurvey {
   slom::Estimator est;
   std::vector<slom::VarID<vec2>> points;
   std::vector<AnyMeasID> all;
 
-  explicit Survey(unsigned seed) {
+  explicit CheckedSurvey(unsigned seed) {
     std::mt19937 engine(seed);
     std::normal_distribution<double> noise(0, 0.01);
     const std::vector<vec2> truth{{0, 0}, {100, 5}, {90, 80}, {-10, 70}, {40, 30}, {300, 200}};
     for (std::size_t i = 0; i < truth.size(); ++i)
       points.push_back(est.insertRV(truth[i], "p" + std::to_string(i)));
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      all.push_back(est.insertMeasurement(position, points[i],
+      all.push_back(est.insertMeasurement(positionOf, points[i],
                                           slom::measured(vec2(truth[i] + vec2(noise(engine), noise(engine)))),
                                           slom::StandardDeviation(0.01), slom::named("position")));
     }
     for (std::size_t i = 0; i < 5; ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        all.push_back(est.insertMeasurement(distance, points[i], points[j],
+        all.push_back(est.insertMeasurement(lengthOf, points[i], points[j],
                                             slom::measured((truth[i] - truth[j]).norm() + noise(engine)),
                                             slom::StandardDeviation(0.01), slom::named("distance")));
       }
@@ -51,13 +51,13 @@ struct Survey {
 
 TEST(Ranking, GoesOverAllKindsAndItsRowsCanBeRemoved) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    Survey survey(seed);
+    CheckedSurvey survey(seed);
     // Gross errors of two kinds.
     const auto wrong_distance =
-        survey.est.insertMeasurement(distance, survey.points[0], survey.points[2], slom::measured(120.9),
+        survey.est.insertMeasurement(lengthOf, survey.points[0], survey.points[2], slom::measured(120.9),
                                      slom::StandardDeviation(0.01), slom::named("distance"));
     const auto wrong_position =
-        survey.est.insertMeasurement(position, survey.points[4], slom::measured(vec2(41, 30)),
+        survey.est.insertMeasurement(positionOf, survey.points[4], slom::measured(vec2(41, 30)),
                                      slom::StandardDeviation(0.01), slom::named("position"));
     ASSERT_TRUE(survey.est.optimize().converged);
     // One after the other, the worst first.
@@ -78,7 +78,7 @@ TEST(Ranking, GoesOverAllKindsAndItsRowsCanBeRemoved) {
 }
 
 TEST(Ranking, NamesWhatNothingChecks) {
-  Survey survey(1);
+  CheckedSurvey survey(1);
   const slom::OutlierReport report = survey.est.outliers();
   // Only the position of the last point has no other measurement that checks it.
   ASSERT_EQ(report.hardlyCheckable(), 1);
