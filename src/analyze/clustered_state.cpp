@@ -24,6 +24,7 @@ constexpr double kNoShare = 1e-6;       // of the stated variance: rounding
 constexpr int kMostWays = 4;
 constexpr double kRoundedVariance = 1e-9;  // relative difference of variances that is rounding
 constexpr double kLeverageMatters = 1.2;   // ratio of the standard deviations by cr3 and cr2
+constexpr double kLeverageMattersInOrder = 1.5;
 
 /// The ways of grouping that are meant where none is named.
 std::vector<ClusterBy> usualWays(const Problem& problem) {
@@ -148,13 +149,21 @@ MatrixXd Clustered::State::refitted(const std::vector<int>& variables) const {
   return result;
 }
 
+/// Of term k at level l. A block of successive groups has a large leverage without any single group having one, so that the groups themselves
+/// decide.
+const ClusterScores& Clustered::State::scoresOfGroups(int l, std::size_t k) {
+  const Level& single = level(0);
+  return single.terms.size() == level(l).terms.size() ? single.terms[k].scores : level(l).terms[k].scores;
+}
+
 ClusterCorrection Clustered::State::correctionFor(const ClusterScores& scores, const MatrixXd& Z,
                                                   std::vector<std::string>* carriers) const {
   if (options.correction != ClusterCorrection::by_leverage) return options.correction;
   ClusterCorrection result = ClusterCorrection::cr2;
   const double factor = scores.factorOf(ClusterCorrection::cr3);
+  const double limit = options.ordered ? kLeverageMattersInOrder : kLeverageMatters;
   const auto isWider = [&](const auto& wide, const auto& usual) {
-    return factor * wide.sum() > kLeverageMatters * kLeverageMatters * usual.sum();
+    return factor * wide.sum() > limit * limit * usual.sum();
   };
   // Both as it is and as leverages let expect: the residuals of the group that carries a value may happen to be small.
   const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2).cwiseAbs2(),
@@ -193,9 +202,10 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   result.carriers.resize(at(n));
   MatrixXd as_stated = MatrixXd::Zero(n, n);
   VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
-  for (const Term& term : level(l).terms) {
+  for (std::size_t k = 0; k < level(l).terms.size(); ++k) {
+    const Term& term = level(l).terms[k];
     const ClusterCorrection correction =
-        correctionFor(term.scores, Z, term.is_single ? &result.carriers : nullptr);
+        correctionFor(scoresOfGroups(l, k), Z, term.is_single ? &result.carriers : nullptr);
     MatrixXd effects = term.scores.effects(Z, correction);
     if (refits && options.correction == ClusterCorrection::cr3 && ways.size() == 1 && !options.ordered) {
       const MatrixXd change = refitted(variables);
@@ -251,11 +261,12 @@ VectorXd Clustered::State::degreesOfFreedom(int variable, int l) {
   const MatrixXd image = problem().times(Z);
   const VectorXd stated = image.colwise().squaredNorm();
   VectorXd least;
-  for (const Term& term : level(l).terms) {
+  for (std::size_t k = 0; k < level(l).terms.size(); ++k) {
+    const Term& term = level(l).terms[k];
     if (!term.is_single) continue;
     VectorXd rest = stated - term.scores.vouchedFor(Z, Z).diagonal();
     rest = (rest.array() > kNoShare * stated.array()).select(rest, 0).eval();
-    const ClusterCorrection correction = correctionFor(term.scores, Z, nullptr);
+    const ClusterCorrection correction = correctionFor(scoresOfGroups(l, k), Z, nullptr);
     const VectorXd dof = satterthwaite(problem(), gauge, term.scores, correction, Z, rest);
     least = least.size() == 0 ? dof : least.cwiseMin(dof).eval();
   }

@@ -57,6 +57,8 @@ struct [[gnu::visibility("hidden")]] Clustered::State {  // declared in a public
   /// Columns of H^-1, or of what a robust cost has in its place; 0 for what is fixed or at an active bound. Unknowns x dof.
   Eigen::MatrixXd columns(int variable);
   Covariance covarianceAt(int l, const std::vector<int>& variables);
+  /// The scores that the correction of term k at level l is chosen by.
+  const ClusterScores& scoresOfGroups(int l, std::size_t k);
   /// The correction of columns Z together: cr2, or cr3 if the standard deviation of one of them is larger by more than a fifth; of a
   /// single matrix, so that what holds between its entries, as in a free network, stays. `carriers` gets the group that contributes most
   /// to each such column. What the user has chosen, if that is not by_leverage.

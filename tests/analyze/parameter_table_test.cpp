@@ -44,7 +44,7 @@ TEST(ParameterTable, ShowsManifoldsOfUsersAsTheyAreWritten) {
   est.prior(north, Heading{-179}, 2.0);
   const slom::Summary summary = est.optimize();
   ASSERT_EQ(summary.parameters.size(), 1u);
-  EXPECT_EQ(linesWith(summary.report(), "  north "), "  north           -179 deg                    2\n");
+  EXPECT_EQ(linesWith(summary.report(), "  north"), "  north.0         -179 deg                    2\n");
 }
 
 TEST(ParameterTable, HasValuesOfRotationsAndDirections) {

@@ -273,7 +273,7 @@ TEST(Uncertainty, NoRedundancyNamesFreeDirections) {
   }
 }
 
-TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistribution) {
+TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistributionOrStudents) {
   slom::Estimator est;
   const auto line = est.insertRV(vec2(0, 0), "line");
   for (int i = 0; i < 5; ++i) {
@@ -292,7 +292,7 @@ TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistribution) {
     EXPECT_EQ(est.getN(), 2);
   }
   est.setSigma(slom::Sigma::estimated);
-  const double half = 1.959963984540054 * est.standardDeviation(line)[0];
+  const double half = 3.182446305284263 * est.standardDeviation(line)[0];  // three degrees of freedom
   EXPECT_NEAR(est.profile(line, "x").upper, fitted[0] + half, 1e-6 * half);
 }
 
