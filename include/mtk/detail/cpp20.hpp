@@ -7,7 +7,7 @@
 #define MTK_CPLUSPLUS __cplusplus
 #endif
 #if MTK_CPLUSPLUS < 202002L
-#error "SLoM needs C++20: compile with -std=c++20, in CMake by target_compile_features(your_target PRIVATE cxx_std_20)"
-#include "SLoM needs C++20: compile with -std=c++20"  // no such file, which ends the compilation; #error alone does not
+#error "SLoM needs C++20: compile with -std=c++20, in CMake by the feature cxx_std_20"
+#include <SLoM needs C++20: compile with -std=c++20>  // no such file, which ends the compilation; #error alone does not
 #endif
 #undef MTK_CPLUSPLUS
