@@ -478,7 +478,7 @@ TEST(OnlineFit, GoesOnWhereAnUnknownHasLostItsInfluence) {
   // a b c + e a^2: steps may lead to a = 0, where no residual changes with b.
   const auto product = [](const auto& a, const auto& b, double c, double e) { return a * b * c + e * a * a; };
   int handed_over = 0, undetermined = 0;
-  for (unsigned seed = 1; seed <= 400; ++seed) {
+  for (unsigned seed = 1; seed <= 150; ++seed) {
     std::mt19937 engine(seed);
     std::normal_distribution<double> normal;
     Estimator est;
@@ -499,7 +499,7 @@ TEST(OnlineFit, GoesOnWhereAnUnknownHasLostItsInfluence) {
     EXPECT_EQ(update.undetermined, std::vector<std::string>{"b"}) << seed << "\n" << update;
     ++undetermined;
   }
-  EXPECT_GT(handed_over, 10);
+  EXPECT_GT(handed_over, 3);
   EXPECT_LT(undetermined, 5);
 }
 
