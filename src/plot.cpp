@@ -66,9 +66,19 @@ struct Panel {
   std::vector<std::string> measurement;
 };
 
+/// 1 where it is not known.
+double factorOrOne(const Estimator& est) {
+  try {
+    const double factor = detail::sigmaFactor(est);
+    return factor > 0 ? factor : 1;
+  } catch (const Error&) {
+    return 1;
+  }
+}
+
 std::vector<Panel> panelsOf(const Estimator& est) {
   std::map<int, Panel> panels;  // by group
-  const Eigen::VectorXd all = est.residuals();
+  const Eigen::VectorXd all = est.residuals() / factorOrOne(est);
   Eigen::Index row = 0;
   for (const auto& pool : est.table().pools()) {
     Panel& panel = panels[pool->group()];
@@ -126,6 +136,10 @@ std::string panelText(const Panel& panel, const std::vector<std::string>& suspec
 }
 
 }  // namespace
+
+double detail::sigmaFactor(const Estimator& est) {
+  return est.sigma() == Sigma::estimated ? std::sqrt(est.outliers({.worst = 0}).variance_factor) : 1;
+}
 
 Plot detail::plotData(const std::vector<double>& x, const std::vector<double>& y,
                       const std::vector<double>& sigma, const std::function<CurvePoint(double)>& curve,

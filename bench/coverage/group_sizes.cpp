@@ -77,8 +77,8 @@ void printGroupSizes(int runs) {
       "* \"Default\" is `ClusterCorrection::by_leverage`.\n"
       "* \"Named\": simulations in which the report says that single groups carry some values, or that there are few groups. The last column is the share in the others, "
       "which the report does not set apart.\n"
-      "* `ordered` keeps cr2. With one large group its intervals are too narrow, and no note names the group. Without `ordered` the default takes cr2 for a large group in few simulations, "
-      "which the last column has: the residuals of such a group happen to be so small that cr3 hardly differs.\n",
+      "* The default decides by what the leverages of groups let expect as well as by the residuals, as the residuals of a large group may happen to be small. With `ordered` it takes "
+      "cr3 where that is to be 1.5 times as large as cr2, otherwise from 1.2 times on.\n",
       runs);
 }
 

@@ -34,13 +34,16 @@ struct CurvePoint {
 };
 
 namespace detail {
+/// What stated standard deviations are multiplied by: 1, or with Sigma::estimated what the residuals show.
+double sigmaFactor(const Estimator& est);
 /// `sigma`: one for each y, or one for all; none: no bars, and residuals in units of y.
 Plot plotData(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& sigma,
               const std::function<CurvePoint(double)>& curve, const PlotText& text);
 }  // namespace detail
 
 /// Data y at x with their standard deviations, the curve f(variables, x) with the band that holds it with 95 % at each x, and below the
-/// residuals y - f. `sigma` has one number for each y, or one for all, or none. f returns a number for values as measurement functions get them and
+/// residuals y - f. `sigma` has one number for each y, or one for all, or none; with Sigma::estimated the bars are as
+/// the residuals show. f returns a number for values as measurement functions get them and
 /// a double. Throws [slom.bad-plot] for other numbers of them and for data that are not finite, and what covariance throws.
 template <class F, class... T>
 Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<double>& y,
@@ -56,9 +59,16 @@ Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>&
     const auto value = est.propagate([&](const auto&... values) { return f(values..., at); }, C, ids...);
     return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
   };
-  return detail::plotData(x, y, sigma, point, text);
+  std::vector<double> bars = sigma;
+  for (double& bar : bars) bar *= detail::sigmaFactor(est);
+  return detail::plotData(x, y, bars, point, text);
 }
-/// The same with one standard deviation for all data.
+/// The same with one standard deviation for all data, and without a text.
+template <class F, class... T>
+Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>& x,
+          const std::vector<double>& y, double sigma, const F& f, const VarID<T>&... ids) {
+  return plot(est, text, x, y, std::vector<double>{sigma}, f, ids...);
+}
 template <class F, class... T>
 Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<double>& y, double sigma,
           const F& f, const VarID<T>&... ids) {

@@ -94,6 +94,24 @@ TEST(Plot, OfDataAndCurve) {
                 "/none/decay.svg; see whether its folder is there and may be written to");
 }
 
+TEST(Plot, OfEstimatedNoiseHasTheBarsThatResidualsShow) {
+  Decay decay;
+  decay.est.setSigma(slom::Sigma::estimated);
+  const double factor = std::sqrt(decay.est.getRSS() / 18);
+  const std::vector<double> shown(20, 0.02 * factor);
+  const slom::PlotText text{"title", "t", "y"};
+  const slom::Plot estimated =
+      slom::plot(decay.est, text, decay.t, decay.y, 0.02, Decay::curve, decay.size, decay.rate);
+  const std::string svg = estimated.svg;
+  EXPECT_NE(svg.find(">title</text>"), std::string::npos);
+  const std::vector<std::string> bars = elements(svg, "<path class=\"bar\"");
+  decay.est.setSigma(slom::Sigma::known);
+  EXPECT_EQ(
+      elements(slom::plot(decay.est, text, decay.t, decay.y, shown, Decay::curve, decay.size, decay.rate).svg,
+               "<path class=\"bar\""),
+      bars);
+}
+
 TEST(Plot, OfResidualsNamesSuspects) {
   Decay decay;
   decay.est.insertMeasurement(Decay::curve, decay.size, decay.rate, 1.0, slom::measured(9.0),
