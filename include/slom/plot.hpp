@@ -60,7 +60,8 @@ Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>&
     return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
   };
   std::vector<double> bars = sigma;
-  for (double& bar : bars) bar *= detail::sigmaFactor(est);
+  const double factor = detail::sigmaFactor(est);
+  for (double& bar : bars) bar *= factor;
   return detail::plotData(x, y, bars, point, text);
 }
 /// The same with one standard deviation for all data, and without a text.
