@@ -7,7 +7,7 @@
 
 namespace slom::bench {
 
-/// What a fit ended with; after an exception `rss` is NaN.
+/// The end of a fit. If the fit threw an exception, `rss` is NaN.
 struct Claim {
   bool converged = false, threw = false;
   double rss = 0;

@@ -201,7 +201,7 @@ class Storage {
     return entries;
   }
 
-  /// Of each image, or one list for all.
+  /// Has a list for each image, or one list for all images.
   std::vector<std::vector<vec3>> objectPoints(const KeyedNode& entry,
                                               const std::vector<Numbers>& pixels) const {
     const std::vector<Numbers> numbers = inOne(byImage(entry, 3, most_corner_m));

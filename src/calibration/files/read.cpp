@@ -235,7 +235,7 @@ struct CornerFile {
 struct RigFiles {
   std::vector<std::vector<CornerFile>> cameras;
   std::unique_ptr<CsvTable> readings;
-  std::vector<std::vector<std::string>> numbers;  // by camera, then those of the IMU
+  std::vector<std::vector<std::string>> numbers;  // of each camera in turn, and of the IMU at the end
 
   RigFiles(const std::vector<CameraFiles>& files, const std::string& imu_file, const BoardOfFiles& board) {
     for (const CameraFiles& camera : files) {

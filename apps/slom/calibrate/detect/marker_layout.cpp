@@ -103,7 +103,7 @@ std::size_t photosWithMarkers(const MarkersByPhoto& seen) {
                                    [](const auto& markers) { return markers.size() >= fewest_markers; }));
 }
 
-/// Another dictionary whose markers are seen where those of the stated one are not, and how they lie there.
+/// A dictionary that the user has not stated, whose markers the photographs show, and the layout of these markers.
 struct OtherDictionary {
   std::string name;
   MarkerLayout layout;
