@@ -113,6 +113,9 @@ void Estimator::State::fillTables(Summary& summary, const Options& options) {
     const double factor = varianceFactor();
     analyze([&](const LinearizedProblem& linearized) { fillParameters(linearized, gauge, factor, summary); });
   } catch (const Error&) {  // there are no covariances
+    if (summary.free_directions > 0)
+      summary.undetermined =
+          analyze([](const LinearizedProblem& linearized) { return faultsOf(linearized.diagnosis()); });
   }
 }
 

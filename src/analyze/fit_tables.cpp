@@ -118,6 +118,15 @@ void fillCorrelations(const Eigen::MatrixXd& C, const std::vector<int>& unknowns
   summary.correlations.resize(most);
 }
 
+/// What is hardly determined, where columns of J are nearly dependent.
+void fillUndetermined(const LinearizedProblem& linearized, double largest_inflation, Summary& summary) {
+  constexpr double nearly_dependent = 1e10;
+  if (!(largest_inflation > nearly_dependent)) return;
+  for (const Finding& finding : linearized.diagnosis().findings) {
+    if (finding.kind == Finding::Kind::weak) summary.undetermined.push_back(finding.text);
+  }
+}
+
 }  // namespace
 
 void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
@@ -131,6 +140,8 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
     return std::sqrt(C(unknown, unknown));
   });
   fillCorrelations(C, unknowns, summary);
+  fillUndetermined(linearized, C.diagonal().cwiseProduct(linearized.diagonal()).maxCoeff() / variance_factor,
+                   summary);
   // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
   double sum = 0;
   for (const GroupCheck& check : checks.groups) sum += check.redundancy;

@@ -90,6 +90,7 @@ std::string parameterTable(const Summary& summary) {
         "  note: rotations are rotation vectors [rad]; their standard deviations are those of small turns about the "
         "axes of the rotated frame\n";
   }
+  for (const std::string& note : summary.undetermined) text += "  note: " + note + "\n";
   for (const std::string& note : summary.clustered_notes) text += "  note: " + note + "\n";
   for (const CorrelationSummary& pair : summary.correlations) {
     text += format("  correlation of %s and %s: %.4f\n", pair.a.c_str(), pair.b.c_str(), pair.correlation);
@@ -154,7 +155,12 @@ std::string report(const Summary& summary) {
     text += sigmaWords(summary) + "\n";
   }
   text += groupChiSquares(summary);
-  if (!summary.parameters.empty()) text += parameterTable(summary);
+  if (!summary.parameters.empty()) {
+    text += parameterTable(summary);
+  } else {
+    for (const std::string& reason : summary.undetermined)
+      text += "  no standard deviations: " + reason + "\n";
+  }
   if (summary.parameters_not_shown > 0)
     text += "  " + counted(summary.parameters_not_shown, "parameter") + " not shown\n";
   if (summary.is_free_network)

@@ -191,6 +191,7 @@ std::string Summary::json() const {
       .add("seconds", secondsJson(*this))
       .add("groups", jsonArray(groups, each))
       .add("parameters", jsonArray(parameters, each))
+      .add("undetermined", jsonTexts(undetermined))
       .add("parameters_not_shown", parameters_not_shown)
       .add("clustered_notes", jsonTexts(clustered_notes))
       .add("correlations", jsonArray(correlations, each))

@@ -11,12 +11,14 @@
 
 #include <slom/slom.hpp>
 
+#include "support/algorithms.hpp"
 #include "support/message_of.hpp"
 
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using slom::testing::allAlgorithms;
 using slom::testing::messageOf;
 
 /// A network of numbers per point, its start values and the noise-free measurements between pairs of points.
@@ -86,11 +88,6 @@ struct FreePoints {
     return J;
   }
 };
-
-std::vector<std::shared_ptr<slom::Algorithm>> allAlgorithms() {
-  return {std::make_shared<slom::GaussNewton>(), std::make_shared<slom::LevenbergMarquardt>(),
-          std::make_shared<slom::DogLeg>()};
-}
 
 /// `free`: the number of free directions.
 template <class Point>

@@ -85,6 +85,46 @@ TEST(ParameterTable, OfPlanesNeedsNoNoteOnRotations) {
   EXPECT_EQ(linesWith(est.optimize().report(), "rotation"), "");
 }
 
+/// a b x + c, fitted to a line: only the product of a and b counts.
+TEST(ParameterTable, IsReplacedByWhatNoMeasurementDetermines) {
+  slom::Estimator est;
+  est.changeAlgorithm(slom::LevenbergMarquardt());
+  const auto a = est.insertRV(2.0, "a"), b = est.insertRV(3.0, "b"), c = est.insertRV(3.0, "c");
+  for (int x = 0; x < 10; ++x) {
+    est.insertMeasurement(
+        [](const auto& p, const auto& q, const auto& r, double at, double y) { return p * q * at + r - y; },
+        a, b, c, double(x), 5.0 * x + 0.1 * (x % 3), slom::StandardDeviation(0.1));
+  }
+  slom::Summary summary = est.optimize();
+  ASSERT_TRUE(summary.converged) << summary;
+  EXPECT_TRUE(summary.parameters.empty());
+  ASSERT_EQ(summary.undetermined.size(), 1u) << summary;
+  EXPECT_EQ(summary.undetermined[0].find("a and b cannot be told apart: "), 0u) << summary;
+  EXPECT_EQ(linesWith(summary.report(), "no standard deviations"),
+            "  no standard deviations: " + summary.undetermined[0] + "\n");
+  est.fix(b);
+  summary = est.optimize();
+  EXPECT_EQ(summary.parameters.size(), 2u);
+  EXPECT_TRUE(summary.undetermined.empty()) << summary;
+}
+
+/// Two unknowns whose sum is measured well and whose difference hardly: by `share` of the residuals.
+TEST(ParameterTable, NamesWhatIsHardlyDetermined) {
+  for (const double share : {1e-8, 1e-7, 1e-3}) {
+    slom::Estimator est;
+    const auto a = est.insertRV(2.0, "a"), b = est.insertRV(3.0, "b");
+    const auto line = [](const auto& p, const auto& q, double x, double z) { return p + x * q - z; };
+    est.insertMeasurement(line, a, b, 1.0, 4.0, slom::StandardDeviation(1));
+    est.insertMeasurement(line, a, b, 1.0 + share, 5.0, slom::StandardDeviation(1));
+    const slom::Summary summary = est.optimize();
+    ASSERT_TRUE(summary.converged) << summary;
+    ASSERT_EQ(summary.parameters.size(), 2u);
+    EXPECT_NEAR(summary.parameters[1].standard_deviation * share, std::sqrt(2), 0.01) << summary;
+    const std::string note = linesWith(summary.report(), "note: a and b are hardly determined");
+    EXPECT_EQ(note.empty(), share > 1e-6) << summary;
+  }
+}
+
 /// 50 numbers, each measured twice, the odd ones with three times the noise.
 struct Many {
   slom::Estimator est;

@@ -62,6 +62,7 @@ TEST(SummaryJson, HoldsTheWholeSummary) {
   EXPECT_EQ(json["parameters"][1]["value"], s.parameters[1].value);
   EXPECT_EQ(json["parameters"][1]["std"], s.parameters[1].standard_deviation);
   EXPECT_FALSE(json["parameters"][1].contains("clustered"));
+  EXPECT_EQ(json["undetermined"], Json::array());
   EXPECT_EQ(json["parameters_not_shown"], 0);
   ASSERT_EQ(json["trace"].size(), s.trace.size());
   EXPECT_EQ(json["trace"][1]["rss"], s.trace[1].rss);

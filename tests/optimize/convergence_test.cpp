@@ -7,21 +7,15 @@
 
 #include <slom/slom.hpp>
 
+#include "support/algorithms.hpp"
 #include "support/classics/problem.hpp"
 #include "support/message_of.hpp"
 
 namespace {
 
 namespace classics = slom::testing::classics;
+using slom::testing::allAlgorithms;
 using slom::testing::messageOf;
-
-std::vector<std::unique_ptr<slom::Algorithm>> algorithms() {
-  std::vector<std::unique_ptr<slom::Algorithm>> all;
-  all.push_back(std::make_unique<slom::GaussNewton>());
-  all.push_back(std::make_unique<slom::LevenbergMarquardt>());
-  all.push_back(std::make_unique<slom::DogLeg>());
-  return all;
-}
 
 struct Fit {
   slom::Summary summary;
@@ -56,7 +50,7 @@ TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
     problems.push_back(classics::randomCurve(seed));
   }
   int claims = 0;
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     int optima = 0;
     for (const classics::Problem& problem : problems) {
       Fit result;
@@ -82,7 +76,7 @@ TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
 TEST(Convergence, IsNotClaimedFarOutByLevenbergMarquardt) {
   for (const std::uint64_t seed : {7547, 9358, 11222, 13570, 13730, 14030}) {
     const classics::Problem problem = classics::randomClassic(seed);
-    for (const auto& algorithm : algorithms()) {
+    for (const auto& algorithm : allAlgorithms()) {
       const Fit result = fit(problem, *algorithm);
       std::string why;
       EXPECT_FALSE(result.summary.converged && classics::isFalse(problem, result.x, &why))
@@ -120,7 +114,7 @@ TEST(Convergence, IsNotWhereOneUnknownIsOutOfSight) {
         x);
     return x;
   };
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     slom::Estimator est;
     est.changeAlgorithm(algorithm->clone().release());
     const auto x = start(est);
@@ -148,7 +142,7 @@ struct NegatedJacobian {
 };
 
 TEST(Convergence, IsNotWhereDerivativesAreWrong) {
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     slom::Estimator est;
     est.changeAlgorithm(algorithm->clone().release());
     const auto p = est.insertRV(mtk::vect<2>(1, 0.1), "p");
@@ -181,7 +175,7 @@ TEST(Convergence, IsJudgedInStandardDeviationsNotByTheWholeRss) {
     EXPECT_TRUE(summary.converged) << summary;
     return std::pair((*p)[1], est.standardDeviation(p)[1]);
   };
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     const auto [expected, deviation] = rate(0, *algorithm);
     for (const double apart : {1e3, 1e7, 1e8}) {
       EXPECT_NEAR(rate(apart, *algorithm).first, expected, 1e-5 * deviation)
@@ -361,7 +355,7 @@ TEST(Fixed, ValuesStayWithinTheirBoundToTheLastDigit) {
 
 /// sqrt(limit - x) has a value at the limit, but no derivative.
 TEST(Fixed, DerivativesThatEndAtABoundEndNoFitByAnException) {
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     for (const bool is_numeric : {false, true}) {
       slom::Estimator est;
       est.changeAlgorithm(algorithm->clone().release());
@@ -385,7 +379,7 @@ TEST(Fixed, DerivativesThatEndAtABoundEndNoFitByAnException) {
 
 /// A start such as sin(pi) says nothing of how far its unknown may go.
 TEST(Unseen, IsNoUnknownWhoseStartIsTiny) {
-  for (const auto& algorithm : algorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     for (const double start : {0.0, 1e-300, 1e-30, 1.2246e-16, -1e-12}) {
       for (const double scale : {1e-9, 1e-6, 1e-3}) {
         slom::Estimator est;

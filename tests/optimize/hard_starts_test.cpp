@@ -12,20 +12,14 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
+#include "support/algorithms.hpp"
 #include "support/message_of.hpp"
 
 namespace {
 
 using mtk::testing::Random;
+using slom::testing::allAlgorithms;
 using slom::testing::messageOf;
-
-std::vector<std::unique_ptr<slom::Algorithm>> threeAlgorithms() {
-  std::vector<std::unique_ptr<slom::Algorithm>> all;
-  all.push_back(std::make_unique<slom::GaussNewton>());
-  all.push_back(std::make_unique<slom::LevenbergMarquardt>());
-  all.push_back(std::make_unique<slom::DogLeg>());
-  return all;
-}
 
 /// 1 + 2 / (1 + exp(-1.5 (x - 5))) with noise of 0.02; the sum of squares is 30.45 at the optimum.
 slom::VarID<Eigen::Vector4d> insertSigmoid(slom::Estimator& est, const Eigen::Vector4d& start) {
@@ -49,7 +43,7 @@ Eigen::Vector4d wideStart(Random& random) {
 
 TEST(HardStarts, NoFitOfASigmoidThrowsOrRisesOrClaimsAPlateau) {
   constexpr int fits = 60;
-  for (const auto& algorithm : threeAlgorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     for (const bool has_bounds : {false, true}) {
       Random random(3);
       int optima = 0;
@@ -149,7 +143,7 @@ TEST(HardStarts, AFitOnAPlateauNamesWhatItLeavesFree) {
 
 /// A user's function that throws in the middle of a fit leaves the best values reached.
 TEST(HardStarts, AnExceptionLeavesTheBestValues) {
-  for (const auto& algorithm : threeAlgorithms()) {
+  for (const auto& algorithm : allAlgorithms()) {
     slom::Estimator est;
     est.setThreads(1);
     est.changeAlgorithm(algorithm->clone().release());
@@ -172,7 +166,7 @@ TEST(HardStarts, AnExceptionLeavesTheBestValues) {
 /// An IMU that is mounted upside down starts opposite to what it measures.
 TEST(HardStarts, OppositeDirectionsAreLeft) {
   for (const double off : {0.0, 1e-200, 1e-9, 1e-3}) {
-    for (const auto& algorithm : threeAlgorithms()) {
+    for (const auto& algorithm : allAlgorithms()) {
       {
         slom::Estimator est;
         est.changeAlgorithm(algorithm->clone().release());

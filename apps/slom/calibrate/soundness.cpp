@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "plausible.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -38,16 +39,13 @@ std::string otherSize(const Result& result) {
     options.push_back(result.cameras.size() == 1 ? fmt::format("--exclude {}", stray.image)
                                                  : fmt::format("--exclude {}.{}", stray.camera, stray.image));
   }
-  const std::string last = images.back();
-  images.pop_back();
-  const std::string all = images.empty() ? last : fmt::format("{} and {}", fmt::join(images, ", "), last);
   const std::string size = strays.front().size == 0.5 ? "half the size"
                            : strays.front().size == 2
                                ? "twice the size"
                                : fmt::format("{:.3g} times the size", strays.front().size);
   return fmt::format("{} {} of {} {} at {} of the others: pass {}, or scale {}",
-                     strays.size() == 1 ? "image" : "images", all, strays.front().camera,
-                     strays.size() == 1 ? "is" : "are", size, fmt::join(options, " "),
+                     strays.size() == 1 ? "image" : "images", listed(images, ", ", " and "),
+                     strays.front().camera, strays.size() == 1 ? "is" : "are", size, fmt::join(options, " "),
                      strays.size() == 1 ? "it" : "them");
 }
 

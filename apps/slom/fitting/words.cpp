@@ -11,7 +11,7 @@ struct Phrase {
   std::string_view library, command;
 };
 
-constexpr std::array<Phrase, 9> phrases{{
+constexpr std::array<Phrase, 11> phrases{{
     {"derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump",
      "residuals may jump"},
     {" (checkDerivatives() compares them with differences)", ""},
@@ -20,6 +20,8 @@ constexpr std::array<Phrase, 9> phrases{{
      "of the many solutions",
      "fix a variable in the file, or pass --algorithm lm to get one of the many solutions"},
     {"fix it with fix(id)", "fix it in the file"},
+    {"start nearer, or use LevenbergMarquardt", "start nearer, or pass --algorithm lm"},
+    {"; outliers() names the worst data, Sigma::estimated takes the scale from the residuals", ""},
     {"; diagnose() lists what is not determined", "; add measurements"},
     {", or BlockQR, which needs", ", or --solver qr, which needs"},
     {"; raise max_iterations", "; raise --max-iterations"},
@@ -38,7 +40,9 @@ std::string inWordsOfTheCommand(std::string sentence) {
 
 void putIntoWordsOfTheCommand(Summary& summary) {
   summary.message = inWordsOfTheCommand(summary.message);
-  for (std::string& warning : summary.warnings) warning = inWordsOfTheCommand(warning);
+  for (auto* const texts : {&summary.warnings, &summary.undetermined}) {
+    for (std::string& text : *texts) text = inWordsOfTheCommand(text);
+  }
 }
 
 }  // namespace slom::app

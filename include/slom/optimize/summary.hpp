@@ -206,6 +206,8 @@ struct Summary {
   PhaseSeconds phases;  ///< parts of `seconds`
   std::vector<GroupSummary> groups;
   std::vector<ParameterSummary> parameters;  ///< when there are no more than Options::most_parameters
+  std::vector<std::string>
+      undetermined;  ///< without `parameters`: what no measurement determines; with them: what is hardly determined
   int parameters_not_shown = 0;  ///< when there are more; Estimator::addParametersTo fills them in
   bool has_rotations = false;    ///< some of the parameters are components of rotations in space
   std::vector<std::string> clustered_notes;      ///< what limits the clustered standard deviations

@@ -73,18 +73,14 @@ class Count {
   void takeAwayPoint(int p) {
     const std::vector<int> cameras = sightings_.camerasOf(p);
     result_.count += point_unknowns - 2 * int(cameras.size());
-    for (const int c : cameras) {
-      sightings_.remove(c, p);
-      waiting_cameras_.push_back(c);
-    }
+    for (const int c : cameras) sightings_.remove(c, p);
+    waiting_cameras_.insert(waiting_cameras_.end(), cameras.begin(), cameras.end());
   }
   void takeAwayCamera(int c) {
     const std::vector<int> points = sightings_.pointsOf(c);
     result_.count += camera_unknowns - 2 * int(points.size());
-    for (const int p : points) {
-      sightings_.remove(c, p);
-      waiting_points_.push_back(p);
-    }
+    for (const int p : points) sightings_.remove(c, p);
+    waiting_points_.insert(waiting_points_.end(), points.begin(), points.end());
   }
   /// Whether the images of the camera are independent equations for its 9 unknowns.
   bool canTakeAwayCamera(int c) const {
