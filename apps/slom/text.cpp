@@ -1,5 +1,7 @@
 #include "text.hpp"
 
+#include <cctype>
+
 #include <fmt/format.h>
 
 namespace slom::app {
@@ -22,6 +24,12 @@ std::string listed(const std::vector<std::string>& words, std::string_view separ
     text += words[i];
   }
   return text;
+}
+
+std::string capitalised(std::string sentence) {
+  if (sentence.substr(0, sentence.find(' ')).find('_') != std::string::npos) return sentence;
+  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
+  return sentence;
 }
 
 std::string wrapped(std::string_view text, std::size_t width, std::string_view indent) {

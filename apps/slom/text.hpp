@@ -28,6 +28,9 @@ bool parseNumber(std::string_view text, T& value) {
 std::string listed(const std::vector<std::string>& words, std::string_view separator,
                    std::string_view last_separator);
 
+/// The sentence with a capital letter first, unless its first word is a name such as acc_bias.
+std::string capitalised(std::string sentence);
+
 /// The text as lines of at most `width` characters, broken at spaces; all but the first begin with `indent`, which does not count.
 std::string wrapped(std::string_view text, std::size_t width, std::string_view indent = "");
 

@@ -339,7 +339,7 @@ TEST(FirstEstimates, DiagnosesSeeTheGaugeOfAWindow) {
   EXPECT_EQ(diagnosis.findings[0].dimension, 3);
 }
 
-const int kSteps = ::slom::testing::hasSanitizers() ? 100 : 1000;
+const int kSteps = ::slom::testing::hasSanitizers() ? 100 : 400;
 
 TEST(FirstEstimates, AWindowInThePlaneKeepsThreeFreeDirections) {
   EXPECT_EQ(PlanarWindow(true).run(kSteps, 25), std::pair(3, 3));

@@ -111,7 +111,7 @@ TEST(OnlineConsistency, SoDoesAWindow) {
 /// Memory in use and work of a step, at the end of a long replay as at its begin.
 TEST(OnlineWindow, StaysAsSmallAndAsCheap) {
   SLOM_SKIP_WITH_SANITIZERS();
-  constexpr int kSteps = 100'000, kFirst = 2'000;
+  constexpr int kSteps = 40'000, kFirst = 2'000;
   Robot robot(7);
   FixedLag window({.variables = 10});
   std::size_t memory = 0;

@@ -45,7 +45,7 @@ Fit fit(const classics::Problem& problem, const slom::Algorithm& algorithm) {
 
 TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
   std::vector<classics::Problem> problems = classics::publishedStarts();
-  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+  for (std::uint64_t seed = 0; seed < 80; ++seed) {
     problems.push_back(classics::randomClassic(seed));
     problems.push_back(classics::randomCurve(seed));
   }
@@ -66,9 +66,9 @@ TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
       EXPECT_FALSE(result.summary.converged && classics::isFalse(problem, result.x, &why))
           << problem.name << " by " << algorithm->name() << ": " << result.summary.message << "; " << why;
     }
-    EXPECT_GT(optima, 100) << algorithm->name();
+    EXPECT_GT(optima, 60) << algorithm->name();
   }
-  EXPECT_GT(claims, 700);
+  EXPECT_GT(claims, 400);
 }
 
 /// Found by bench_honesty: unknowns that have run away from where residuals depend on them, and residuals that are small

@@ -229,6 +229,14 @@ Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
   }
 }
 
+/// For the verdict, and for what the user's files hold of it. Whoever has asked for no such file is content without a verdict if time runs out.
+void assessResult(const Dataset& data, const CommandSettings& settings, Result& result) {
+  const bool is_asked_for = !settings.json_file.empty() || !settings.report_file.empty();
+  if (settings.quiet && !is_asked_for) return;
+  result.quality = assess(data, settings, result);
+  if (!is_asked_for && !result.quality->cut_short.empty()) result.quality.reset();
+}
+
 /// What is missing in a run that did not do all that it was asked for; empty otherwise.
 std::string failureOf(const Result& result) {
   const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
@@ -292,8 +300,7 @@ void run(const RawOptions& raw) {
   compareReadout(data, settings, result);
   result.comparison = comparison;
   result.board_comparison = board_comparison;
-  if (!settings.json_file.empty() || !settings.report_file.empty())
-    result.quality = assess(data, settings, result);
+  assessResult(data, settings, result);
   if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings, numbers);
   const std::string failure = failureOf(result);

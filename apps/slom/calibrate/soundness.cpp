@@ -43,9 +43,12 @@ std::string otherSize(const Result& result) {
                            : strays.front().size == 2
                                ? "twice the size"
                                : fmt::format("{:.3g} times the size", strays.front().size);
+  const char* const are = strays.front().size == 0.5 ? (strays.size() == 1 ? "is" : "are")
+                          : strays.size() == 1       ? "seems to be"
+                                                     : "seem to be";  // a crop may look like it
   return fmt::format("{} {} of {} {} at {} of the others: pass {}, or scale {}",
                      strays.size() == 1 ? "image" : "images", listed(images, ", ", " and "),
-                     strays.front().camera, strays.size() == 1 ? "is" : "are", size, fmt::join(options, " "),
+                     strays.front().camera, are, size, fmt::join(options, " "),
                      strays.size() == 1 ? "it" : "them");
 }
 

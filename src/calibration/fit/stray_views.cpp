@@ -122,9 +122,8 @@ std::vector<Stray> judged(const std::vector<Stray>& views, const Dataset& data, 
     stray.photo = view.photo;
     if (scale) {
       stray.size = scale->size;
-      stray.why = fmt::format(
-          "it is of an image of {:.3g} times the size of the others, at which its corners fit to {} px",
-          scale->size, twoDigits(scale->rms_px));
+      stray.why = fmt::format("as an image of {:.3g} times the size of the others it fits to {} px",
+                              scale->size, twoDigits(scale->rms_px));
     }
     strays.push_back(std::move(stray));
   }

@@ -1,7 +1,6 @@
 #include "calibrate/output/notes.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "calibrate/library.hpp"
 #include "calibrate/soundness.hpp"
 #include "printable.hpp"
+#include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -17,13 +17,6 @@ namespace {
 constexpr double sigma_mismatch =
     1.25;  // residuals larger or smaller than stated by this factor are worth a note
 constexpr double together_mismatch = 1.2;  // RMS together over RMS alone
-
-/// Names of parameters, such as acc_bias, stay as they are.
-std::string capitalised(std::string sentence) {
-  if (sentence.substr(0, sentence.find(' ')).find('_') != std::string::npos) return sentence;
-  sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
-  return sentence;
-}
 
 void noteDetermination(const Result& result, std::vector<std::string>& notes) {
   if (result.undetermined.empty()) return;

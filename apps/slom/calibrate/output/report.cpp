@@ -12,6 +12,7 @@
 
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
+#include "calibrate/soundness.hpp"
 #include "fitting/progress.hpp"
 #include "printable.hpp"
 #include "text.hpp"
@@ -217,6 +218,16 @@ std::string boardText(const Dataset& data) {
                      (farthestFrom(one) - one).norm());
 }
 
+/// Of a result that can be used; others end with the reason why they cannot.
+std::string verdictLines(const Result& result) {
+  if (!result.quality || !result.success() || !unsoundnessOf(result).isNone()) return "";
+  const Verdict verdict = verdictOf(result);
+  std::string text = fmt::format("\nverdict: {}\n", toString(verdict.level)) + bulleted(verdict.sentence);
+  for (std::size_t i = 1; i < verdict.doubts.size(); ++i)  // the sentence has the first
+    text += bulleted(capitalised(verdict.doubts[i]) + ".");
+  return text;
+}
+
 }  // namespace
 
 std::string dataText(const Dataset& data) {
@@ -254,7 +265,7 @@ std::string reportText(const Result& result) {
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";
   for (const std::string& sentence : sentences) text += bulleted(sentence);
-  return text;
+  return text + verdictLines(result);
 }
 
 }  // namespace slom::app::calib
