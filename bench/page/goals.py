@@ -76,12 +76,14 @@ def shortfalls(goals, results):
         if not goal.short:
             continue
         where = ", ".join(f"{name} {goal.show(value)}" for name, value in sorted(goal.short, key=lambda pair: pair[1]))
-        lines.append(f"* {goal.text}: {goal.show(goal.wanted)} is missed by {where}.")
+        lines.append(f"* {goal.text}: the goal {goal.show(goal.wanted)} is missed by {where}.")
+    if lines:
+        lines += ["", "The largest part of the time of those iterations is:", ""]
     for name in dict.fromkeys(name for goal in goals for name, _ in goal.short if name in comparisons):
         own = facts.slom(comparisons[name])
         parts = {p: facts.per_iteration(own, p) for p in ("linearize", "factorize", "solve", "rest")}
         largest = max(parts, key=parts.get)
         share = parts[largest] / max(1e-30, sum(parts.values()))
-        lines.append(f"  * {name}: most of an iteration of {ms(own['iteration'])} ms is {largest}, {percent(share)}; "
+        lines.append(f"* {name}: {largest}, {percent(share)} of an iteration of {ms(own['iteration'])} ms; "
                      f"{own['iterations']} iterations, memory {digits(own['memory'] / 1e6)} MB.")
     return "\n".join(lines)

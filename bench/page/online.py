@@ -1,9 +1,13 @@
 """The section on fits that follow their data, from what bench_online wrote."""
 from .tables import digits, ms, table
 
-TEXT = """Poses are inserted in their order, with the edges to earlier ones and the landmarks they see, one fit after each; one thread, insertion included. `update()` is the fit that
-follows its data ([online.md](online.md)), `optimizeStep()` one step of everything after each pose, and Ceres, for pose graphs, fits everything from
-the last values after each tenth pose, its building of the problem not counted. `ratio` is the time of `optimizeStep()` / that of `update()`."""
+TEXT = """Poses are inserted in their order, with the edges to earlier poses and the landmarks they see. One fit follows each pose. Times are for one thread and include the insertion.
+
+* `update()` is the fit that follows its data ([online.md](online.md)).
+* `optimizeStep()` makes one step of everything after each pose.
+* Ceres, for pose graphs, fits everything from the last values after each tenth pose. The time to build its problem does not count.
+
+`ratio` is the time of `optimizeStep()` divided by the time of `update()`."""
 
 
 def replay(file, method):
@@ -56,12 +60,13 @@ def section(online):
     """Markdown, without the heading."""
     files = online["files"]
     load = online.get("load")
-    alone = [f"Measured in a run of its own, with a load of the machine of {load['before']:.2f} when it began and {load['after']:.2f} when it ended."] if load else []
+    alone = [f"This was measured in a run of its own. The load of the machine was {load['before']:.2f} at its start and {load['after']:.2f} at its end."] if load else []
     return "\n\n".join([
         TEXT, *alone, times_table(files),
-        "How good the values are: RSS / batch RSS - 1, and the root mean square distance of the positions to those of the batch optimum; the largest of "
-        "those at each hundredth pose. `by optimize()` counts the calls of `update()` that `optimize()` took over.",
+        "The next table shows how good the values are. The gap is RSS / batch RSS - 1. The position error is the root mean square distance of the positions "
+        "from the batch optimum. Both are computed at each hundredth pose, and the largest value is given. `by optimize()` counts the calls of `update()` that "
+        "`optimize()` took over.",
         accuracy_table(files),
-        "What else is asked after each update: values, whose reading is one access to memory each, the covariance of the newest pose by "
-        "`updatedCovariance`, and the covariances of all variables by `updatedMarginals`, after each of the last hundred poses; `marginals()` linearises and factorises everything for them, here after the last hundredth pose. Memory is what the process "
-        "has resident.", costs_table(files)])
+        "The last table shows the cost of questions after an update: to read values, which is one access to memory each; the covariance of the newest pose by "
+        "`updatedCovariance`; and the covariances of all variables by `updatedMarginals`, after each of the last hundred poses. For comparison, `marginals()` "
+        "linearises and factorises everything, here after the last hundredth pose. Memory is the resident memory of the process.", costs_table(files)])
