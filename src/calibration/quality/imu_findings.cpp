@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
-#include <optional>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -29,14 +29,18 @@ struct AccelerationUnit {
   double metres_per_second2;
 };
 
-/// The unit in which this magnitude would be the Earth's gravity, to 5 %.
-std::optional<AccelerationUnit> unitOf(double gravity) {
+/// What to do with readings in the units in which this magnitude would be the Earth's gravity, to 5 %; empty: there are none.
+std::string remedyOfUnit(double gravity) {
   constexpr AccelerationUnit units[] = {
       {"g", 9.80665}, {"mg", 9.80665e-3}, {"cm/s^2", 0.01}, {"mm/s^2", 0.001}, {"ft/s^2", 0.3048}};
-  const auto unit = std::find_if(std::begin(units), std::end(units), [&](const AccelerationUnit& one) {
-    return std::abs(std::abs(gravity) * one.metres_per_second2 / 9.81 - 1) < 0.05;
-  });
-  return unit == std::end(units) ? std::nullopt : std::optional(*unit);
+  std::string names, factors;
+  for (const AccelerationUnit& unit : units) {
+    if (std::abs(std::abs(gravity) * unit.metres_per_second2 / 9.81 - 1) > 0.05) continue;
+    names += (names.empty() ? "" : " or ") + std::string(unit.name);
+    factors += (factors.empty() ? "" : " or ") + fmt::format("{:g}", unit.metres_per_second2);
+  }
+  return names.empty() ? ""
+                       : fmt::format("the readings seem to be in {}: multiply them by {}", names, factors);
 }
 
 void findGravity(const ImuResult& imu, std::vector<ImuFinding>& findings) {
@@ -47,9 +51,7 @@ void findGravity(const ImuResult& imu, std::vector<ImuFinding>& findings) {
                                  imu.gravity, least_on_earth, most_on_earth),
                      "check the unit and the scale of the readings, and that the world's z axis is vertical",
                      off > std::max(other_unit, 6 * std)};
-  if (const auto unit = unitOf(imu.gravity))
-    finding.remedy = fmt::format("the readings seem to be in {}: multiply them by {:g}", unit->name,
-                                 unit->metres_per_second2);
+  if (std::string remedy = remedyOfUnit(imu.gravity); !remedy.empty()) finding.remedy = std::move(remedy);
   findings.push_back(std::move(finding));
 }
 
