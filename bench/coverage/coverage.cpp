@@ -181,18 +181,19 @@ int main(int argc, char** argv) {
   }
   std::printf(
       "# How often intervals hold\n\n"
-      "Written by `bench_coverage`. Of %d simulations each, the share in which an interval of 95 %% has the true value, by stated and by clustered standard "
-      "deviations; clustered ones with Student's distribution, for their degrees of freedom. With %d simulations a share is known to %.1f %% (one standard deviation).\n"
-      "\"By parameter\": the lowest and the highest of single parameters. \"Clustered over stated\": root mean square of the ratio of standard deviations; 1 where errors are "
-      "independent. \"Successive groups alike\": what one group shares has a correlation of 0.6 with that of the next, so that only about a quarter of the groups are independent.\n",
+      "This page tests intervals in simulations: how often does an interval of 95 %% contain the true value? `bench_coverage` wrote it. It makes %d simulations for each row, by stated and by "
+      "clustered standard deviations. Clustered intervals use Student's distribution with their degrees of freedom. With %d simulations, each percentage has a standard deviation of %.1f %%.\n\n"
+      "* \"By parameter\" gives the lowest and the highest percentage of single parameters.\n"
+      "* \"Clustered over stated\" is the root mean square of the ratio of standard deviations. It is 1 if errors are independent.\n"
+      "* \"Successive groups alike\": the shared error of a group has a correlation of 0.6 with the shared error of the next group. So only about a quarter of the groups are independent.\n",
       runs, runs, 100 * std::sqrt(0.05 * 0.95 / runs));
   print("Calibrations", "images", calibrations, runs);
   std::printf(
-      "\nOne camera and a board of 30 corners; each image is seen by about 1 %% (one standard deviation) larger or smaller than the lens says; fx, fy, cx, cy. Groups are images, and blocks of "
-      "successive ones as the data ask for, from 16 images on.\n");
+      "\nThe simulation has one camera and a board of 30 corners. Each image appears larger or smaller than the lens says, by about 1 %% (one standard deviation). The parameters are fx, fy, cx, cy. Groups are "
+      "images. From 16 images on, the data decide how many successive images are taken together.\n");
   print("Pose graphs", "rounds", poseGraphs, runs);
   std::printf(
-      "\nA round of 12 places that is driven again and again; in each round odometry has a scale and a sideways drift of its own; x, y and heading of two places. Groups are rounds, "
-      "with `ordered` where successive ones are alike, and where it says \"taken in order\" though they are not.\n");
+      "\nA robot drives a round of 12 places again and again. In each round, odometry has a scale and a sideways drift of its own. The parameters are x, y and heading of two places. Groups are rounds. "
+      "`ordered` is set if successive rounds are alike, and in the rows \"taken in order\" although they are not.\n");
   slom::bench::printGroupSizes(4 * runs);
 }

@@ -70,15 +70,17 @@ void printGroupSizes(int runs) {
     for (const int groups : {10, 20, 50}) printRow({1, sizes, groups, true}, runs);
   }
   std::printf(
-      "\nA constant and a slope over a number that grows with the group; with two ways a slope for each. The errors that a group shares are twice the others. "
-      "%d simulations each. Sizes: \"equal\", 10 measurements a group; \"one large\", 400 in the first group and 3 in each of the others; \"lognormal\", "
-      "2 + exp(2 + 1.2 n), with n normal. In two ways the rows have these sizes, and columns are random. \"In order\": with `ordered`, though successive groups are not alike.\n\n"
-      "* Each share is that of the component with the lowest one. \"Printed / true\" is the root mean square of its printed standard deviations, divided by that of its errors.\n"
+      "\nThe fit has a constant and a slope over a number that grows with the group; with two ways there is a slope for each way. The errors that a group shares are twice as large as the others. "
+      "There are %d simulations for each row.\n\n"
+      "* Sizes: \"equal\" has 10 measurements in each group; \"one large\" has 400 in the first group and 3 in each of the others; \"lognormal\" has 2 + exp(2 + 1.2 n), with n normal. With two ways, "
+      "the rows have these sizes, and the columns are random.\n"
+      "* \"In order\": `ordered` is set, although successive groups are not alike.\n"
+      "* Each percentage is for the component with the lowest one. \"Printed / true\" is the root mean square of its printed standard deviations, divided by the root mean square of its errors.\n"
       "* \"Default\" is `ClusterCorrection::by_leverage`.\n"
-      "* \"Named\": simulations in which the report says that single groups carry some values, or that there are few groups. The last column is the share in the others, "
-      "which the report does not set apart.\n"
-      "* The default decides by what the leverages of groups let expect as well as by the residuals, as the residuals of a large group may happen to be small. With `ordered` it takes "
-      "cr3 where that is to be 1.5 times as large as cr2, otherwise from 1.2 times on.\n",
+      "* \"Named\" gives the simulations in which the report says that single groups determine some values, or that there are few groups. The last column gives the percentage in the other "
+      "simulations, in which the report has no such warning.\n"
+      "* The default decides by the expectation from the leverages of the groups as well as by the residuals, because the residuals of a large group may be small by chance. With `ordered`, it takes "
+      "cr3 from a ratio of cr3 to cr2 of 1.5 on, otherwise from 1.2 on.\n",
       runs);
 }
 

@@ -55,22 +55,22 @@ Method byCeres(std::string name, std::string what, bench::CeresMethod method, do
 /// The first is the one that all problems must be solved by.
 std::vector<Method> methods() {
   std::vector<Method> all{
-      bySlom("SLoM", "`LevenbergMarquardt(1e3)`: short first steps, as some starts are far off",
+      bySlom("SLoM", "`LevenbergMarquardt(1e3)`: short first steps, because some starts are far off",
              LevenbergMarquardt(kCautiousDamping)),
       bySlom("SLoM, default damping", "`LevenbergMarquardt()`", LevenbergMarquardt()),
       bySlom("SLoM, dog leg", "`DogLeg()`", DogLeg()),
       bySlom("SLoM, Gauss-Newton",
-             "`GaussNewton()`, which goes on with Levenberg-Marquardt when a step leads uphill",
+             "`GaussNewton()`, which continues with Levenberg-Marquardt if a step leads uphill",
              GaussNewton()),
       asItComes()};
 #ifdef SLOM_BENCH_CERES
   using enum bench::CeresMethod;
   all.push_back(byCeres("Ceres", "Levenberg-Marquardt with the default trust region, 1e4",
                         levenberg_marquardt, bench::kCeresRadius));
-  all.push_back(
-      byCeres("Ceres, short steps",
-              "the same from a trust region of 1e-3, the inverse of SLoM's damping in the first column",
-              levenberg_marquardt, 1 / kCautiousDamping));
+  all.push_back(byCeres(
+      "Ceres, short steps",
+      "the same with a first trust region of 1e-3, the inverse of the damping of SLoM in the first row",
+      levenberg_marquardt, 1 / kCautiousDamping));
   all.push_back(byCeres("Ceres, dog leg", "its traditional dog leg with the default trust region", dog_leg,
                         bench::kCeresRadius));
 #endif
@@ -119,16 +119,14 @@ int countFrom(const std::vector<Row>& rows, std::size_t method, double Score::*m
 
 void writeIntroduction(std::ostream& out) {
   out << "# Certified digits\n\n"
-         "The 27 problems of nonlinear regression of NIST's Statistical Reference Datasets "
-         "(<https://www.itl.nist.gov/div898/strd>), "
-         "each from its two\nstarts: how many digits of the parameters, and of their standard deviations, agree with the "
-         "values that NIST "
-         "certifies to 11 digits. Written by\n\n"
+         "How many digits of a fit are right? NIST's Statistical Reference Datasets (<https://www.itl.nist.gov/div898/strd>) "
+         "have 27 problems of nonlinear regression,\neach with two starts. NIST certifies the parameters and their standard "
+         "deviations to 11 digits. This page counts how many digits of the fits agree.\nIt was written by\n\n"
          "    cmake --preset bench && cmake --build --preset bench --target bench_nist\n"
          "    build/bench/bench/bench_nist DATA --output docs/nist.md\n\n"
-         "Digits are `-log10(|x - c| / |c|)` for the certified value c, of the parameter with the fewest, 11 at most; 0 is "
-         "another minimum, "
-         "or none.\nWith 4 digits a fit is right for any use of it; more show what the arithmetic loses.\n\n";
+         "The number of digits is `-log10(|x - c| / |c|)` for the certified value c. It is given for the parameter with the "
+         "fewest digits, and is at most 11. 0 means\nanother minimum, or none. With 4 digits, a fit is right for any use. More "
+         "digits show how much accuracy the arithmetic loses.\n\n";
 }
 
 void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {
@@ -142,14 +140,14 @@ void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::
     }
     out << " | " << all[m].what << " |\n";
   }
-  out << "\nAll but \"as it comes\" go on as long as digits come: "
+  out << "\nAll settings except \"as it comes\" continue as long as digits are gained: "
       << testing::nist::toTheLastDigit().max_iterations
-      << " iterations at most, tolerances at the machine's precision,\nexact derivatives, dense QR (`slom::DenseQR`, Ceres' "
-         "`DENSE_QR`); "
-         "`est.setSigma(slom::Sigma::estimated)`, in Ceres `Covariance` by `DENSE_SVD`\ntimes RSS / redundancy.\n\n"
-         "Lanczos1 was generated from its model to 14 digits. Its residuals are 1e-13, where the rounding errors of the "
-         "predictions are "
-         "1e-16: of the RSS,\nand so of the standard deviations, double precision can resolve 3 digits.\n\n";
+      << " iterations at most, tolerances at the machine's precision,\nexact derivatives and dense QR (`slom::DenseQR`, Ceres' "
+         "`DENSE_QR`). Standard deviations come from `est.setSigma(slom::Sigma::estimated)`,\nin Ceres from `Covariance` by "
+         "`DENSE_SVD` times RSS / redundancy.\n\n"
+         "The data of Lanczos1 were generated from its model to 14 digits. So its residuals are 1e-13, and the rounding errors of "
+         "the predictions are 1e-16. Double\nprecision can therefore only resolve 3 digits of the RSS and of the standard "
+         "deviations.\n\n";
 }
 
 void writeTable(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {
