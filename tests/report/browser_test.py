@@ -120,6 +120,11 @@ class Report(unittest.TestCase):
         wide = self.browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
         self.assertLessEqual(wide[0], wide[1])
 
+    def expect_figures_to_hold_what_is_drawn(self):
+        outside = """return [...document.querySelectorAll("figure canvas")].filter(canvas => !canvas.closest(".scroll") &&
+            canvas.getBoundingClientRect().right > canvas.closest("figure").getBoundingClientRect().right + 1).length"""
+        self.assertEqual(self.browser.execute_script(outside), 0)
+
     def test_all_sections_are_drawn_wide_and_narrow_light_and_dark(self):
         for width in [1280, 390]:
             for scheme in ["light", "dark"]:
@@ -129,6 +134,7 @@ class Report(unittest.TestCase):
                     self.expect_quiet(self.stereo)
                     self.expect_drawn()
                     self.expect_no_sideways_scrolling()
+                    self.expect_figures_to_hold_what_is_drawn()
                     for section in ["fit", "residuals", "coverage", "space", "projection", "halves", "correlations"]:
                         self.assertTrue(self.browser.find_elements(By.CSS_SELECTOR, f"#{section} canvas"), section)
                     background = self.browser.execute_script("return getComputedStyle(document.body).backgroundColor")
@@ -196,7 +202,7 @@ class Report(unittest.TestCase):
         self.picture("imu_1280_light")
         page = report(folder, "--camera", corners("opencv_stereo", "left"), "--intrinsics", "radial1")
         self.open(page, width=390)
-        self.expect_quiet(page), self.expect_drawn(), self.expect_no_sideways_scrolling()
+        self.expect_quiet(page), self.expect_drawn(), self.expect_no_sideways_scrolling(), self.expect_figures_to_hold_what_is_drawn()
         self.picture("one_camera_390_light")
 
     def test_failed_fits_say_so_and_show_what_there_is(self):

@@ -264,3 +264,4 @@ if (data.is_assessed) {
 }
 worstCorners();
 method();
+resizeAll();  // the first figure of a row was alone when it was drawn
