@@ -61,7 +61,16 @@ std::string Estimator::nameOf(const MeasurementHandle& id) const {
   return pool->measurementName(i);
 }
 
-void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, Summary& summary) {
+bool Estimator::State::isSingularStart(const Summary& summary) {
+  if (summary.final_rss != summary.initial_rss ||
+      evaluator.structure().system.unknowns() > Summary::kMostCounted)
+    return false;
+  const FreeDirections free = analyze(&findFreeDirections);
+  return free.count > free.gauge;
+}
+
+void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why,
+                                     Summary& summary) {
   ValueSnapshot before(problem);
   Summary nearer = by_damping();
   if (nearer.converged) {
@@ -69,8 +78,7 @@ void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, Summ
     if (again.converged) {
       goOn(summary, std::move(nearer));
       goOn(summary, std::move(again));
-      summary.warnings.push_back(
-          "rounding errors of the residuals at the start hide what an unknown changes; Levenberg-Marquardt came nearer first");
+      summary.warnings.push_back(std::string(why) + "; Levenberg-Marquardt left it first");
       return;
     }
   }
@@ -97,12 +105,17 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   const bool is_free = network != nullptr;
   Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
   summary.is_free_network = is_free;
-  if (summary.stop_reason == StopReason::rank_deficient && evaluator.wasHidden() && options.fall_back &&
-      by.safeguarded() != nullptr) {
+  const bool may_go_on =
+      summary.stop_reason == StopReason::rank_deficient && options.fall_back && by.safeguarded() != nullptr;
+  const bool is_hidden = evaluator.wasHidden();
+  if (may_go_on && (is_hidden || isSingularStart(summary))) {
     LevenbergMarquardt damped;
     const RankAtEnd rank_before = rank;
     fitFromNearer(
-        fit, [&] { return fitBy(damped); }, summary);
+        fit, [&] { return fitBy(damped); },
+        is_hidden ? "rounding errors of the residuals at the start hide what an unknown changes"
+                  : "the start leaves unknowns free, to first order",
+        summary);
     if (!summary.converged) rank = rank_before;
   }
   summary.groups = std::move(before.groups);
@@ -277,7 +290,8 @@ bool Estimator::State::isAtMinimum(double variance_factor) {
     evaluator.linearize();
     const Evaluator::Promise promise =
         evaluator.promise();  // residuals that are rounding errors have any direction
-    return promise.is_known && promise.decrease <= kAtMinimum * kAtMinimum * variance_factor;
+    const double near = std::max(kAtMinimum, problem.largestStatedStep());
+    return promise.is_known && promise.decrease <= near * near * variance_factor;
   });
 }
 
@@ -292,14 +306,22 @@ Diagnosis Estimator::diagnose() const {
   Diagnosis result =
       state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
   result.unconverged = state_->whyUnconverged();
+  for (Finding& finding : result.findings)  // what is free is meant to be
+    finding.is_fault =
+        finding.is_fault && !(finding.kind == Finding::Kind::gauge && state_->gauge != FreeGauge::error);
+  if (state_->sigma == Sigma::estimated)
+    std::erase_if(result.findings,
+                  [](const Finding& finding) { return finding.kind == Finding::Kind::implausible_sigma; });
   return result;
 }
 
 OutlierReport Estimator::outliers(const OutlierOptions& options) const {
   const double factor = state_->varianceFactor();
+  const int redundancy = state_->sigma == Sigma::estimated ? state_->redundancy() : 0;
   OutlierReport result = state_->analyze([&](const LinearizedProblem& linearized) {
-    return checkResiduals(linearized, options, factor, state_->gauge);
+    return checkResiduals(linearized, options, factor, redundancy, state_->gauge);
   });
+  result.noise = state_->noiseOfTests(factor);
   result.unconverged = state_->whyUnconverged();
   return result;
 }

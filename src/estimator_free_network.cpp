@@ -56,6 +56,11 @@ VectorXd movedSince(const ValueSnapshot& start, const Problem& problem, const Pr
 
 }  // namespace
 
+bool Estimator::State::isFreeNetwork() {
+  return gauge == FreeGauge::inner_constraints &&
+         analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); }) > 0;
+}
+
 std::unique_ptr<FreeNetwork> Estimator::State::freeNetwork() {
   try {
     return analyze([](const LinearizedProblem& linearized) {

@@ -49,6 +49,14 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
 }
 
 ProfileInterval Estimator::profile(int variable, int component, HalfWidth half_width) {
+  if (state_->isFreeNetwork()) {
+    const std::string name = problem().componentNames(variable)[at(component)];
+    throw Error(
+        "slom.free-gauge",
+        "the profile of " + name +
+            " has no ends, as the datum of a free network is a choice; fix a datum, or take its standard deviation",
+        name);
+  }
   ProfiledFit fit;
   fit.variance_factor = [this] { return state_->varianceFactor(); };
   fit.is_at_minimum = [this](double variance_factor) { return state_->isAtMinimum(variance_factor); };
@@ -77,12 +85,13 @@ IntervalTable Estimator::intervals(double probability, const Clustered* clustere
     HalfWidth& own = half_width[at(unknown.variable)];
     if (!own) own = halfWidth(unknown.variable, probability, clustered);
   }
+  const bool is_free_network = state_->isFreeNetwork();
   IntervalTable table;
   table.probability = probability;
   for (const auto& [variable, component, parameter, is_at_bound] : unknowns) {
     ParameterInterval row{
         .name = parameter.name, .value = parameter.value, .standard_deviation = parameter.standard_deviation};
-    row.is_profile = isCoordinate(problem(), variable, component);
+    row.is_profile = !is_free_network && isCoordinate(problem(), variable, component);
     if (row.is_profile) {
       const ProfileInterval interval = profile(variable, component, half_width[at(variable)]);
       row.lower = interval.lower;

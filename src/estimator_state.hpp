@@ -60,13 +60,17 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   using Fit = std::function<Summary()>;
   /// The free network at the current values; null: no direction is free, or more than the gauge.
   std::unique_ptr<FreeNetwork> freeNetwork();
+  /// Whether inner constraints choose the values along directions that the measurements leave free.
+  bool isFreeNetwork();
   /// Takes over the end of a later fit, which went on where the one of `summary` has ended.
   static void goOn(Summary& summary, Summary later);
   /// Fits it by `fit` to the values with the smallest distance from the start.
   Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
-  /// After a fit that ended where rounding errors of large residuals hide an unknown: comes nearer by Levenberg-Marquardt and fits again. Values and
-  /// `summary` stay where that does not converge.
-  void fitFromNearer(const Fit& fit, const Fit& by_damping, Summary& summary);
+  /// Whether the fit ended at its start because that leaves directions free that are no gauge.
+  bool isSingularStart(const Summary& summary);
+  /// After a fit that ended where an unknown has no effect: leaves that place by Levenberg-Marquardt and fits again. Values and `summary`
+  /// stay if that does not converge. `why`: what is wrong with the start, for a warning.
+  void fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why, Summary& summary);
   /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
   std::string whyUnconverged() const {
     const bool is_there =
@@ -75,6 +79,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   }
   /// Residuals less what the unknowns take of them, for the variance factor.
   int redundancy();
+  /// Which standard deviations tests of residuals use, in a sentence; empty: those that are stated.
+  std::string noiseOfTests(double variance_factor) const;
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
   /// Whether the current values count as a minimum, for statements that hold at one alone.

@@ -1,4 +1,6 @@
 // What the summary of a fit says besides what the optimisation itself knows: sizes, a message, tables and warnings.
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,6 +91,19 @@ void Estimator::State::fillSizes(Summary& summary) {
   summary.redundancy = summary.measurements - summary.unknowns;
   summary.sigma_is_estimated = sigma == Sigma::estimated;
   summary.stated_noise = statedNoise(problem);
+}
+
+std::string Estimator::State::noiseOfTests(double variance_factor) const {
+  const StatedNoise stated = statedNoise(problem);
+  if (sigma == Sigma::estimated)
+    return "standard deviations are estimated from the residuals: " +
+           (stated == StatedNoise::none ? number(std::sqrt(variance_factor), 4) + " for each residual"
+                                        : "those stated, times " + number(std::sqrt(variance_factor), 4));
+  return stated == StatedNoise::all
+             ? ""
+             : std::string("no standard deviation was stated") +
+                   (stated == StatedNoise::some ? " for some measurements" : "") +
+                   ", 1 is assumed; setSigma(slom::Sigma::estimated) takes it from the residuals";
 }
 
 void Estimator::State::countFreeDirections(Summary& summary, const Options& options) {

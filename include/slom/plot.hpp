@@ -44,7 +44,7 @@ Plot plotData(const std::vector<double>& x, const std::vector<double>& y, const 
 /// Data y at x with their standard deviations, the curve f(variables, x) with the band that holds it with 95 % at each x, and below the
 /// residuals y - f. `sigma` has one number for each y, or one for all, or none; with Sigma::estimated the bars are as
 /// the residuals show. f returns a number for values as measurement functions get them and
-/// a double. Throws [slom.bad-plot] for other numbers of them and for data that are not finite, and what covariance throws.
+/// a double; its derivatives are found as those of measurements are, by differences for a function of doubles. Throws [slom.bad-plot] for other numbers of them and for data that are not finite, and what covariance throws.
 template <class F, class... T>
 Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<double>& y,
           const std::vector<double>& sigma, const F& f, const VarID<T>&... ids) {
@@ -56,8 +56,17 @@ Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>&
           const VarID<T>&... ids) {
   const Eigen::MatrixXd C = est.jointCovariance(ids...);
   const auto point = [&](double at) {
-    const auto value = est.propagate([&](const auto&... values) { return f(values..., at); }, C, ids...);
-    return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
+    const auto of_values = [&](const auto&... values) -> decltype(f(values..., at)) {
+      return f(values..., at);
+    };
+    if constexpr (detail::is_numeric<F>) {
+      const auto value = est.propagate(
+          detail::NumericFunction<decltype(of_values), decltype(f.how)>{of_values, f.how}, C, ids...);
+      return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
+    } else {
+      const auto value = est.propagate(of_values, C, ids...);
+      return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
+    }
   };
   std::vector<double> bars = sigma;
   const double factor = detail::sigmaFactor(est);

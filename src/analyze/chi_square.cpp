@@ -4,22 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "analyze/special_functions.hpp"
+
 namespace slom {
 
 namespace {
 
 constexpr int kMostTerms = 100000;
 constexpr double kEpsilon = 1e-16;
-
-/// The logarithm of the gamma function at a > 0. In C libraries with lgamma_r, lgamma writes to a variable that all threads share.
-double logGamma(double a) {
-#ifdef _WIN32
-  return std::lgamma(a);
-#else
-  int sign = 0;
-  return ::lgamma_r(a, &sign);
-#endif
-}
 
 /// P(a, x) by its power series, for x < a + 1.
 double lowerBySeries(double a, double x) {

@@ -51,7 +51,7 @@ class VariableNotes {
     say("of the stated variance a part is determined by one group alone, or by measurements without a group, "
         "and is taken as stated: ",
         stated_);
-    say("single groups carry some values, and the standard deviations of these are by cr3, in brackets the group that counts most: ",
+    say("one group carries most of a value, so that its standard deviation is by cr3 (in brackets the group): ",
         carried_);
     say("the covariance by several ways had negative eigenvalues, which count as 0: ", indefinite_);
     say("several ways together gave a smaller variance than one of them alone, which is taken: ", smaller_);
@@ -207,9 +207,9 @@ std::string Clustered::report(int most_unknowns) const {
   return text;
 }
 
-std::vector<std::string> Clustered::notesOn(int variable) const {
+std::vector<std::string> Clustered::notesOn(const std::vector<int>& variables) const {
   VariableNotes own;
-  own.add(*state_, variable, state_->covariance({variable}));
+  for (const int v : variables) own.add(*state_, v, state_->covariance({v}));
   return own.after(notes());
 }
 

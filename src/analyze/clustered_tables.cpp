@@ -113,6 +113,7 @@ void Clustered::addTo(Summary& summary) const {
   const LinearizedProblem& linearized = state_->problem();
   const Problem& all = linearized.problem();
   std::vector<ParameterSummary> filled = summary.parameters;
+  std::vector<int> variables;
   std::size_t next = 0;
   bool is_other = filled.empty();
   for (int v = 0; v < linearized.structure().system.blockCount() && !is_other; ++v) {
@@ -121,6 +122,7 @@ void Clustered::addTo(Summary& summary) const {
     std::vector<double> dof(names.size());
     const Eigen::MatrixXd C = state_->covariance({v}).C;
     writePerComponent(v, Kind::dof, 0, dof.data());
+    variables.push_back(v);
     for (std::size_t c = 0; c < names.size() && !is_other; ++c) {
       const auto i = static_cast<Eigen::Index>(c);
       if (linearized.activeSet().isFixedOrActive(v, static_cast<int>(c))) continue;
@@ -137,7 +139,7 @@ void Clustered::addTo(Summary& summary) const {
                 "Summary");
   }
   summary.parameters = std::move(filled);
-  summary.clustered_notes = notes();
+  summary.clustered_notes = notesOn(variables);
 }
 
 }  // namespace slom

@@ -14,6 +14,7 @@
 #include "base/decompositions.hpp"
 #include "base/index.hpp"
 #include "base/words.hpp"
+#include "problem/stated_noise.hpp"
 
 namespace slom {
 
@@ -181,10 +182,11 @@ class Examination {
                ": it can move without changing any residual; add measurements that it "
                "changes or a prior, or fix it";
       } else if (moves.names.size() == 2) {
-        text = moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " +
-               moves.amounts[0] + " and " + moves.amounts[1] +
-               " changes no residual; fix one of them, or add a prior or measurements that depend on them in "
-               "another way";
+        text =
+            moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " +
+            moves.amounts[0] + " and " + moves.amounts[1] +
+            " changes no residual, to first order; fix one of them, or add a prior or measurements that depend on "
+            "them in another way";
       } else {
         text = listed(moves.names) + " can move together (by " + listed(moves.amounts) +
                ") without changing any residual; fix " +
@@ -306,12 +308,17 @@ class Examination {
     }
   }
 
+  bool isStated(const std::string& group) const {
+    return std::ranges::any_of(problem_.pools(),
+                               [&](const auto& pool) { return pool->name() == group && statesNoise(*pool); });
+  }
+
   /// Compares the residuals of each group with its stated standard deviations. Residuals are evidence of these only at a minimum, and only
   /// when the data contain noise.
   void judgeSigmas() {
     if (!(linearized_.orthogonality() < kAtMinimum) || !linearized_.hasInverse()) return;
     for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {
-      if (group.has_losses || !(group.redundancy > 0)) continue;
+      if (group.has_losses || !(group.redundancy > 0) || !isStated(group.name)) continue;
       const double factor = std::sqrt(group.chi2 / group.redundancy);
       if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) ||
           factor < kNoNoise)

@@ -133,7 +133,7 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
                     Summary& summary) {
   const Eigen::MatrixXd C =
       variance_factor * linearized.covarianceColumns(gauge, 0, linearized.structure().system.unknowns());
-  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, gauge);
+  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, 0, gauge);
   std::vector<int> unknowns;
   addRows(linearized, summary, [&](int, int, int unknown) {
     unknowns.push_back(unknown);

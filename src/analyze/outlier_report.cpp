@@ -78,7 +78,7 @@ std::vector<MeasurementCheck> OutlierReport::ranking() const {
 
 std::string OutlierReport::text() const {
   const ClassicNumbers points;
-  std::string all = unconvergedLine(unconverged);
+  std::string all = unconvergedLine(unconverged) + (noise.empty() ? "" : noise + "\n");
   char line[200];
   for (const GroupCheck& group : groups) {
     std::snprintf(line, sizeof line,

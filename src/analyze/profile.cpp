@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "base/index.hpp"
@@ -85,19 +86,43 @@ class Profile {
 
   /// How far it is to where the RSS has risen that much, up to `most`.
   double ascend(double sign, double most, ValueSnapshot& start) {
+    constexpr int small_steps = 8;
     if (!(most > 0)) return 0;
     start.restore();
-    double moved = 0;
+    // Each refit starts at the farthest values within the interval.
+    auto inside = std::make_unique<ValueSnapshot>(problem_);
+    double inside_at = 0;
+    bool has_crossed = false;
+    const auto excessAfter = [&](double from, double to) {
+      shift(sign * (to - from));
+      const double excess = (fit_.refit() - best_) / rise_ - 1;
+      if (!(excess > 0)) {
+        inside = std::make_unique<ValueSnapshot>(problem_);
+        inside_at = to;
+      }
+      return excess;
+    };
     return profileRoot(
         [&](double t) {
-          std::vector<double> d(at(record_.dof), 0.0);
-          d[at(component_)] = sign * (t - moved);
-          record_.store->boxplus(record_.store->valueAt(record_.slot), d.data());
-          problem_.overwrite(variable_, record_.store->valueAt(record_.slot));
-          moved = t;
-          return (fit_.refit() - best_) / rise_ - 1;
+          inside->restore();
+          double excess = excessAfter(inside_at, t);
+          // A long step may lead to another minimum of the rest. Small ones follow the one of the fit.
+          for (int k = 1; k <= small_steps && excess > 0 && !has_crossed; ++k) {
+            const double from = inside_at, to = from + (t - from) / (small_steps + 1 - k);
+            inside->restore();
+            const double after = excessAfter(from, to);
+            has_crossed = after > 0;
+            if (k == small_steps) excess = after;
+          }
+          return excess;
         },
         guess_, most);
+  }
+  void shift(double step) {
+    std::vector<double> d(at(record_.dof), 0.0);
+    d[at(component_)] = step;
+    record_.store->boxplus(record_.store->valueAt(record_.slot), d.data());
+    problem_.overwrite(variable_, record_.store->valueAt(record_.slot));
   }
 
   Problem& problem_;

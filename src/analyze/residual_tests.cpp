@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "analyze/singular.hpp"
+#include "analyze/special_functions.hpp"
 #include "base/decompositions.hpp"
 #include "base/index.hpp"
 #include "base/threads.hpp"
@@ -23,15 +24,35 @@ using Eigen::VectorXd;
 constexpr double kUnchecked = 1e-8;
 constexpr int kMeasurementsPerTask = 64;
 
+/// The factor that divides chi-squares, and the redundancy of the residuals that it comes from; 0: it is known.
+struct VarianceFactor {
+  double value = 1;
+  double redundancy = 0;
+};
+
+struct Test {
+  double ratio;  ///< chi-square over its degrees of freedom, in units of the factor of all other residuals
+  double probability;  ///< that good measurements have such a ratio or a larger one
+};
+
+/// `chi2`: in units of the factor. If that comes from these residuals alone, nothing can be said of them.
+Test testOf(double chi2, double dof, const VarianceFactor& factor) {
+  if (factor.redundancy == 0) return {chi2 / dof, chiSquareProbability(chi2, dof)};
+  const double rest = factor.redundancy - dof;
+  if (!(rest > kUnchecked)) return {chi2 / dof, 1};
+  const double ratio = (chi2 / dof) / (std::max(0.0, factor.redundancy - chi2) / rest);
+  return {ratio, fProbability(ratio, dof, rest)};
+}
+
 class GroupExamination {
  public:
   GroupExamination(const LinearizedProblem& linearized, const InverseBlocks& inverse, std::size_t group,
-                   double variance_factor)
+                   const VarianceFactor& factor)
       : inverse_(inverse),
         group_(group),
         pool_(*linearized.problem().pools()[group]),
         rows_(pool_.lossCount() > 0 ? linearized.unweightedRows() : linearized.rows()),
-        variance_factor_(variance_factor) {}
+        factor_(factor) {}
 
   struct Result {
     MeasurementCheck check;
@@ -84,15 +105,16 @@ class GroupExamination {
       check.statistic += part * part / eigen.eigenvalues()[k];
       solved += part / eigen.eigenvalues()[k] * eigen.eigenvectors().col(k);
     }
-    result.chi2 = squared / variance_factor_;
+    result.chi2 = squared / factor_.value;
     result.redundancy = std::max(0.0, Q.trace());
     check.residual = std::sqrt(squared);
     check.redundancy = w.size() > 0 ? result.redundancy / static_cast<double>(w.size()) : 0;
-    check.statistic /= variance_factor_;
-    check.effect = check.weight * std::sqrt(std::max(0.0, solved.dot(H * solved)) / variance_factor_);
+    check.statistic /= factor_.value;
+    check.effect = check.weight * std::sqrt(std::max(0.0, solved.dot(H * solved)) / factor_.value);
     if (check.dof > 0) {
-      check.studentized = std::sqrt(check.statistic / check.dof);
-      check.probability = chiSquareProbability(check.statistic, check.dof);
+      const Test test = testOf(check.statistic, check.dof, factor_);
+      check.studentized = std::sqrt(test.ratio);
+      check.probability = test.probability;
     }
     return result;
   }
@@ -101,7 +123,7 @@ class GroupExamination {
   std::size_t group_;
   const MeasurementPool& pool_;
   const JacobianRows& rows_;  // without losses
-  double variance_factor_;
+  VarianceFactor factor_;
 };
 
 /// The first `most` in this order; changes that of `all`.
@@ -115,7 +137,7 @@ std::vector<MeasurementCheck> firstOf(std::vector<MeasurementCheck>& all, std::s
 
 /// `group` has its name.
 GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck group,
-                      const OutlierOptions& options, double significance) {
+                      const OutlierOptions& options, double significance, const VarianceFactor& factor) {
   group.measurements = static_cast<int>(results.size());
   for (auto& [check, chi2, redundancy] : results) {
     group.chi2 += chi2;
@@ -124,8 +146,8 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck 
     group.suspects += check.is_suspect ? 1 : 0;
   }
   if (group.redundancy > kUnchecked) {
-    const double above = chiSquareProbability(group.chi2, group.redundancy);
-    group.probability = 2 * std::min(above, 1 - above);
+    const double above = testOf(group.chi2, group.redundancy, factor).probability;
+    group.probability = above == 1 ? 1 : 2 * std::min(above, 1 - above);
   }
   std::vector<MeasurementCheck> all;
   all.reserve(results.size());
@@ -140,7 +162,7 @@ GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck 
 }  // namespace
 
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
-                             double variance_factor, FreeGauge gauge) {
+                             double variance_factor, int redundancy, FreeGauge gauge) {
   if (!(options.significance > 0 && options.significance < 1)) {
     throw Error("slom.bad-option",
                 "the significance of OutlierOptions is " + number(options.significance, 6) +
@@ -153,6 +175,10 @@ OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierO
   int count = 0;
   for (const auto& pool : problem.pools()) count += pool->size();
   report.significance = options.significance / std::max(1, count);
+  // Weights of losses keep errors out of the factor, and residuals of zero hide none in it.
+  const bool has_losses =
+      std::ranges::any_of(problem.pools(), [](const auto& pool) { return pool->lossCount() > 0; });
+  const VarianceFactor factor{variance_factor, has_losses || !(variance_factor > 0) ? 0.0 : redundancy};
   const InverseBlocks& inverse = linearized.inverse(gauge);
   for (int g = 0; g < problem.groupCount(); ++g) {
     GroupCheck group;
@@ -160,14 +186,14 @@ OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierO
     for (std::size_t p = 0; p < problem.pools().size(); ++p) {
       const MeasurementPool& pool = *problem.pools()[p];
       if (pool.group() != g || pool.size() == 0) continue;
-      std::vector<GroupExamination::Result> more =
-          GroupExamination(linearized, inverse, p, variance_factor).run();
+      std::vector<GroupExamination::Result> more = GroupExamination(linearized, inverse, p, factor).run();
       std::move(more.begin(), more.end(), std::back_inserter(results));
       group.name = pool.name();
       group.has_losses = group.has_losses || pool.lossCount() > 0;
     }
     if (results.empty()) continue;
-    report.groups.push_back(summarized(std::move(results), std::move(group), options, report.significance));
+    report.groups.push_back(
+        summarized(std::move(results), std::move(group), options, report.significance, factor));
   }
   return report;
 }

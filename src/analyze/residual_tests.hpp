@@ -7,9 +7,10 @@
 
 namespace slom {
 
-/// Throws what LinearizedProblem::inverse throws. `variance_factor` divides chi-squares.
+/// Throws what LinearizedProblem::inverse throws. `variance_factor` divides chi-squares; where it comes from the residuals, `redundancy` is
+/// theirs, otherwise 0.
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
-                             double variance_factor, FreeGauge gauge = FreeGauge::error);
+                             double variance_factor, int redundancy = 0, FreeGauge gauge = FreeGauge::error);
 
 /// The orders of OutlierReport::ranking and of GroupCheck::least_checkable.
 bool lessProbable(const MeasurementCheck& a, const MeasurementCheck& b);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "analyze/special_functions.hpp"
+
 namespace slom {
 
 namespace {
@@ -15,28 +17,6 @@ double logGammaStep(double a) {
   for (; a < 40; ++a) sum -= std::log((a + 0.5) / a);
   const double x = 1 / a;
   return sum + 0.5 * std::log(a) - x / 8 + x * x * x / 192 - x * x * x * x * x / 640;
-}
-
-/// The continued fraction of I_x(a, b), by Lentz's evaluation; converges fast for x < (a + 1) / (a + b + 2).
-double betaFraction(double a, double b, double x) {
-  constexpr int most_terms = 100000;
-  constexpr double tiny = 1e-300, epsilon = 1e-16;
-  double c = 1, d = 1 - (a + b) * x / (a + 1);
-  d = 1 / (std::abs(d) < tiny ? tiny : d);
-  double product = d;
-  for (int m = 1; m < most_terms; ++m) {
-    const auto step = [&](double numerator) {
-      d = 1 + numerator * d;
-      c = 1 + numerator / c;
-      d = 1 / (std::abs(d) < tiny ? tiny : d);
-      if (std::abs(c) < tiny) c = tiny;
-      product *= d * c;
-    };
-    step(m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)));
-    step(-(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1)));
-    if (std::abs(d * c - 1) < 10 * epsilon) break;
-  }
-  return product;
 }
 
 }  // namespace

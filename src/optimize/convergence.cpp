@@ -111,6 +111,9 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
         return StopReason::decrease;
       if (evaluator_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
     }
+    // A function that needs long steps of its differences has no finer values than they show.
+    const double step = evaluator_.problem().largestStatedStep();
+    if (promise.decrease <= step * step * std::min(rss, variance(rss))) return StopReason::decrease;
   }
   const double tolerance = std::max(options_.gradient_tolerance,
                                     evaluator_.problem().hasNumericDerivatives() ? kNumericGradient : 0);

@@ -281,6 +281,12 @@ std::string Problem::valuesText(const int* variables, int arity) const {
   return text;
 }
 
+double Problem::largestStatedStep() const {
+  double largest = 0;
+  for (const auto& pool : pools_) largest = std::max(largest, pool->statedStep());
+  return largest;
+}
+
 bool Problem::hasNumericDerivatives() const {
   return std::any_of(pools_.begin(), pools_.end(),
                      [](const auto& pool) { return pool->derivatives() == DerivativeSource::numeric; });

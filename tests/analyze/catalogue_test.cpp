@@ -39,7 +39,7 @@ TEST(BrokenProblem, BiasThatNothingObserves) {
   for (const std::string axis : {"x", "y", "z"}) {
     const std::string text =
         "gravity." + axis + " and bias." + axis +
-        " cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a prior or "
+        " cannot be told apart: moving them by +1 and -1 changes no residual, to first order; fix one of them, or add a prior or "
         "measurements that depend on them in another way";
     const Texts all = faults(est);
     EXPECT_EQ(std::count(all.begin(), all.end(), text), 1) << axis << ": " << ::testing::PrintToString(all);

@@ -96,7 +96,7 @@ TEST(ClusteredColumn, OfASummary) {
   c.addTo(after);
   EXPECT_EQ(after.parameters[1].clustered, c.standardDeviation(fit.line)[1]);
   EXPECT_EQ(after.parameters[1].clustered_dof, c.degreesOfFreedom(fit.line)[1]);
-  EXPECT_EQ(after.clustered_notes, c.notes());
+  EXPECT_EQ(after.clustered_notes, c.notes(fit.line));
   EXPECT_EQ(after.report().substr(after.report().find("  parameter")),
             "  parameter          value   standard deviation    clustered      dof\n"
             "  line.x         1.1388535                0.129        0.139       11\n"

@@ -580,7 +580,7 @@ TEST(Clustered, Notes) {
   EXPECT_EQ(c.notes(), general);
   const std::vector<std::string> notes = c.notes(fit.levels[3]);
   ASSERT_EQ(notes.size(), 4U);
-  EXPECT_EQ(notes[3].substr(0, 33), "single groups carry some values, ");
+  EXPECT_EQ(notes[3].substr(0, 35), "one group carries most of a value, ");
   EXPECT_EQ(
       notes[2].substr(0, 129),
       "of the stated variance a part is determined by one group alone, or by measurements without a group, and is "

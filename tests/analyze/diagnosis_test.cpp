@@ -77,9 +77,10 @@ TEST(Diagnosis, FreeGaugeOfPosesInSpace) {
     est.covariance(poses[1]);
     FAIL() << "covariance of a free gauge";
   } catch (const mtk::Error& error) {
-    EXPECT_EQ(
-        std::string(error.what()),
-        "[slom.free-gauge] there are no covariances as long as the gauge is free. " + faults(diagnosis)[0]);
+    EXPECT_EQ(std::string(error.what()),
+              "[slom.free-gauge] there are no covariances as long as the gauge is free. " +
+                  faults(diagnosis)[0] +
+                  "; setFreeGauge(slom::FreeGauge::inner_constraints) fits a free network");
   }
   const slom::Summary summary = est.optimize();
   EXPECT_EQ(summary.stop_reason, slom::StopReason::rank_deficient);
@@ -176,7 +177,7 @@ TEST(Diagnosis, TwoVariablesThatOnlyAppearAsASum) {
   EXPECT_EQ(
       faults(diagnosis),
       Texts{
-          "offset and bias cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a "
+          "offset and bias cannot be told apart: moving them by +1 and -1 changes no residual, to first order; fix one of them, or add a "
           "prior or measurements that depend on them in another way"});
 }
 

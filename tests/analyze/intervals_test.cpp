@@ -1,5 +1,6 @@
 // Intervals: with an estimated variance by Student's t, of all parameters at once, as text, Markdown and CSV.
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -7,6 +8,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include <mtk/testing/random.hpp>
+#include <slom/analyze/chi_square.hpp>
 #include <slom/analyze/clustered.hpp>
 #include <slom/analyze/student.hpp>
 #include <slom/slom.hpp>
@@ -15,6 +18,7 @@
 
 namespace {
 
+using mtk::testing::Random;
 using slom::testing::messageOf;
 
 /// A straight line through few points.
@@ -163,6 +167,94 @@ TEST(Intervals, AreThoseOfAFit) {
   NoisyLine line(5, 9);
   EXPECT_EQ(messageOf([&] { line.est.intervals(); }).substr(0, 20), "[slom.not-a-minimum]");
   EXPECT_EQ(messageOf([&] { line.est.intervals(1.0); }).substr(0, 17), "[slom.bad-option]");
+}
+
+/// An offset and an exponential: from the fit on, a large amplitude goes with a small rate, and a larger rate is another minimum.
+TEST(Intervals, FollowTheMinimumOfTheFit) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    Random noise(seed);
+    slom::Estimator est;
+    est.setThreads(1);
+    const auto a = est.insertRV(2.0, "a"), b = est.insertRV(0.8, "b"), c = est.insertRV(0.5, "c");
+    const auto curve = [](const auto& p, const auto& q, const auto& r, double t, double y) {
+      using std::exp;
+      return p * exp(-q * t) + r - y;
+    };
+    for (int i = 0; i < 25; ++i) {
+      const double t = 0.2 * i, y = 2 * std::exp(-0.8 * t) + 0.5 + 0.02 * noise.normal();
+      est.insertMeasurement(curve, a, b, c, t, y, slom::StandardDeviation(0.25));
+    }
+    ASSERT_TRUE(est.optimize().converged);
+    const double least = est.getRSS(), rise = slom::chiSquareCritical(0.05, 1);
+    const slom::ProfileInterval interval = est.profile(a, 0.95);
+    // The best fit of the rest beyond each end, from the rates of both kinds of solutions.
+    for (const double end : {interval.lower, interval.upper}) {
+      if (!std::isfinite(end)) continue;
+      double best = std::numeric_limits<double>::infinity();
+      for (const double rate : {0.01, 0.1, 0.8, 3.0}) {
+        slom::Estimator other = est.clone();
+        other.reinitRV(a, end);
+        other.reinitRV(b, rate);
+        other.fix(a);
+        best = std::min(best, other.optimize().final_rss);
+      }
+      EXPECT_GT(best - least, 0.98 * rise) << seed << ": " << interval;
+    }
+  }
+}
+
+/// Five heights and their differences: the datum is a choice, so that standard deviations are all there is.
+TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
+  slom::Estimator est;
+  std::vector<slom::VarID<double>> heights;
+  for (int i = 0; i < 5; ++i) heights.push_back(est.insertRV(10.0 * i, "h" + std::to_string(i)));
+  Random noise(9);
+  for (int i = 0; i < 5; ++i) {
+    for (int k = 0; k < i; ++k)
+      est.insertMeasurement([](const auto& x, const auto& y, double z) { return y - x - z; },
+                            heights[std::size_t(k)], heights[std::size_t(i)],
+                            10.0 * (i - k) + 0.1 * noise.normal(), slom::StandardDeviation(0.1));
+  }
+  est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  ASSERT_TRUE(est.optimize().converged);
+  for (const slom::ParameterInterval& row : est.intervals(0.95).rows) {
+    EXPECT_FALSE(row.is_profile);
+    EXPECT_NEAR(row.upper - row.value, 1.959964 * row.standard_deviation, 1e-6);
+    EXPECT_NEAR(row.value - row.lower, row.upper - row.value, 1e-9);
+  }
+  EXPECT_EQ(messageOf([&] {
+              est.profile(heights[0], 0.95);
+            }).find("[slom.free-gauge] the profile of h0 has no ends"),
+            0u);
+  const slom::Diagnosis diagnosis = est.diagnose();
+  ASSERT_FALSE(diagnosis.findings.empty());
+  EXPECT_FALSE(diagnosis.findings[0].is_fault) << diagnosis;
+}
+
+/// As a simulator that rounds its output.
+TEST(Intervals, OfAFunctionThatRoundsNeedItsStepAlone) {
+  for (const double digits : {1e3, 1e4, 1e6}) {
+    Random noise(2);
+    slom::Estimator est;
+    est.setThreads(1);
+    const auto a = est.insertRV(1.0, "a"), b = est.insertRV(0.3, "b"), c = est.insertRV(0.0, "c");
+    const auto simulate = [digits](double p, double q, double r, double t) {
+      return std::round((p * std::exp(-q * t) + r) * digits) / digits;
+    };
+    for (int i = 0; i < 25; ++i) {
+      const double t = 0.2 * i;
+      est.insertMeasurement(slom::numeric(simulate, slom::differences(1e-2)), a, b, c, t,
+                            slom::measured(2 * std::exp(-0.8 * t) + 0.5 + 0.02 * noise.normal()),
+                            slom::StandardDeviation(0.02));
+    }
+    const slom::Summary summary = est.optimize();
+    ASSERT_TRUE(summary.converged) << summary;
+    EXPECT_TRUE(est.checkDerivatives().ok()) << est.checkDerivatives();
+    for (const slom::ParameterInterval& row : est.intervals(0.95).rows) {
+      EXPECT_NEAR(row.upper - row.lower, 2 * 1.96 * row.standard_deviation, 0.5 * row.standard_deviation)
+          << row.name;
+    }
+  }
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ TEST(Preflight, FindsWrongDerivativesAndMissingMeasurements) {
       (Texts{
           "there are 2 residuals for 3 unknowns: add measurements or priors, or fix variables",
           "fewer residuals than unknowns depend on p (1 for 2): add measurements or a prior, or fix what they lack",
-          "p.x and p.y cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a prior or "
+          "p.x and p.y cannot be told apart: moving them by +1 and -1 changes no residual, to first order; fix one of them, or add a prior or "
           "measurements that depend on them in another way"}));
   est.insertRV(0.0, "idle");
   EXPECT_EQ(

@@ -94,6 +94,22 @@ TEST(Plot, OfDataAndCurve) {
                 "/none/decay.svg; see whether its folder is there and may be written to");
 }
 
+/// A simulator takes doubles, and its derivatives are differences.
+TEST(Plot, OfAFunctionOfDoublesIsTheSame) {
+  Decay decay;
+  const auto simulator = [](double a, double k, double at) { return a * std::exp(-k * at); };
+  const std::vector<std::string> exact = elements(
+      slom::plot(decay.est, decay.t, decay.y, 0.02, Decay::curve, decay.size, decay.rate).svg, "<path");
+  EXPECT_EQ(
+      elements(slom::plot(decay.est, decay.t, decay.y, 0.02, simulator, decay.size, decay.rate).svg, "<path"),
+      exact);
+  EXPECT_EQ(elements(slom::plot(decay.est, decay.t, decay.y, 0.02,
+                                slom::numeric(simulator, slom::differences(1e-4)), decay.size, decay.rate)
+                         .svg,
+                     "<path"),
+            exact);
+}
+
 TEST(Plot, OfEstimatedNoiseHasTheBarsThatResidualsShow) {
   Decay decay;
   decay.est.setSigma(slom::Sigma::estimated);

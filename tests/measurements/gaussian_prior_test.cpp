@@ -145,7 +145,7 @@ TEST(GaussianPrior, MayBeRankDeficientOrEmpty) {
   ASSERT_EQ(diagnosis.findings.size(), 1u) << diagnosis;
   EXPECT_EQ(
       diagnosis.findings[0].text,
-      "x and y cannot be told apart: moving them by +1 and -1 changes no residual; fix one of them, or add a "
+      "x and y cannot be told apart: moving them by +1 and -1 changes no residual, to first order; fix one of them, or add a "
       "prior or measurements that depend on them in another way");
   est.insertMeasurement(GaussianPrior({y}, MatrixXd::Constant(1, 1, 10)).linearizedAt(y, 5));
   EXPECT_TRUE(est.optimize().converged);

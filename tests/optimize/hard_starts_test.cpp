@@ -115,6 +115,27 @@ TEST(HardStarts, ASumOfDecaysNeverConvergesAtEqualRates) {
   EXPECT_LE(saddles, 1);
 }
 
+/// The rates are to be told apart: to first order they cannot be where the fit starts.
+TEST(HardStarts, EqualRatesAreAStartLikeOthers) {
+  for (const double rate : {0.3, 1.0, 2.0}) {
+    slom::Estimator est;
+    const auto p = est.insertRV(Eigen::Vector4d(1, rate, 1, rate), "p");
+    for (int i = 0; i < 20; ++i) {
+      const double t = 0.2 * i, y = 3 * std::exp(-0.5 * t) + 2 * std::exp(-4 * t);
+      est.insertMeasurement(
+          [](const auto& v, double at, double z) {
+            using std::exp;
+            return v[0] * exp(-v[1] * at) + v[2] * exp(-v[3] * at) - z;
+          },
+          p, t, y, slom::StandardDeviation(0.01));
+    }
+    const slom::Summary summary = est.optimize();
+    EXPECT_TRUE(summary.converged) << summary;
+    EXPECT_LT(summary.final_rss, 1e-6);
+    EXPECT_EQ(summary.free_directions, 0);
+  }
+}
+
 /// A fit that has led to where nothing depends on a parameter any more names the parameter.
 TEST(HardStarts, AFitOnAPlateauNamesWhatItLeavesFree) {
   slom::Estimator est;

@@ -256,7 +256,7 @@ class Clustered {
   /// The same with those on this variable: what of its variance is as stated, or too small.
   template <class T>
   std::vector<std::string> notes(const VarID<T>& id) const {
-    return notesOn(indexOf(id));
+    return notesOn({indexOf(id)});
   }
 
   struct State;
@@ -287,7 +287,7 @@ class Clustered {
   // Plain numbers, as of Estimator: Eigen's dynamic types may be allocated otherwise in the compiled library.
   const Problem& problem() const;
   int groupCount() const;
-  std::vector<std::string> notesOn(int variable) const;
+  std::vector<std::string> notesOn(const std::vector<int>& variables) const;
   int blockLengthOf(int variable) const;
   void writeCovariance(const int* variables, int count, double* out) const;
   void writePerComponent(int variable, Kind kind, double probability, double* out) const;

@@ -6,6 +6,10 @@
 /// good ("data snooping").
 ///   source   Baarda, "A testing procedure for use in geodetic networks", 1968; Cook and Weisberg, "Residuals and influence
 ///            in regression", 1982, chapters 2 and 3
+/// With Sigma::estimated the variance factor comes from all other measurements, so that an error does not hide itself: T is then divided by the
+/// factor without the measurement, and has an F distribution.
+///   source   Cook and Weisberg, section 2.2.1 (external studentisation); Heck, "Der Einfluss einzelner Beobachtungen auf das Ergebnis einer
+///            Ausgleichung", 1981
 /// A measurement with a loss counts with the weight p that the loss gives it, and Q = I + (1 - 2 p) J C J^T, which is exact for
 /// p = 1 and for p = 0, where the fit does not know of the measurement.
 #pragma once
@@ -34,12 +38,12 @@ struct OutlierOptions {
 /// The test of one measurement; lengths in standard deviations.
 struct MeasurementCheck {
   std::string measurement;
-  double residual = 0;     ///< |w|, in standard deviations
-  double studentized = 0;  ///< sqrt(T / dof): 1 is usual
+  double residual = 0;     ///< |w|, in stated standard deviations
+  double studentized = 0;  ///< sqrt(T / dof), in the standard deviations that Sigma says: 1 is usual
   double redundancy =
       0;  ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
   double weight = 1;       ///< the weight that its loss gives it
-  double statistic = 0;    ///< T
+  double statistic = 0;    ///< T, over the variance factor
   int dof = 0;             ///< rank of Q
   double probability = 1;  ///< that a good measurement has such a T or a larger one
   double effect =
@@ -58,9 +62,10 @@ struct MeasurementCheck {
 struct GroupCheck {
   std::string name;
   int measurements = 0;
-  double chi2 = 0;         ///< sum of |w|^2, weights of losses not counted
-  double redundancy = 0;   ///< sum of the traces of Q: what chi2 is on average
-  double probability = 1;  ///< that a chi2 is this far off or farther, to either side; 1 without redundancy
+  double chi2 = 0;        ///< sum of |w|^2, weights of losses not counted
+  double redundancy = 0;  ///< sum of the traces of Q: what chi2 is on average
+  double probability =
+      1;  ///< that a chi2 is this far off or farther, to either side; 1 without redundancy, and where all of it made the variance factor
   bool has_losses = false;
   int suspects = 0;
   std::vector<MeasurementCheck> worst;            ///< sorted by probability, the least probable first
@@ -71,7 +76,8 @@ struct GroupCheck {
 /// The tests of all measurements, by group.
 struct OutlierReport {
   double significance = 0;     ///< significance level of each single test
-  double variance_factor = 1;  ///< divisor of chi2 and T: 1 for Sigma::known
+  double variance_factor = 1;  ///< divisor of chi2: 1 for Sigma::known
+  std::string noise;           ///< which standard deviations count, in a sentence; empty: those stated
   std::string
       unconverged;  ///< why the last fit, whose values these are, has not converged; empty: it has, or there was none
   std::vector<GroupCheck> groups;

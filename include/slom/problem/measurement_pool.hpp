@@ -133,6 +133,8 @@ class MeasurementPool {
 
   /// Where derivatives come from.
   DerivativeSource derivatives() const { return type_.derivatives; }
+  /// The relative step that slom::differences states for the derivatives; 0: none.
+  virtual double statedStep() const { return 0; }
   /// Measurement i of a pool whose kind is known at run time; null for others.
   virtual const RuntimeMeasurement* runtimeMeasurement(int i) const;
 

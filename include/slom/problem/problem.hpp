@@ -172,6 +172,8 @@ class Problem {
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
   /// Whether any derivatives are differences.
   bool hasNumericDerivatives() const;
+  /// The largest relative step that slom::differences states; 0: none.
+  double largestStatedStep() const;
   /// Number of groups of pools; see MeasurementPool::group.
   int groupCount() const { return group_count_; }
 

@@ -117,6 +117,14 @@ class TypedPool final : public MeasurementPool {
     return *measurements_[at(i)].variableArgs().all[at(k)];
   }
 
+  double statedStep() const override {
+    if constexpr (requires(const M& measurement) { measurement.differenceStep(); }) {
+      return this->size() > 0 ? measurements_[0].differenceStep().relative : 0;
+    } else {
+      return 0;
+    }
+  }
+
  private:
   int linearizeOne(int i, int rows, double* r, double* J) {
     M& measurement = measurements_[at(i)];
