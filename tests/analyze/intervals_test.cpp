@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -233,17 +234,17 @@ TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
 
 /// As a simulator that rounds its output.
 TEST(Intervals, OfAFunctionThatRoundsNeedItsStepAlone) {
-  for (const double digits : {1e3, 1e4, 1e6}) {
+  for (const auto& [digits, step] : {std::pair(1e3, 5e-2), std::pair(1e4, 1e-2), std::pair(1e6, 1e-3)}) {
     Random noise(2);
     slom::Estimator est;
     est.setThreads(1);
     const auto a = est.insertRV(1.0, "a"), b = est.insertRV(0.3, "b"), c = est.insertRV(0.0, "c");
-    const auto simulate = [digits](double p, double q, double r, double t) {
+    const auto simulate = [digits = digits](double p, double q, double r, double t) {
       return std::round((p * std::exp(-q * t) + r) * digits) / digits;
     };
     for (int i = 0; i < 25; ++i) {
       const double t = 0.2 * i;
-      est.insertMeasurement(slom::numeric(simulate, slom::differences(1e-2)), a, b, c, t,
+      est.insertMeasurement(slom::numeric(simulate, slom::differences(step)), a, b, c, t,
                             slom::measured(2 * std::exp(-0.8 * t) + 0.5 + 0.02 * noise.normal()),
                             slom::StandardDeviation(0.02));
     }
