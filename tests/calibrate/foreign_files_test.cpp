@@ -325,6 +325,18 @@ TEST(ForeignFiles, WithoutABoardTheOptionsAreNamed) {
        "l.json:1: object_points are 1 apart, and no unit is said, in which metres are unlikely; pass --square METRES"});
 }
 
+TEST(ForeignFiles, LengthsInMillimetresAreRefused) {
+  const CameraData camera = completeViews(7);
+  expectRefused(
+      {"a board that the options state",
+       {"c.vnl", vnlog(camera, "level"), {"--board", "7x5", "--square", "50"}},
+       "--square 50: the board would be 361 m across; is the number in millimetres? give metres: --square 0.05"});
+  expectRefused(
+      {"a board that the file states",
+       {"s.yml", sampleYaml(camera), {"--square", "50"}},
+       "--square 50: the board would be 361 m across; is the number in millimetres? give metres: --square 0.05"});
+}
+
 TEST(ForeignFiles, BadOnesAreRefusedInOneSentence) {
   using slom::testing::replaced;
   const std::vector<std::string> board{"--board", "7x5", "--square", "0.05"};
