@@ -221,7 +221,9 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
 
 /// Notes the likely causes of a failed or bad fit.
 void noteCauses(const Result& result, std::vector<std::string>& notes) {
-  if (result.better_model || !result.causes.empty()) notes.push_back(capitalised(causeText(result)) + ".");
+  const bool is_said = !result.causes.empty() && result.causes.front() == result.undetermined;
+  if (result.better_model || (!result.causes.empty() && !is_said))
+    notes.push_back(capitalised(causeText(result)) + ".");
 }
 
 /// Single corners that lie much farther off than the worst ones of most images.
