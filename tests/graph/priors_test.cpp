@@ -115,6 +115,14 @@ TEST(GraphPriors, TheSensorSitsOnTheRobot) {
   EXPECT_LT((graph.landmarks[0].value - mtk::vect<3>(5 - 2, 6 + 1, 7 + 3)).norm(), 1e-9);
 }
 
+TEST(GraphPriors, OfPositionsAreAGroupOfTheirOwn) {
+  const Json json = fitted("EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2_PRIOR 1 5 6 0" + unit3 +
+                           "EDGE_PRIOR_SE2_XY 2 6 6 1 0 1\n");
+  ASSERT_EQ(json["groups"].size(), 3u);
+  EXPECT_EQ(json["groups"][1]["name"], "prior");
+  EXPECT_EQ(json["groups"][2]["name"], "position prior");
+}
+
 TEST(GraphPriors, ASensorWithoutAPlaceIsNamed) {
   const std::string vertex = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n",
                     place = "PARAMS_SE3OFFSET 4 1 0 0 0 0 0 1\n", rest = " 5 6 7 0 0 0 1" + unit6,
