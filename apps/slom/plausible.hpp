@@ -8,6 +8,7 @@ inline constexpr double least_focal_px = 1e-3, most_focal_px = 1e9;  ///< limits
 inline constexpr double most_m_s2 = 1e6;                             ///< magnitude of an acceleration [m/s^2]
 inline constexpr double most_distortion = 1e6;                       ///< magnitude of a coefficient
 inline constexpr double least_square_m = 1e-6, most_square_m = 1e3;  ///< side of a square, tag or marker [m]
+inline constexpr double most_board_m = 10;  ///< from the first corner of a board to the last [m]
 inline constexpr double least_spacing = 1e-3,
                         most_spacing = 10;  ///< gap between tags, as a fraction of their side
 inline constexpr double least_sigma = 1e-6,

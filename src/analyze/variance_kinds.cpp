@@ -31,7 +31,9 @@ Clustering byPool(const Problem& problem) {
 }
 
 /// Whether measurements of this pool state what is known beforehand.
-bool isPrior(const MeasurementPool& pool) { return pool.label() == "prior" || pool.type().states_noise; }
+bool isPrior(const MeasurementPool& pool) {
+  return pool.label() == "prior" || pool.label() == "position prior" || pool.type().states_noise;
+}
 
 std::vector<char> chosenKinds(const Problem& problem, const Clustering& kinds,
                               const VarianceOptions& options) {

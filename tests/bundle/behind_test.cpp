@@ -69,7 +69,7 @@ TEST(BundleBehind, AnObservationThatSpoilsAllIsNamed) {
   const auto result = command.runIn(folder, testing::contentOf(scene), {"--max-iterations", "2"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_TRUE(result.errors.starts_with(
-      "slom: the fit failed: iteration limit of 2 reached; the observation on line 9, of "
+      "slom: the fit failed: iteration limit of 2 reached; raise --max-iterations; the observation on line 9, of "
       "point 2 by camera 1, has "))
       << result.errors;
   EXPECT_TRUE(result.errors.ends_with("% of the sum of squares: correct or remove it\n")) << result.errors;

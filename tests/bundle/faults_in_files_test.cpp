@@ -192,7 +192,7 @@ TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
       command.runIn(folder, testing::contentOf(start), {})
           .output.find(
               "\n  warning: 1 point (number 7) is seen by one camera alone: damping alone holds it along "
-              "the ray\n"),
+              "the ray, 1 free direction\n"),
       std::string::npos);
   drop(9);
   start.observations.push_back(start.observations.front());  // twice by the same camera
@@ -200,7 +200,7 @@ TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_NE(result.output.find(
                 "\n  warning: 2 points (numbers 7, 9) are seen by one camera alone: damping alone holds "
-                "them along the ray\n"),
+                "them along the ray, 2 free directions\n"),
             std::string::npos)
       << result.output;
 }

@@ -80,7 +80,7 @@ TEST(BundleOptions, AFitThatDoesNotConvergeSaysSo) {
   const auto result = command.runIn(
       folder, content, {"--max-iterations", "1", "--json", "DIR/result.json", "--output", "DIR/fitted.txt"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(result.errors, "slom: the fit failed: iteration limit of 1 reached\n");
+  EXPECT_EQ(result.errors, "slom: the fit failed: iteration limit of 1 reached; raise --max-iterations\n");
   EXPECT_NE(result.output.find("\nNOT CONVERGED after 1 iteration: iteration limit reached\n"),
             std::string::npos);
   EXPECT_TRUE(

@@ -57,6 +57,18 @@ TEST(CalibrateFaults, EmptyFile) {
       "left.csv:1: the file is empty; its first line must be "
       "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\", with one row for each measurement below");
 }
+/// Only a table has a header to be told of.
+TEST(CalibrateFaults, EmptyFileOfAnotherFormat) {
+  const slom::testing::TemporaryFolder folder;
+  for (const std::string name : {"empty.vnl", "empty.yml", "empty.json", "empty.xml"}) {
+    slom::testing::writeFile(folder / name, "");
+    const auto result = testing::runCalibrate({"--camera", "cam=" + (folder / name).string()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.errors.find(name + ":1: the file is empty; write it again, or leave it out\n"),
+              std::string::npos)
+        << result.errors;
+  }
+}
 TEST(CalibrateFaults, HeaderAlone) {
   Files files;
   files.left = corner_header;

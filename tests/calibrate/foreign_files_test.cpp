@@ -325,6 +325,28 @@ TEST(ForeignFiles, WithoutABoardTheOptionsAreNamed) {
        "l.json:1: object_points are 1 apart, and no unit is said, in which metres are unlikely; pass --square METRES"});
 }
 
+TEST(ForeignFiles, ABoardWithRowsAndColumnsExchangedIsNamed) {
+  const CameraData camera = completeViews(7);
+  const TemporaryFolder folder;
+  const CommandResult result =
+      calibrated(folder, {"c.vnl", vnlog(camera, "level"), {"--board", "5x7", "--square", "0.05"}});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.errors.find("rows and columns are exchanged"), std::string::npos) << result.errors;
+  EXPECT_TRUE(result.errors.ends_with("; give --board 7x5\n")) << result.errors;
+}
+
+TEST(ForeignFiles, LengthsInMillimetresAreRefused) {
+  const CameraData camera = completeViews(7);
+  expectRefused(
+      {"a board that the options state",
+       {"c.vnl", vnlog(camera, "level"), {"--board", "7x5", "--square", "50"}},
+       "--square 50: the board would be 361 m across; is the number in millimetres? give metres: --square 0.05"});
+  expectRefused(
+      {"a board that the file states",
+       {"s.yml", sampleYaml(camera), {"--square", "50"}},
+       "--square 50: the board would be 361 m across; is the number in millimetres? give metres: --square 0.05"});
+}
+
 TEST(ForeignFiles, BadOnesAreRefusedInOneSentence) {
   using slom::testing::replaced;
   const std::vector<std::string> board{"--board", "7x5", "--square", "0.05"};

@@ -223,6 +223,20 @@ TEST(SecondLook, GoodDataAreNotLookedAtTwice) {
   }
 }
 
+TEST(SecondLook, NearlyParallelBoardsAreTheCause) {
+  RigOptions options;
+  options.cameras = 1;
+  options.tilt = 0.02;
+  std::mt19937_64 random(1);
+  const testing::RigTruth truth = testing::simulateTruth(options, random);
+  Dataset data = testing::simulateMeasurements(truth, options, random);
+  data.imu.reset();
+  const Result result = calibrate(data, Settings());
+  EXPECT_FALSE(result.success());
+  EXPECT_NE(result.undetermined.find("same tilt"), std::string::npos) << result.undetermined;
+  EXPECT_EQ(result.causes, std::vector<std::string>{result.undetermined});
+}
+
 TEST(SecondLook, ABoardCountedFromItsOtherEndIsNamed) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     RigOptions options;

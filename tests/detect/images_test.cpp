@@ -374,6 +374,15 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
     expectRefused(with({"--board", "aprilgrid:6x6", "--square", "0.04", "--spacing", value}),
                   "--spacing " + value + ": boards that can be printed have 0.001 to 10; give such a value");
   }
+  expectRefused(
+      with({"--board", "9x6", "--square", "30"}),
+      "--square 30: the board would be 283 m across; is the number in millimetres? give metres: --square 0.03");
+  expectRefused(
+      with({"--board", "aprilgrid:6x6", "--square", "88", "--spacing", "0.3"}),
+      "--square 88: the board would be 933 m across; is the number in millimetres? give metres: --square 0.088");
+  expectRefused(
+      with({"--board", "charuco:8x5:4x4_50", "--square", "0.04", "--marker", "30"}),
+      "--marker 30: the marker would be 30 m across; is the number in millimetres? give metres: --marker 0.03");
   expectRefused(with({"--board", "9x6", "--square", "-1"}), "--square -1: give a positive number");
   expectRefused(with({"--board", "9x6", "--square", "1", "--marker", "0.5"}),
                 "--marker 0.5: --board 9x6 has no such length; leave it out");

@@ -1,4 +1,9 @@
 // Every mistake in the options, starts that cannot be found, fits that fail.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
 #include "graph/graph_command.hpp"
 
 namespace slom::app::graph {
@@ -103,8 +108,9 @@ TEST(GraphOptions, AFitThatDoesNotConvergeSaysSo) {
                             {"--max-iterations", "1", "--init", "odometry", "--json", "DIR/result.json",
                              "--output", "DIR/fitted.g2o"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(result.errors,
-            "slom: the fit failed: iteration limit of 1 reached; --init auto may find a better start\n");
+  EXPECT_EQ(
+      result.errors,
+      "slom: the fit failed: iteration limit of 1 reached; raise --max-iterations; --init auto may find a better start\n");
   EXPECT_NE(result.output.find("NOT CONVERGED after 1 iteration: iteration limit reached"),
             std::string::npos);
   EXPECT_NE(result.output.find("\nnot written, because the fit failed: fitted.g2o\nwritten: result.json\n"),
@@ -114,11 +120,51 @@ TEST(GraphOptions, AFitThatDoesNotConvergeSaysSo) {
   EXPECT_EQ(slom::testing::readFile(folder / "fitted.g2o"), "the old one");
 }
 
+/// A loop of 20 poses with noise, two edges across and one that is measured twice.
+std::string noisyLoop() {
+  constexpr int n = 20;
+  const auto angle = [](int i) { return 2 * std::numbers::pi * i / n; };
+  double k = 0;
+  const auto noise = [&](double size) {
+    ++k;
+    return size * std::sin(12.9898 * k * k) * 1.4;
+  };
+  std::string text;
+  for (int i = 0; i < n; ++i)
+    text += fmt::format("VERTEX_SE2 {} {:.6f} {:.6f} {:.6f}\n", i, 5 * std::cos(angle(i)),
+                        5 * std::sin(angle(i)), angle(i) + std::numbers::pi / 2);
+  const auto addEdge = [&](int i, int j) {
+    const double heading = angle(i) + std::numbers::pi / 2;
+    const double x = 5 * (std::cos(angle(j)) - std::cos(angle(i))),
+                 y = 5 * (std::sin(angle(j)) - std::sin(angle(i)));
+    const double forward = std::cos(heading) * x + std::sin(heading) * y + noise(0.05);
+    const double left = -std::sin(heading) * x + std::cos(heading) * y + noise(0.05);
+    const double turn = std::remainder(angle(j) - angle(i), 2 * std::numbers::pi) + noise(0.02);
+    text +=
+        fmt::format("EDGE_SE2 {} {} {:.6f} {:.6f} {:.6f} 400 0 0 400 0 2500\n", i, j, forward, left, turn);
+  };
+  for (int i = 0; i < n; ++i) addEdge(i, (i + 1) % n);
+  addEdge(0, 10), addEdge(5, 15), addEdge(3, 5);
+  return text;
+}
+
+/// The default limit is by size, as in the library: losses make small fits take hundreds of cheap iterations.
+TEST(GraphOptions, ASmallGraphWithALossGetsTheIterationsItNeeds) {
+  const testing::Json json = testing::fitted(noisyLoop(), {"--robust", "huber:0.3"});
+  EXPECT_EQ(json["converged"], true);
+  EXPECT_GT(json["iterations"], 100);
+  const TemporaryFolder folder;
+  const auto limited =
+      runIn(folder, noisyLoop(), {"--robust", "huber:0.3", "--max-iterations", "100", "--quiet"});
+  EXPECT_EQ(limited.errors, "slom: the fit failed: iteration limit of 100 reached; raise --max-iterations\n");
+  EXPECT_EQ(limited.exit_code, 1);
+}
+
 TEST(GraphOptions, ABetterStartIsProposedOnlyWhereThereIsOne) {
   const TemporaryFolder folder;
   const auto result = runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3,
                             {"--max-iterations", "1", "--quiet", "--init", "chordal"});
-  EXPECT_EQ(result.errors, "slom: the fit failed: iteration limit of 1 reached\n");
+  EXPECT_EQ(result.errors, "slom: the fit failed: iteration limit of 1 reached; raise --max-iterations\n");
   EXPECT_EQ(result.exit_code, 1);
 }
 

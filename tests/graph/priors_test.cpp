@@ -7,6 +7,7 @@ namespace {
 
 using testing::fitted;
 using testing::fittedGraph;
+using testing::Json;
 using testing::parsed;
 using testing::randomVector;
 using testing::runIn;
@@ -112,6 +113,34 @@ TEST(GraphPriors, TheSensorSitsOnTheRobot) {
   const auto graph = parsed<Pose3>(fittedGraph(content));
   EXPECT_LT((graph.poses[0].value.pos - mtk::vect<3>(4, 6, 7)).norm(), 1e-9);
   EXPECT_LT((graph.landmarks[0].value - mtk::vect<3>(5 - 2, 6 + 1, 7 + 3)).norm(), 1e-9);
+}
+
+TEST(GraphPriors, OfPositionsAreAGroupOfTheirOwn) {
+  const Json json = fitted("EDGE_SE2 1 2 1 0 0" + unit3 + "EDGE_SE2_PRIOR 1 5 6 0" + unit3 +
+                           "EDGE_PRIOR_SE2_XY 2 6 6 1 0 1\n");
+  ASSERT_EQ(json["groups"].size(), 3u);
+  EXPECT_EQ(json["groups"][1]["name"], "prior");
+  EXPECT_EQ(json["groups"][2]["name"], "position prior");
+}
+
+TEST(GraphPriors, ASensorWithoutAPlaceIsNamed) {
+  const std::string vertex = "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n",
+                    place = "PARAMS_SE3OFFSET 4 1 0 0 0 0 0 1\n", rest = " 5 6 7 0 0 0 1" + unit6,
+                    sensor4 = "EDGE_SE3_PRIOR 0 4" + rest, sensor9 = "EDGE_SE3_PRIOR 0 9" + rest;
+  EXPECT_EQ(fitted(place + vertex + sensor4)["warnings"], Json::array());
+  EXPECT_EQ(
+      fitted(vertex + sensor4)["warnings"],
+      Json::array(
+          {"there is no line PARAMS_SE3OFFSET 4: this sensor is taken at the origin of the robot; add the "
+           "line if it is elsewhere"}));
+  EXPECT_EQ(
+      fitted(vertex + sensor9 + sensor4 + sensor4)["warnings"],
+      Json::array(
+          {"there are no lines PARAMS_SE3OFFSET 4 and 9: these sensors are taken at the origin of the robot; "
+           "add the lines if they are elsewhere"}));
+  const TemporaryFolder folder;
+  const std::string said = runIn(folder, vertex + sensor4, {}).output;
+  EXPECT_NE(said.find("  warning: there is no line PARAMS_SE3OFFSET 4: "), std::string::npos) << said;
 }
 
 TEST(GraphPriors, AreSaid) {

@@ -59,9 +59,10 @@ TEST(GraphUnknownTags, AreInEveryOutput) {
   const testing::TemporaryFolder folder;
   const auto failed =
       testing::runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3, {"--quiet", "--max-iterations", "1"});
-  EXPECT_EQ(failed.errors,
-            "slom: the fit failed: iteration limit of 1 reached (skipped 2 lines with the unknown tag ODOM; "
-            "skipped 1 line with the unknown tag VERTEX_CAM)\n");
+  EXPECT_EQ(
+      failed.errors,
+      "slom: the fit failed: iteration limit of 1 reached; raise --max-iterations (skipped 2 lines with the unknown tag ODOM; "
+      "skipped 1 line with the unknown tag VERTEX_CAM)\n");
   EXPECT_EQ(failed.exit_code, 1);
 }
 

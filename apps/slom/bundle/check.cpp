@@ -27,6 +27,7 @@ class Faulty {
     }
   }
   bool isEmpty() const { return count_ == 0; }
+  std::size_t count() const { return count_; }
   /// `2 points (numbers 3, 7)`
   std::string text() const {
     return fmt::format("{} (number{} {})", plural(count_, kind_), count_ == 1 ? "" : "s", names_);
@@ -105,23 +106,29 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
     for (const Part& part : parts) first.add(std::size_t(part.cameras.front()));
     warnings.push_back(fmt::format(
         "the scene falls into {} parts that share no point, with the cameras {}: nothing says how they lie to "
-        "each other; add observations of common points, or fit each part by itself",
-        parts.size(), first.names()));
+        "each other, so that {} further directions are free; add observations of common points, or fit each part by itself",
+        parts.size(), first.names(), similarity * (int(parts.size()) - 1)));
   }
   Faulty few("camera");
+  int most_free = 0;  // of the 9 unknowns of each such camera
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
-    if (sightings.pointsOf(int(c)).size() <= few_points) few.add(c);
+    const std::size_t points = sightings.pointsOf(int(c)).size();
+    if (points > few_points) continue;
+    few.add(c);
+    most_free += 9 - 2 * int(points);
   }
   if (!few.isEmpty()) {
     warnings.push_back(fmt::format(
-        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: damping alone holds the rest; add "
-        "observations, or remove {}",
-        few.text(), few.choose("sees", "see"), few_points + 1, few.choose("it", "them")));
+        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: damping alone holds the rest, up to {}; "
+        "add observations, or remove {}",
+        few.text(), few.choose("sees", "see"), few_points + 1,
+        plural(std::size_t(most_free), "free direction"), few.choose("it", "them")));
   }
   if (!seen_once.isEmpty()) {
-    warnings.push_back(fmt::format("{} {} seen by one camera alone: damping alone holds {} along the ray",
+    warnings.push_back(fmt::format("{} {} seen by one camera alone: damping alone holds {} along the ray, {}",
                                    seen_once.text(), seen_once.choose("is", "are"),
-                                   seen_once.choose("it", "them")));
+                                   seen_once.choose("it", "them"),
+                                   plural(seen_once.count(), "free direction")));
   }
   check.parts = int(parts.size());
   return check;

@@ -27,7 +27,7 @@ struct RawOptions {
                     .solver = solvers().front().name,
                     .loss = "",
                     .threads = 0,
-                    .max_iterations = 100};
+                    .max_iterations = {}};
   Settings rest;
 };
 

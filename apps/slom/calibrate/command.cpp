@@ -62,6 +62,15 @@ void sayPairing(const ImageNumbers& numbers, const CommandSettings& settings) {
     say(sentence + "\n");
 }
 
+/// Of files that say how many corners the board has: whether the side of its squares is in metres.
+void requireSquareInMetres(const CommandSettings& settings, const Dataset& data) {
+  if (!settings.board_of_files || settings.board_of_files->columns > 0) return;
+  double across = 0;
+  for (const Corner& corner : fullestView(data).corners)
+    across = std::max(across, (corner.world - fullestView(data).corners.front().world).norm());
+  requireMetres("--square", settings.board_of_files->square_m, across);
+}
+
 /// `numbers` gets the image numbers as files have them.
 Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
   Dataset data;
@@ -74,6 +83,7 @@ Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
       return settings.board_of_files ? readRig(files, settings.imu_file, *settings.board_of_files, &numbers)
                                      : readRig(files, settings.imu_file, &numbers);
     });
+    requireSquareInMetres(settings, data);
     sayPairing(numbers, settings);
   }
   for (CameraData& camera : data.cameras) {

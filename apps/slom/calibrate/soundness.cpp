@@ -74,6 +74,11 @@ std::string contradiction(const Result& result) {
   const bool have_one_cause =
       !why.empty() && std::all_of(result.strays.begin(), result.strays.end(),
                                   [&](const Stray& stray) { return stray.why == why; });
+  if (have_one_cause && result.strays.front().is_mirrored)
+    return fmt::format("{} the others: {}; {}; correct {}, or leave {} out by --exclude",
+                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), all,
+                       count == 1 ? why : "they show" + why.substr(std::string("it shows").size()),
+                       count == 1 ? "it" : "them", count == 1 ? "it" : "them");
   if (have_one_cause)
     return fmt::format("{} the others, by {} px: {}; {}; correct {}, or leave {} out by --exclude",
                        count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), by,

@@ -54,6 +54,16 @@ std::string noBoard(const CommandSettings& settings, const DataError::Parts& par
                                   : "--square METRES");
 }
 
+/// Rows and columns of --board that are exchanged.
+std::string badView(const CommandSettings& settings, const DataError::Parts& parts) {
+  const bool is_exchanged = settings.board_of_files && settings.board_of_files->columns > 0 &&
+                            parts.fault.find("rows and columns are exchanged") != std::string::npos;
+  const std::string remedy = is_exchanged ? fmt::format("give --board {}x{}", settings.board_of_files->rows,
+                                                        settings.board_of_files->columns)
+                                          : std::string(parts.remedy);
+  return fmt::format("{}: {}; {}", parts.place, parts.fault, remedy);
+}
+
 std::string unusedBoard(const CommandSettings& settings, const DataError::Parts& parts) {
   return fmt::format("{}: {}; drop {}", parts.place, parts.fault,
                      settings.board_of_files->columns > 0 ? "--board" : "--square");
@@ -69,10 +79,12 @@ std::string inWordsOfOptions(const CommandSettings& settings, const DataError& e
       {"slom.calibration.imu-open", &imuOpen},
       {"slom.calibration.no-start", &noStart},
       {"slom.calibration.no-board", &noBoard},
+      {"slom.calibration.bad-view", &badView},
       {"slom.calibration.unused-board", &unusedBoard},
       {"slom.calibration.imu-images", &imuImages}};
   const auto found = sentences.find(error.id());
-  return found == sentences.end() ? std::string(error.sentence()) : found->second(settings, error.parts());
+  return found == sentences.end() || error.parts().fault.empty() ? std::string(error.sentence())
+                                                                 : found->second(settings, error.parts());
 }
 
 Limits limitsOf(const FitLimits& limits) {

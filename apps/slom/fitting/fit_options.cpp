@@ -101,9 +101,10 @@ void addFitOptions(CLI::App& command, RawFitOptions& raw) {
   command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
       ->type_name("NUMBER")
       ->capture_default_str();
-  command.add_option("--max-iterations", raw.max_iterations, "of the fit")
-      ->type_name("NUMBER")
-      ->capture_default_str();
+  command
+      .add_option("--max-iterations", raw.max_iterations,
+                  help("of the fit; default: 100000 / unknowns, but at least 100 and at most 10000"))
+      ->type_name("NUMBER");
   addTimeLimit(command, raw.max_seconds);
 }
 
@@ -124,12 +125,12 @@ FitOptions parseFitOptions(const RawFitOptions& raw) {
   options.solver = parseSolver(raw.solver);
   if (!raw.loss.empty()) options.loss = parseLoss(raw.loss);
   if (raw.threads < 0) throw UserError(fmt::format("--threads {}: give a number from 0 on", raw.threads));
-  if (raw.max_iterations < 1) {
-    throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", raw.max_iterations));
+  if (raw.max_iterations && *raw.max_iterations < 1) {
+    throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", *raw.max_iterations));
   }
   requireTimeLimit(raw.max_seconds);
   options.threads = raw.threads;
-  options.max_iterations = raw.max_iterations;
+  options.max_iterations = raw.max_iterations.value_or(Options::kByTheSize);
   options.max_seconds = raw.max_seconds;
   return options;
 }

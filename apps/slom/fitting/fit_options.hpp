@@ -1,12 +1,14 @@
 // The options that all commands share which fit a problem from a file.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include <slom/model/loss.hpp>
 #include <slom/optimize/named.hpp>
+#include <slom/optimize/summary.hpp>
 #include <slom/solve/named.hpp>
 
 namespace slom {
@@ -20,7 +22,7 @@ struct FitOptions {
   NamedSolver solver = solvers().front();
   Loss loss;        ///< loss of all measurements
   int threads = 0;  ///< 0: as many as the machine has
-  int max_iterations = 100;
+  int max_iterations = Options::kByTheSize;
   double max_seconds = 0;  ///< 0: no limit
 };
 
@@ -30,8 +32,8 @@ struct RawFitOptions {
   std::string solver = solvers().front().name;
   std::string loss;
   int threads = 0;
-  int max_iterations = 100;
-  double max_seconds = 0;  ///< 0: no limit
+  std::optional<int> max_iterations;  ///< nothing: the default of the library
+  double max_seconds = 0;             ///< 0: no limit
 };
 
 /// Adds --algorithm, --solver, --threads, --max-iterations and --max-seconds; `raw` must live as long as `command`.

@@ -40,6 +40,9 @@ std::string inWordsOfTheCommand(std::string sentence) {
 
 void putIntoWordsOfTheCommand(Summary& summary) {
   summary.message = inWordsOfTheCommand(summary.message);
+  constexpr const char* remedy = "; raise --max-iterations";
+  if (summary.stop_reason == StopReason::max_iterations && summary.message.find(remedy) == std::string::npos)
+    summary.message += remedy;
   for (auto* const texts : {&summary.warnings, &summary.undetermined}) {
     for (std::string& text : *texts) text = inWordsOfTheCommand(text);
   }

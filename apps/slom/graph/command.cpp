@@ -169,7 +169,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
   const Preparation preparation = prepare(graph, settings);
   RunReport report;
   report.threads = threadsOf(settings.fit);
-  report.warnings = graph.unknown_tags.sentences();
+  report.warnings = warningsOf(graph);
   report.load_seconds = total.seconds();
   console.print(graphText(graph, preparation));
   Film film = fit(graph, preparation.gauge, settings, console, report);

@@ -165,6 +165,8 @@ struct Stray {
   std::string photo{};  ///< where it is known
   bool is_left_out =
       false;  ///< the values are those without it; `error_px` is then that of its best pose for the lens found
+  bool is_mirrored =
+      false;          ///< it has the other handedness than most views of its camera; `error_px` may be small
   std::string why{};  ///< a clause, where the cause is known: "its corners disagree by 40 px ..."
   double size = 1;    ///< of its image, over that of the others, where that is the cause
 };

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -120,6 +121,8 @@ struct PoseGraph {
   /// the file, which `sightings` has in the frame of the robot.
   std::map<std::size_t, Edge<Point<Pose>>> as_sensed;
   UnknownTags unknown_tags;
+  std::set<std::uint64_t>
+      missing_sensors;  ///< ids that lines name but PARAMS_SE3OFFSET does not define: taken at the origin
 
   /// robot_T_sensor of the sensor that a prior is of.
   Pose offsetOf(const PosePrior<Pose>& prior) const {

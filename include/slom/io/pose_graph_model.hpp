@@ -111,7 +111,7 @@ struct PoseGraphModel {
       detail::withInformation(prior.information, [&](const auto& noise) {
         if (poses[at(prior.pose)].isValid())
           est.insertMeasurement(PositionPriorError(), poses[at(prior.pose)], measured(prior.measured), noise,
-                                loss, named("prior"));
+                                loss, named("position prior"));
       });
     }
     if constexpr (dim<Pose> == 2) {

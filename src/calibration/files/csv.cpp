@@ -128,6 +128,8 @@ CsvTable::CsvTable(std::string file, std::string text_of_file, std::vector<std::
   Lines lines{text_};
   std::string_view text;
   if (!lines.next(text, comments_)) {
+    if (!file_.ends_with(".csv") && !file_.ends_with(".tsv") && !file_.ends_with(".txt"))
+      badFile(fmt::format("{}:1: the file is empty; write it again, or leave it out", file_));
     badFile(
         fmt::format("{}:1: the file is empty; its first line must be \"{}\", with one row for each "
                     "measurement below",

@@ -11,6 +11,7 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/corner_noise.hpp"
+#include "calibration/fit/mirrored_views.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/far_off.hpp"
@@ -172,11 +173,8 @@ Result withTakenBack(const Dataset& data, const Settings& settings, Result resul
   return result;
 }
 
-/// A fit that never sees the corners that are farthest off, then those without the other gross ones.
-Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const Progress& progress) {
-  Result without;
-  without.rejected = farOffCorners(data);
-  const Dataset rest = withoutRejected(data, without);
+/// Progress of a fit of `rest`, which reports the cameras of `data`.
+Progress ofCameras(const Dataset& data, const Dataset& rest, const Progress& progress) {
   Progress of_data = progress;
   if (progress.single_camera) {
     of_data.single_camera = [&](SingleCameraReport report) {
@@ -184,7 +182,15 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
       progress.single_camera(report);
     };
   }
-  Result result = settings.model.definition().calibrate(rest, settings, of_data);
+  return of_data;
+}
+
+/// A fit that never sees the corners that are farthest off, then those without the other gross ones.
+Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const Progress& progress) {
+  Result without;
+  without.rejected = farOffCorners(data);
+  const Dataset rest = withoutRejected(data, without);
+  Result result = settings.model.definition().calibrate(rest, settings, ofCameras(data, rest, progress));
   result.rejected = std::move(without.rejected);
   result = withTakenBack(data, settings, std::move(result));
   if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
@@ -236,6 +242,17 @@ Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Pr
   return std::move(*first);
 }
 
+/// A fit that never sees views that show the board mirrored: they may fit well, or draw the fit to themselves.
+Result fitWithoutMirroredViews(const Dataset& data, const Settings& settings, const Progress& progress) {
+  std::vector<Stray> mirrored;
+  if (settings.robust != Robust::none) mirrored = mirroredViews(data);
+  if (mirrored.empty()) return fitWithSecondLook(data, settings, progress);
+  const Dataset rest = withoutViews(data, mirrored);
+  Result result = fitWithSecondLook(rest, settings, ofCameras(data, rest, progress));
+  addMirroredViews(std::move(mirrored), data, result);
+  return result;
+}
+
 }  // namespace
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
@@ -251,7 +268,7 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
     };
   }
   for (const CameraData& camera : (*sorted).cameras) requireSmoothViews(camera);
-  return fitWithSecondLook(*sorted, started(settings), of_caller);
+  return fitWithoutMirroredViews(*sorted, started(settings), of_caller);
 }
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {

@@ -129,6 +129,7 @@ void nameCauses(const Dataset& data, const Settings& settings, Result& result) {
           "all {} images show the board at nearly the same tilt, within {:.2g} degrees, which leaves "
           "the focal length open; tilt the board by 30 degrees, about both axes",
           data.images().size(), std::max(0.1, tilts * 180 / std::numbers::pi)));
+    result.causes.push_back(result.undetermined);
     return;
   }
   if (!isBadFit(result, settings)) return;

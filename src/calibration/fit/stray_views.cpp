@@ -92,9 +92,13 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
       if (misfits[i].part() < std::max(least_part, over_median * usual) ||
           misfits[i].px < 2 * settings.sigma_px)
         continue;
-      found.push_back({camera.name, camera.views[i].image, misfits[i].px, camera.views[i].photo, true,
-                       fmt::format("its corners disagree by {} px, those of other images by {} px",
-                                   twoDigits(misfits[i].px), twoDigits(usual_px))});
+      found.push_back({.camera = camera.name,
+                       .image = camera.views[i].image,
+                       .error_px = misfits[i].px,
+                       .photo = camera.views[i].photo,
+                       .is_left_out = true,
+                       .why = fmt::format("its corners disagree by {} px, those of other images by {} px",
+                                          twoDigits(misfits[i].px), twoDigits(usual_px))});
     }
   }
   return found;

@@ -15,6 +15,11 @@ namespace {
 
 void doubtStrays(const Result& result, std::vector<std::string>& doubts) {
   for (const Stray& stray : result.strays) {
+    if (stray.is_mirrored) {
+      doubts.push_back(
+          fmt::format("image {} of camera {} shows the board mirrored", stray.image, stray.camera));
+      continue;
+    }
     doubts.push_back(fmt::format("image {} of camera {} contradicts the others by {} px", stray.image,
                                  stray.camera, fixedDecimals(stray.error_px, 0)));
   }

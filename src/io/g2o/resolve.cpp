@@ -120,9 +120,11 @@ class Resolver {
   }
 
   /// The index of a sensor; a file need not say where one at the origin of the robot is.
-  int sensorOf(std::uint64_t id) const {
+  int sensorOf(std::uint64_t id) {
     const auto it = sensors_.find(id);
-    return it == sensors_.end() ? PosePrior<Pose>::robot : it->second;
+    if (it != sensors_.end()) return it->second;
+    graph_.missing_sensors.insert(id);
+    return PosePrior<Pose>::robot;
   }
 
   /// Brings what sensors see into the frame of the robot: O^-1 X^-1 l - z = R_O^T (X^-1 l - O z) for a sensor at O.

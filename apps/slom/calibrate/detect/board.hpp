@@ -49,6 +49,9 @@ struct BoardOptions {
 /// The board of photographs; `options.board` may be the file of a Kalibr target. UserError names the option that is wrong, missing, or of another board.
 Board parseBoard(const BoardOptions& options);
 
+/// UserError if corners of a board are so far apart that the length is hardly in metres [m]. `option`: it gives the length `value`.
+void requireMetres(const std::string& option, double value, double across_m);
+
 /// The board of corner files that do not say where their corners lie; what is missing may stand in the files. Nothing: no option is given.
 std::optional<BoardOfFiles> parseBoardOfFiles(const BoardOptions& options);
 

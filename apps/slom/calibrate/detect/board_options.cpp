@@ -80,6 +80,10 @@ void requireLength(const char* option, double value, const Range& range, bool is
   }
 }
 
+double acrossOf(const Board& board) {
+  return (board.corner(board.cornerCount() - 1) - board.corner(0)).norm();
+}
+
 /// Checks the lengths that the options give, and sets those of the board. A chessboard's square may be left out where it is not needed.
 void requireLengths(Board& board, const BoardOptions& options, bool square_is_needed) {
   requireLength("--square", options.square_m, lengths, square_is_needed || options.square_m != 0,
@@ -88,6 +92,7 @@ void requireLengths(Board& board, const BoardOptions& options, bool square_is_ne
                 "0.018 [m]");
   requireLength("--spacing", options.spacing, spacings, board.kind == BoardKind::aprilgrid, options.board,
                 "0.3 (of a tag's side)");
+  if (options.marker_m > most_board_m) requireMetres("--marker", options.marker_m, options.marker_m);
   if (board.kind == BoardKind::charuco && options.marker_m >= options.square_m) {
     throw UserError(fmt::format("--marker {}: a marker lies within a square of {} m; give a smaller one",
                                 options.marker_m, options.square_m));
@@ -123,10 +128,22 @@ Board boardOfTarget(const BoardOptions& options) {
   requireSize(board, options.board);
   requireLengths(board, lengths_of_target, true);
   if (target.row_spacing_m != target.column_spacing_m) board.row_m = target.row_spacing_m;
+  if (const double across = acrossOf(board); across > most_board_m) {
+    throw UserError(
+        fmt::format("{}: the board would be {:.3g} m across; are its lengths in millimetres? write metres",
+                    options.board, across));
+  }
   return board;
 }
 
 }  // namespace
+
+void requireMetres(const std::string& option, double value, double across_m) {
+  if (across_m <= most_board_m) return;
+  throw UserError(fmt::format(
+      "{0} {1}: the {2} would be {3:.3g} m across; is the number in millimetres? give metres: {0} {4:g}",
+      option, value, option == "--marker" ? "marker" : "board", across_m, value / 1000));
+}
 
 Board parseBoard(const BoardOptions& options) {
   if (options.board.empty())
@@ -142,6 +159,7 @@ Board parseBoard(const BoardOptions& options) {
   Board board = parseName(options.board);
   requireSize(board, options.board);
   requireLengths(board, options, true);
+  requireMetres("--square", options.square_m, acrossOf(board));
   return board;
 }
 
@@ -158,6 +176,7 @@ std::optional<BoardOfFiles> parseBoardOfFiles(const BoardOptions& options) {
     board = parseName(options.board);
     requireSize(board, options.board);
     requireLengths(board, options, board.kind != BoardKind::chessboard);
+    requireMetres("--square", options.square_m, acrossOf(board));
   }
   BoardOfFiles known{board.cornerColumns(), board.cornerRows(), board.square_m};
   if (board.square_m == 0) return known;

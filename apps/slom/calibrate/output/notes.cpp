@@ -139,8 +139,9 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
       if (is_own(stray)) errors.push_back(std::isfinite(stray.error_px) ? stray.error_px : most_corner_px);
     }
     std::sort(errors.begin(), errors.end());
-    const auto known = std::find_if(rest.begin(), rest.end(),
-                                    [&](const Stray& stray) { return is_own(stray) && !stray.why.empty(); });
+    const auto known = std::find_if(rest.begin(), rest.end(), [&](const Stray& stray) {
+      return is_own(stray) && !stray.why.empty() && !stray.is_mirrored;
+    });
     if (known != rest.end()) {
       notes.push_back(fmt::format(
           "{} of the {} images of camera {} contradict those of the other cameras: {}. Count its corners from the same end "
@@ -164,6 +165,14 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
 /// Views that the values are without.
 void noteLeftOut(const Stray& stray, const Result& result, std::vector<std::string>& notes) {
   const std::string name = result.cameras.size() > 1 ? stray.camera + "." : "";
+  if (stray.is_mirrored) {
+    notes.push_back(fmt::format(
+        "Image {} of camera {}{} contradicts the others: {}. The values here are without it: leave it out by --exclude {}{}, or correct "
+        "it.",
+        stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")", stray.why,
+        name, stray.image));
+    return;
+  }
   notes.push_back(fmt::format(
       "Image {} of camera {}{} contradicts the others: no pose brings its corners nearer than {} px (RMS){}. The values here are "
       "without it: leave it out by --exclude {}{}, or correct it.",
@@ -212,7 +221,9 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
 
 /// Notes the likely causes of a failed or bad fit.
 void noteCauses(const Result& result, std::vector<std::string>& notes) {
-  if (result.better_model || !result.causes.empty()) notes.push_back(capitalised(causeText(result)) + ".");
+  const bool is_said = !result.causes.empty() && result.causes.front() == result.undetermined;
+  if (result.better_model || (!result.causes.empty() && !is_said))
+    notes.push_back(capitalised(causeText(result)) + ".");
 }
 
 /// Single corners that lie much farther off than the worst ones of most images.

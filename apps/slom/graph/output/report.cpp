@@ -16,6 +16,18 @@ std::size_t fixedAmong(const std::vector<Node<Value>>& nodes) {
   return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.fixed; }));
 }
 
+/// `3, 5 and 7`; of many the first ones.
+std::string shortList(const std::set<std::uint64_t>& ids) {
+  constexpr std::size_t most = 5;
+  std::vector<std::string> words;
+  for (const std::uint64_t id : ids) {
+    if (words.size() == most) break;
+    words.push_back(std::to_string(id));
+  }
+  if (ids.size() > most) words.push_back(fmt::format("{} more", ids.size() - most));
+  return listed(words, ", ", " and ");
+}
+
 template <class Pose>
 std::string fixedText(const PoseGraph<Pose>& graph, const Gauge& gauge) {
   std::string text;
@@ -48,6 +60,22 @@ std::string startText(const std::optional<StartFound>& start) {
 }  // namespace
 
 template <class Pose>
+std::vector<std::string> warningsOf(const PoseGraph<Pose>& graph) {
+  std::vector<std::string> warnings = graph.unknown_tags.sentences();
+  const std::set<std::uint64_t>& missing = graph.missing_sensors;
+  if (missing.size() == 1) {
+    warnings.push_back(fmt::format(
+        "there is no line PARAMS_SE3OFFSET {}: this sensor is taken at the origin of the robot; add the line if it is elsewhere",
+        *missing.begin()));
+  } else if (!missing.empty()) {
+    warnings.push_back(fmt::format(
+        "there are no lines PARAMS_SE3OFFSET {}: these sensors are taken at the origin of the robot; add the lines if they are elsewhere",
+        shortList(missing)));
+  }
+  return warnings;
+}
+
+template <class Pose>
 std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation) {
   std::string text =
       fmt::format("graph in {}, {}\n  {}, {}\n", dim<Pose> == 2 ? "the plane" : "space", oneLine(graph.file),
@@ -66,11 +94,12 @@ std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparati
                                                                       : fmt::format("{} information matrices",
                                                                                     preparation.repaired));
   }
-  for (const std::string& warning : graph.unknown_tags.sentences())
-    text += fmt::format("  warning: {}\n", warning);
+  for (const std::string& warning : warningsOf(graph)) text += fmt::format("  warning: {}\n", warning);
   return text;
 }
 
+template std::vector<std::string> warningsOf(const PoseGraph<Pose2>&);
+template std::vector<std::string> warningsOf(const PoseGraph<Pose3>&);
 template std::string graphText(const PoseGraph<Pose2>&, const Preparation&);
 template std::string graphText(const PoseGraph<Pose3>&, const Preparation&);
 

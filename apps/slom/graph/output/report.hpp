@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "graph/initialization/gauge.hpp"
 #include "graph/initialization/start.hpp"
@@ -16,6 +17,10 @@ struct Preparation {
   Gauge gauge;
   std::optional<StartFound> start;  ///< none: the map is fed pose by pose
 };
+
+/// What of the file the fit does without, or takes for granted: a sentence each.
+template <class Pose>
+std::vector<std::string> warningsOf(const PoseGraph<Pose>& graph);
 
 /// What was read, what is fixed, where the fit starts, warnings.
 template <class Pose>
