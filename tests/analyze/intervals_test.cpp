@@ -223,10 +223,8 @@ TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
     EXPECT_NEAR(row.upper - row.value, 1.959964 * row.standard_deviation, 1e-6);
     EXPECT_NEAR(row.value - row.lower, row.upper - row.value, 1e-9);
   }
-  EXPECT_EQ(messageOf([&] {
-              est.profile(heights[0], 0.95);
-            }).find("[slom.free-gauge] the profile of h0 has no ends"),
-            0u);
+  EXPECT_NE(messageOf([&] { est.profile(heights[0], 0.95); }).find("the profile of h0 has no ends"),
+            std::string::npos);
   const slom::Diagnosis diagnosis = est.diagnose();
   ASSERT_FALSE(diagnosis.findings.empty());
   EXPECT_FALSE(diagnosis.findings[0].is_fault) << diagnosis;

@@ -102,11 +102,8 @@ TEST(ParameterTable, IsReplacedByWhatNoMeasurementDetermines) {
   EXPECT_EQ(summary.undetermined[0].find("a and b cannot be told apart: "), 0u) << summary;
   EXPECT_EQ(linesWith(summary.report(), "no standard deviations"),
             "  no standard deviations: " + summary.undetermined[0] + "\n");
-  EXPECT_EQ(
-      messageOf([&] {
-        est.covariance(c);
-      }).find("[slom.rank-deficient] there are no covariances, as not all is determined: a and b cannot be told apart"),
-      0u);
+  EXPECT_NE(messageOf([&] { est.covariance(c); }).find("not all is determined: a and b cannot be told apart"),
+            std::string::npos);
   est.fix(b);
   summary = est.optimize();
   EXPECT_EQ(summary.parameters.size(), 2u);
