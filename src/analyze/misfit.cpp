@@ -23,7 +23,7 @@ bool isFar(double chi2, double least, double most) {
 }
 
 std::string sentence(const std::string& what, double ratio) {
-  return what + number(ratio, 3) + ", where the stated standard deviations let expect about 1: " +
+  return what + number(ratio, 3) + ", where about 1 is expected from the stated standard deviations: " +
          (ratio > 1 ? "the model or its derivatives do not fit the data, some data are wrong, or the "
                       "standard deviations are " +
                           number(std::sqrt(ratio), 2) + " times too small"

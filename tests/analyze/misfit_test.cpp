@@ -26,11 +26,12 @@ slom::Summary fit(double stated) {
 TEST(Misfit, OfChiSquareIsAWarning) {
   EXPECT_EQ(fit(1).warnings, Texts());
   EXPECT_EQ(fit(0.4).warnings, Texts());
-  EXPECT_EQ(fit(0.01).warnings, Texts{"chi-square / dof is 1.05e+04, where the stated standard deviations "
-                                      "let expect about 1: the model or its derivatives do not "
-                                      "fit the data, some data are wrong, or the standard deviations are "
-                                      "1e+02 times too small; outliers() names the worst "
-                                      "data, Sigma::estimated takes the scale from the residuals"});
+  EXPECT_EQ(fit(0.01).warnings,
+            Texts{"chi-square / dof is 1.05e+04, where about 1 is expected from the stated standard "
+                  "deviations: the model or its derivatives do not "
+                  "fit the data, some data are wrong, or the standard deviations are "
+                  "1e+02 times too small; outliers() names the worst "
+                  "data, Sigma::estimated takes the scale from the residuals"});
   EXPECT_EQ(fit(100).warnings, Texts{"chi-square / dof is 0.000105, where the stated standard deviations let "
                                      "expect about 1: the standard deviations are "
                                      "97 times too large; outliers() names the worst data, Sigma::estimated "
