@@ -32,10 +32,11 @@ TEST(Misfit, OfChiSquareIsAWarning) {
                   "fit the data, some data are wrong, or the standard deviations are "
                   "1e+02 times too small; outliers() names the worst "
                   "data, Sigma::estimated takes the scale from the residuals"});
-  EXPECT_EQ(fit(100).warnings, Texts{"chi-square / dof is 0.000105, where the stated standard deviations let "
-                                     "expect about 1: the standard deviations are "
-                                     "97 times too large; outliers() names the worst data, Sigma::estimated "
-                                     "takes the scale from the residuals"});
+  EXPECT_EQ(fit(100).warnings,
+            Texts{"chi-square / dof is 0.000105, where about 1 is expected from the stated "
+                  "standard deviations: the standard deviations are "
+                  "97 times too large; outliers() names the worst data, Sigma::estimated "
+                  "takes the scale from the residuals"});
 }
 
 TEST(Misfit, OfALossThatLetsHardlyAnythingCountIsAWarning) {
