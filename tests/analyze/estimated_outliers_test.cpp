@@ -12,18 +12,18 @@ namespace {
 
 using mtk::testing::Random;
 
-constexpr auto line = [](const auto& p, double at, double z) { return p[0] + p[1] * at - z; };
+constexpr auto straight = [](const auto& p, double at, double z) { return p[0] + p[1] * at - z; };
 
 /// A line through points at 0, 1, 2, ..., of which one is off.
-struct Line {
+struct EstimatedLine {
   slom::Estimator est;
   std::vector<slom::AnyMeasID> points;
-  Line(const std::vector<double>& z) {
+  EstimatedLine(const std::vector<double>& z) {
     est.setThreads(1);
     est.setSigma(slom::Sigma::estimated);
     const auto p = est.insertRV(Eigen::Vector2d(0, 0), "line");
     for (std::size_t i = 0; i < z.size(); ++i)
-      points.push_back(est.insertMeasurement(line, p, double(i), z[i], slom::named("point")));
+      points.push_back(est.insertMeasurement(straight, p, double(i), z[i], slom::named("point")));
     est.optimize();
   }
 };
@@ -39,7 +39,7 @@ TEST(EstimatedOutliers, AnErrorOfAnySizeIsFoundInASmallProblem) {
     Random random(5);
     std::vector<double> z = noisyLine(8, random);
     z[3] += error;
-    const slom::OutlierReport report = Line(z).est.outliers();
+    const slom::OutlierReport report = EstimatedLine(z).est.outliers();
     ASSERT_EQ(report.suspects(), 1) << report;
     EXPECT_EQ(report.ranking().front().measurement, "point #4");
   }
@@ -51,11 +51,11 @@ TEST(EstimatedOutliers, AreTestedAgainstTheFitWithoutThem) {
     Random random(seed);
     std::vector<double> z = noisyLine(7, random);
     z[seed % 7] += 0.05;
-    Line all(z);
+    EstimatedLine all(z);
     const double rss = all.est.getRSS();
     const slom::OutlierReport report = all.est.outliers();
     for (const slom::MeasurementCheck& check : report.groups[0].worst) {
-      Line rest(z);
+      EstimatedLine rest(z);
       rest.est.removeMeasurement(rest.points[std::size_t(check.number - 1)]);
       rest.est.optimize();
       const double t2 = (rss - rest.est.getRSS()) / (rest.est.getRSS() / 4);
@@ -70,13 +70,13 @@ TEST(EstimatedOutliers, GoodDataHaveAsManyAsStated) {
   int alarms = 0;
   Random random(11);
   for (int k = 0; k < fits; ++k)
-    alarms += Line(noisyLine(6, random)).est.outliers({.significance = 0.05}).suspects() > 0;
+    alarms += EstimatedLine(noisyLine(6, random)).est.outliers({.significance = 0.05}).suspects() > 0;
   EXPECT_NEAR(alarms, 0.05 * fits, 4 * std::sqrt(0.05 * fits));
 }
 
 TEST(EstimatedOutliers, SayWhichStandardDeviationsCount) {
   Random random(3);
-  Line all(noisyLine(9, random));
+  EstimatedLine all(noisyLine(9, random));
   slom::OutlierReport report = all.est.outliers();
   EXPECT_EQ(report.text().find("standard deviations are estimated from the residuals: "), 0u) << report;
   EXPECT_EQ(report.groups[0].probability, 1) << "the group cannot contradict what it gave";
