@@ -61,12 +61,48 @@ std::string Estimator::nameOf(const MeasurementHandle& id) const {
   return pool->measurementName(i);
 }
 
+namespace {
+/// Enough to leave a singular start.
+int fewIterations(const Options& options) {
+  constexpr int few = 300;
+  return options.max_iterations == Options::kByTheSize ? few : std::min(options.max_iterations, few);
+}
+}  // namespace
+
 bool Estimator::State::isSingularStart(const Summary& summary) {
-  if (summary.final_rss != summary.initial_rss ||
-      evaluator.structure().system.unknowns() > Summary::kMostCounted)
+  constexpr int most_unknowns = 500;
+  constexpr Eigen::Index most_tried = 6;
+  if (summary.final_rss != summary.initial_rss || evaluator.structure().system.unknowns() > most_unknowns)
     return false;
-  const FreeDirections free = analyze(&findFreeDirections);
-  return free.count > free.gauge;
+  const auto find = [&] { return analyze(&findFreeDirections); };
+  const auto freeThere = [&] {
+    const FreeDirections free = find();
+    return free.count - free.gauge;
+  };
+  const FreeDirections free = find();
+  if (free.count <= free.gauge) return false;
+  ValueSnapshot start(problem);
+  try {
+    return run([&] {
+      evaluator.linearize();
+      const Eigen::VectorXd sizes =
+          evaluator.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+      for (Eigen::Index k = 0; k < std::min(free.basis.cols(), most_tried); ++k) {
+        const Eigen::VectorXd step =
+            free.basis.col(k) / free.basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+        for (const double length : {0.1, -0.1, 1.0, -1.0, 10.0, -10.0}) {
+          const bool is_better =
+              std::isfinite(evaluator.tryStep(length * step)) && freeThere() < free.count - free.gauge;
+          evaluator.undo();
+          if (is_better) return true;
+        }
+      }
+      return false;
+    });
+  } catch (const Error&) {  // a user's function has no value there
+    start.restore();
+    return false;
+  }
 }
 
 void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why,
@@ -94,13 +130,13 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   Summary before;
   fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
   RankAtEnd rank;
-  const auto fitBy = [&](Algorithm& algorithm) {
+  const auto fitBy = [&](Algorithm& algorithm, const Options& limits) {
     return run([&] {
-      return runAlgorithm(evaluator, algorithm, options, sigma == Sigma::estimated, rank,
+      return runAlgorithm(evaluator, algorithm, limits, sigma == Sigma::estimated, rank,
                           [this] { return analyze(&findFreeDirections); });
     });
   };
-  const auto fit = [&] { return fitBy(by); };
+  const auto fit = [&] { return fitBy(by, options); };
   std::unique_ptr<FreeNetwork> network = gauge == FreeGauge::inner_constraints ? freeNetwork() : nullptr;
   const bool is_free = network != nullptr;
   Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
@@ -110,9 +146,11 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   const bool is_hidden = evaluator.wasHidden();
   if (may_go_on && (is_hidden || isSingularStart(summary))) {
     LevenbergMarquardt damped;
+    Options limits = options;
+    if (!is_hidden) limits.max_iterations = fewIterations(options);
     const RankAtEnd rank_before = rank;
     fitFromNearer(
-        fit, [&] { return fitBy(damped); },
+        fit, [&] { return fitBy(damped, limits); },
         is_hidden ? "rounding errors of the residuals at the start hide what an unknown changes"
                   : "the start leaves unknowns free, to first order",
         summary);

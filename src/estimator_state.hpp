@@ -66,7 +66,7 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   static void goOn(Summary& summary, Summary later);
   /// Fits it by `fit` to the values with the smallest distance from the start.
   Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
-  /// Whether the fit ended at its start because that leaves directions free that are no gauge.
+  /// Whether the fit ended at its start because that leaves directions free that are no gauge, and that are fewer after a step along one.
   bool isSingularStart(const Summary& summary);
   /// After a fit that ended where an unknown has no effect: leaves that place by Levenberg-Marquardt and fits again. Values and `summary`
   /// stay if that does not converge. `why`: what is wrong with the start, for a warning.

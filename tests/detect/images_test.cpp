@@ -393,7 +393,7 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
                 "--board charuco:8x5:4x4_50 needs --marker, as in --marker 0.018 [m]");
   expectRefused(with({"--board", "charuco:8x5:4x4_50", "--square", "1", "--marker", "2"}),
                 "--marker 2: a marker lies within a square of 1 m; give a smaller one");
-  expectRefused(with({"--board", "charuco:20x10:4x4_50", "--square", "1", "--marker", "0.5"}),
+  expectRefused(with({"--board", "charuco:20x10:4x4_50", "--square", "0.1", "--marker", "0.05"}),
                 "--board charuco:20x10:4x4_50: its 100 markers are more than the 50 of the dictionary; "
                 "correct the size or the dictionary");
   expectRefused(with({"--board", "charuco:8x5:9x9", "--square", "1", "--marker", "0.5"}),

@@ -300,7 +300,7 @@ class Sequence {
 };
 
 TEST(Sequences, OfAllOperationsEqualABatch) {
-  const unsigned sequences = slom::testing::hasSanitizers() ? 1'000 : 4'000;  // 1000 take the same branches
+  const unsigned sequences = slom::testing::hasSanitizers() ? 1'000 : 2'500;  // 1000 take the same branches
   for (unsigned seed = 0; seed < sequences; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Sequence(seed).run();
