@@ -82,6 +82,20 @@ TEST(HardStarts, OnlineFitsOfASigmoidDoNotThrow) {
   }
 }
 
+/// 3 exp(-0.5 t) + 2 exp(-4 t), exact.
+void insertDecays(slom::Estimator& est, const Eigen::Vector4d& start) {
+  const auto p = est.insertRV(start, "p");
+  for (int i = 0; i < 20; ++i) {
+    const double t = 0.2 * i, y = 3 * std::exp(-0.5 * t) + 2 * std::exp(-4 * t);
+    est.insertMeasurement(
+        [](const auto& v, double at, double z) {
+          using std::exp;
+          return v[0] * exp(-v[1] * at) + v[2] * exp(-v[3] * at) - z;
+        },
+        p, t, y, slom::StandardDeviation(0.01));
+  }
+}
+
 /// Two decays with equal rates are a stationary point with two free directions.
 TEST(HardStarts, ASumOfDecaysNeverConvergesAtEqualRates) {
   constexpr int fits = 300;
@@ -90,18 +104,8 @@ TEST(HardStarts, ASumOfDecaysNeverConvergesAtEqualRates) {
   for (int k = 0; k < fits; ++k) {
     slom::Estimator est;
     est.setThreads(1);
-    const auto p = est.insertRV(Eigen::Vector4d(random.uniform(-10, 10), random.uniform(-5, 5),
-                                                random.uniform(-10, 10), random.uniform(-5, 5)),
-                                "p");
-    for (int i = 0; i < 20; ++i) {
-      const double t = 0.2 * i, y = 3 * std::exp(-0.5 * t) + 2 * std::exp(-4 * t);
-      est.insertMeasurement(
-          [](const auto& v, double at, double z) {
-            using std::exp;
-            return v[0] * exp(-v[1] * at) + v[2] * exp(-v[3] * at) - z;
-          },
-          p, t, y, slom::StandardDeviation(0.01));
-    }
+    insertDecays(est, {random.uniform(-10, 10), random.uniform(-5, 5), random.uniform(-10, 10),
+                       random.uniform(-5, 5)});
     slom::Summary summary;
     ASSERT_NO_THROW(summary = est.optimize()) << k;
     if (summary.converged) {
@@ -119,16 +123,7 @@ TEST(HardStarts, ASumOfDecaysNeverConvergesAtEqualRates) {
 TEST(HardStarts, EqualRatesAreAStartLikeOthers) {
   for (const double rate : {0.3, 1.0, 2.0}) {
     slom::Estimator est;
-    const auto p = est.insertRV(Eigen::Vector4d(1, rate, 1, rate), "p");
-    for (int i = 0; i < 20; ++i) {
-      const double t = 0.2 * i, y = 3 * std::exp(-0.5 * t) + 2 * std::exp(-4 * t);
-      est.insertMeasurement(
-          [](const auto& v, double at, double z) {
-            using std::exp;
-            return v[0] * exp(-v[1] * at) + v[2] * exp(-v[3] * at) - z;
-          },
-          p, t, y, slom::StandardDeviation(0.01));
-    }
+    insertDecays(est, {1, rate, 1, rate});
     const slom::Summary summary = est.optimize();
     EXPECT_TRUE(summary.converged) << summary;
     EXPECT_LT(summary.final_rss, 1e-6);

@@ -153,6 +153,16 @@ void checkConnected(const Dataset& data) {
   }
 }
 
+bool isStillConnected(const Dataset& rest) {
+  if (rest.imu && rest.imu->readings.empty()) return false;
+  try {
+    checkConnected(rest);
+  } catch (const DataError&) {
+    return false;
+  }
+  return true;
+}
+
 void checkImuImages(const Dataset& data) {
   if (!data.imu) return;
   const std::vector<int> images = data.images();

@@ -13,6 +13,8 @@ void checkViews(const CameraData& camera);
 
 /// Every camera is tied to the first one by common images, possibly through other cameras.
 void checkConnected(const Dataset& data);
+/// Whether that holds, and an IMU that is there has readings: of data without some views.
+bool isStillConnected(const Dataset& rest);
 
 /// Every reading belongs to an image that some camera has.
 void checkImuImages(const Dataset& data);

@@ -41,18 +41,6 @@ std::vector<Stray> mirroredViewsOf(const CameraData& camera, const BoardPlane& p
   return mirrored;
 }
 
-/// Whether the cameras stay connected without these views, and the IMU keeps readings.
-bool canDoWithout(const Dataset& data, const std::vector<Stray>& views) {
-  const Dataset rest = withoutViews(data, views);
-  if (rest.imu && rest.imu->readings.empty()) return false;
-  try {
-    checkConnected(rest);
-  } catch (const DataError&) {
-    return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Handedness handednessOf(const View& view, const BoardPlane& plane) {
@@ -96,7 +84,7 @@ std::vector<Stray> mirroredViews(const Dataset& data) {
   for (const CameraData& camera : data.cameras) {
     for (Stray& stray : mirroredViewsOf(camera, plane)) mirrored.push_back(std::move(stray));
   }
-  if (!mirrored.empty() && !canDoWithout(data, mirrored)) return {};
+  if (!mirrored.empty() && !isStillConnected(withoutViews(data, mirrored))) return {};
   return mirrored;
 }
 

@@ -66,13 +66,7 @@ bool suffices(const Dataset& rest, const Dataset& all) {
     const std::size_t left = rest.cameras[c].views.size();
     if (left < 3 || 3 * left < 2 * all.cameras[c].views.size()) return false;
   }
-  if (rest.imu && rest.imu->readings.empty()) return false;
-  try {
-    checkConnected(rest);
-  } catch (const DataError&) {
-    return false;
-  }
-  return true;
+  return isStillConnected(rest);
 }
 
 /// Views whose corners disagree among themselves: far off any smooth map, and much farther than those of other views of their camera.
