@@ -11,7 +11,6 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/fit/scaled_views.hpp"
-#include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
