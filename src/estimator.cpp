@@ -14,6 +14,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "estimator_state.hpp"
+#include "optimize/lost_rank.hpp"
 #include "problem/value_snapshot.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/optimize/optimizer.hpp"
@@ -71,28 +72,23 @@ int fewIterations(const Options& options) {
 
 bool Estimator::State::isSingularStart(const Summary& summary) {
   constexpr int most_unknowns = 500;
-  constexpr Eigen::Index most_tried = 6;
   if (summary.final_rss != summary.initial_rss || evaluator.structure().system.unknowns() > most_unknowns)
     return false;
-  const auto find = [&] { return analyze(&findFreeDirections); };
+  const FreeDirections free = analyze(&findFreeDirections);
   const auto freeThere = [&] {
-    const FreeDirections free = find();
-    return free.count - free.gauge;
+    const FreeDirections there = analyze(&findFreeDirections);
+    return there.count - there.gauge;
   };
-  const FreeDirections free = find();
   if (free.count <= free.gauge) return false;
   ValueSnapshot start(problem);
   try {
     return run([&] {
       evaluator.linearize();
-      const Eigen::VectorXd sizes =
-          evaluator.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
-      for (Eigen::Index k = 0; k < std::min(free.basis.cols(), most_tried); ++k) {
-        const Eigen::VectorXd step =
-            free.basis.col(k) / free.basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+      const Eigen::MatrixXd steps = asSteps(evaluator, free.basis);
+      for (Eigen::Index k = 0; k < steps.cols(); ++k) {
         for (const double length : {0.1, -0.1, 1.0, -1.0, 10.0, -10.0}) {
-          const bool is_better =
-              std::isfinite(evaluator.tryStep(length * step)) && freeThere() < free.count - free.gauge;
+          const bool is_better = std::isfinite(evaluator.tryStep(length * steps.col(k))) &&
+                                 freeThere() < free.count - free.gauge;
           evaluator.undo();
           if (is_better) return true;
         }

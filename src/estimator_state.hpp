@@ -60,7 +60,7 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   using Fit = std::function<Summary()>;
   /// The free network at the current values; null: no direction is free, or more than the gauge.
   std::unique_ptr<FreeNetwork> freeNetwork();
-  /// Whether inner constraints choose the values along directions that the measurements leave free.
+  /// Returns whether the measurements leave directions free and FreeGauge::inner_constraints chooses the values there.
   bool isFreeNetwork();
   /// Takes over the end of a later fit, which went on where the one of `summary` has ended.
   static void goOn(Summary& summary, Summary later);

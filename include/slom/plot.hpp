@@ -59,14 +59,15 @@ Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>&
     const auto of_values = [&](const auto&... values) -> decltype(f(values..., at)) {
       return f(values..., at);
     };
-    if constexpr (detail::is_numeric<F>) {
-      const auto value = est.propagate(
-          detail::NumericFunction<decltype(of_values), decltype(f.how)>{of_values, f.how}, C, ids...);
-      return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
-    } else {
-      const auto value = est.propagate(of_values, C, ids...);
-      return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
-    }
+    const auto curve = [&] {
+      if constexpr (detail::is_numeric<F>) {
+        return detail::NumericFunction<decltype(of_values), decltype(f.how)>{of_values, f.how};
+      } else {
+        return of_values;
+      }
+    }();
+    const auto value = est.propagate(curve, C, ids...);
+    return CurvePoint{value.value, std::sqrt(value.covariance(0, 0))};
   };
   std::vector<double> bars = sigma;
   const double factor = detail::sigmaFactor(est);

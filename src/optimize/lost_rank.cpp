@@ -31,6 +31,15 @@ constexpr double kSplitSteps[] = {0.3, 0.1, 0.03, 0.01};
 
 }  // namespace
 
+MatrixXd asSteps(Evaluator& evaluator, const MatrixXd& basis) {
+  const VectorXd sizes =
+      evaluator.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+  MatrixXd steps = basis.leftCols(std::min(basis.cols(), kMostTried));
+  for (Index k = 0; k < steps.cols(); ++k)
+    steps.col(k) /= steps.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
+  return steps;
+}
+
 LostRank::LostRank(Evaluator& evaluator, const std::function<FreeDirections()>& find_free)
     : evaluator_(evaluator), find_free_(find_free) {
   if (find_free && evaluator.structure().system.unknowns() <= Summary::kMostCounted)
@@ -68,20 +77,11 @@ int LostRank::atStart() {
   return *at_start_;
 }
 
-/// Directions as steps: the largest change of a component, relative to its size, is 1.
-MatrixXd LostRank::asSteps(MatrixXd basis) {
-  const VectorXd sizes =
-      evaluator_.typicalSizes().unaryExpr([](double size) { return size > 0 ? size : 1.0; });
-  for (Index k = 0; k < basis.cols(); ++k)
-    basis.col(k) /= basis.col(k).cwiseQuotient(sizes).cwiseAbs().maxCoeff();
-  return basis.leftCols(std::min(basis.cols(), kMostTried));
-}
-
 bool LostRank::examine() {
   unknowns_.clear();
   const FreeDirections found = find();
   if (found.count - found.gauge <= 0 || found.count - found.gauge <= atStart()) return false;
-  steps_ = asSteps(found.basis);
+  steps_ = asSteps(evaluator_, found.basis);
   for (Index i = 0; i < found.basis.rows(); ++i) {
     const VectorXd moves = found.basis.row(i).cwiseAbs();
     const VectorXd largest = found.basis.cwiseAbs().colwise().maxCoeff();
@@ -115,7 +115,7 @@ void LostRank::tryFromFlatMoves(double rss) {
         if (evaluator_.mustStop()) return;
         const double moved = evaluator_.tryStep(sign * length * steps_.col(k));
         if (std::abs(moved - rss) <= kSameRss * rss && evaluator_.hasFiniteDerivatives())
-          tryAlong(asSteps(find().basis), kSplitSteps);
+          tryAlong(asSteps(evaluator_, find().basis), kSplitSteps);
         here.restore();
       }
     }

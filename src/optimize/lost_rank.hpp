@@ -14,6 +14,9 @@
 
 namespace slom {
 
+/// Returns the first of these directions as steps: the largest change of a component, relative to its size, is 1.
+Eigen::MatrixXd asSteps(Evaluator& evaluator, const Eigen::MatrixXd& basis);
+
 class LostRank {
  public:
   /// The current values are the start of the fit.
@@ -35,7 +38,6 @@ class LostRank {
  private:
   FreeDirections find();
   int atStart();
-  Eigen::MatrixXd asSteps(Eigen::MatrixXd basis);
   void tryAlong(const Eigen::MatrixXd& steps, std::span<const double> lengths);
   void tryFromFlatMoves(double rss);
 

@@ -14,7 +14,7 @@ using mtk::testing::Random;
 
 constexpr auto straight = [](const auto& p, double at, double z) { return p[0] + p[1] * at - z; };
 
-/// A line through points at 0, 1, 2, ..., of which one is off.
+/// A line through the points at 0, 1, 2, ... One point is off.
 struct EstimatedLine {
   slom::Estimator est;
   std::vector<slom::AnyMeasID> points;

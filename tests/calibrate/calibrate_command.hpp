@@ -1,11 +1,13 @@
 // The command `slom calibrate` on files that a test writes.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "calibrate/simulated_rig.hpp"
 #include "support/paths.hpp"
@@ -34,6 +36,18 @@ inline std::string cornerFile(const CameraData& camera) {
     }
   }
   return text;
+}
+
+/// Runs the command on the corners of the camera, as `cam`. Expects exit code 1 and no YAML.
+inline CommandResult runWithUnusableResult(const CameraData& camera) {
+  const TemporaryFolder folder;
+  slom::testing::writeFile(folder / "cam.csv", cornerFile(camera));
+  const CommandResult result =
+      runCalibrate({"--camera", "cam=" + (folder / "cam.csv").string(), "--output",
+                    (folder / "c.yaml").string(), "--json", (folder / "r.json").string()});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_FALSE(std::filesystem::exists(folder / "c.yaml"));
+  return result;
 }
 
 inline std::string imuFile(const ImuData& imu) {

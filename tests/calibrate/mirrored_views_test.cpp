@@ -107,6 +107,10 @@ TEST(MirroredViews, ABoardSeenFromTheFrontIsNeverTakenForAMirroredOne) {
   const std::vector<double> values{f, f, 640, 480, 0.02, -0.006, 0.001, -0.0003};
   for (std::size_t i = 0; i < values.size(); ++i)
     lens.parameters.push_back({Model("fisheye").parameters()[i], values[i], 1});
+  std::vector<Corner> all;
+  for (int k = 0; k < 54; ++k) all.push_back({k + 1, vec3(0.03 * (k % 9), 0.03 * (k / 9), 0.), vec2(0., 0.)});
+  const BoardPlane plane = fitPlane(all);
+  const bool is_turned = Eigen::Vector3d(plane.plane2world.orient * vec3(0., 0., 1.)).z() < 0;
   std::mt19937_64 random(7);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<>(low, high)(random);
@@ -132,12 +136,6 @@ TEST(MirroredViews, ABoardSeenFromTheFrontIsNeverTakenForAMirroredOne) {
             {k + 1, world, vec2(lens.project(point) + 0.3 * vec2(normal(random), normal(random)))});
     }
     if (view.corners.size() < 6) continue;
-    Dataset board;
-    std::vector<Corner> all;
-    for (int k = 0; k < 54; ++k)
-      all.push_back({k + 1, vec3(0.03 * (k % 9), 0.03 * (k / 9), 0.), vec2(0., 0.)});
-    BoardPlane plane = fitPlane(all);
-    const bool is_turned = Eigen::Vector3d(plane.plane2world.orient * vec3(0., 0., 1.)).z() < 0;
     const Handedness handedness = handednessOf(view, plane);
     EXPECT_NE(handedness, is_turned ? Handedness::right : Handedness::left)
         << i << " tilt " << tilt / degrees;
@@ -150,13 +148,7 @@ TEST(MirroredViews, ABoardSeenFromTheFrontIsNeverTakenForAMirroredOne) {
 TEST(MirroredViews, TheCommandNamesTheImageAndEndsWith1) {
   Dataset data = boardsFromTheFront(5);
   exchangeUAndV(data.cameras[0].views[4]);
-  const testing::TemporaryFolder folder;
-  slom::testing::writeFile(folder / "cam.csv", testing::cornerFile(data.cameras[0]));
-  const auto result =
-      testing::runCalibrate({"--camera", "cam=" + (folder / "cam.csv").string(), "--output",
-                             (folder / "c.yaml").string(), "--json", (folder / "r.json").string()});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_FALSE(std::filesystem::exists(folder / "c.yaml"));
+  const auto result = testing::runWithUnusableResult(data.cameras[0]);
   EXPECT_NE(result.errors.find(
                 "an image contradicts the others: cam.5; it shows the board mirrored: u and v are "
                 "exchanged, or its corners are numbered from a mirrored corner; correct it, or leave "

@@ -262,13 +262,7 @@ TEST(SecondLook, TheCommandWritesNoYamlOfATornView) {
   Dataset data = wholeBoards(2);
   auto& corners = data.cameras[0].views[4].corners;
   for (std::size_t k = corners.size() / 2; k < corners.size(); ++k) corners[k].pixel += vec2(60., -35.);
-  const testing::TemporaryFolder folder;
-  slom::testing::writeFile(folder / "cam.csv", testing::cornerFile(data.cameras[0]));
-  const auto result =
-      testing::runCalibrate({"--camera", "cam=" + (folder / "cam.csv").string(), "--output",
-                             (folder / "c.yaml").string(), "--json", (folder / "r.json").string()});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_FALSE(std::filesystem::exists(folder / "c.yaml"));
+  const auto result = testing::runWithUnusableResult(data.cameras[0]);
   EXPECT_NE(result.errors.find("cam.5; its corners disagree by "), std::string::npos) << result.errors;
 }
 

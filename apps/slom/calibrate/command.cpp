@@ -62,7 +62,7 @@ void sayPairing(const ImageNumbers& numbers, const CommandSettings& settings) {
     say(sentence + "\n");
 }
 
-/// Of files that say how many corners the board has: whether the side of its squares is in metres.
+/// Refuses a --square that is hardly in metres, if the corner file says how many corners the board has.
 void requireSquareInMetres(const CommandSettings& settings, const Dataset& data) {
   if (!settings.board_of_files || settings.board_of_files->columns > 0) return;
   double across = 0;
@@ -239,7 +239,8 @@ Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
   }
 }
 
-/// For the verdict, and for what the user's files hold of it. Whoever has asked for no such file is content without a verdict if time runs out.
+/// Assesses the result for the verdict, the page and the JSON. If time runs out and the user asked for no page and no JSON, the report has no
+/// verdict.
 void assessResult(const Dataset& data, const CommandSettings& settings, Result& result) {
   const bool is_asked_for = !settings.json_file.empty() || !settings.report_file.empty();
   if (settings.quiet && !is_asked_for) return;

@@ -29,7 +29,7 @@ struct AccelerationUnit {
   double metres_per_second2;
 };
 
-/// What to do with readings in the units in which this magnitude would be the Earth's gravity, to 5 %; empty: there are none.
+/// Names the units in which this gravity would be that of the Earth, to 5 %, and says what to do. Empty if there is no such unit.
 std::string remedyOfUnit(double gravity) {
   constexpr AccelerationUnit units[] = {
       {"g", 9.80665}, {"mg", 9.80665e-3}, {"cm/s^2", 0.01}, {"mm/s^2", 0.001}, {"ft/s^2", 0.3048}};

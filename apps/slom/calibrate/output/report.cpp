@@ -218,7 +218,7 @@ std::string boardText(const Dataset& data) {
                      (farthestFrom(one) - one).norm());
 }
 
-/// Of a result that can be used; others end with the reason why they cannot.
+/// Returns the verdict on a usable result. The command ends with a reason instead if the result is not usable.
 std::string verdictLines(const Result& result) {
   if (!result.quality || !result.success() || !unsoundnessOf(result).isNone()) return "";
   const Verdict verdict = verdictOf(result);
