@@ -16,7 +16,7 @@
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
-#include "calibrate/simulated_rig.hpp"
+#include "calibration/simulated_rig.hpp"
 #include "coverage/group_sizes.hpp"
 
 namespace {
@@ -59,7 +59,7 @@ struct Coverage {
 
 /// One camera, of which each image is seen a little larger or smaller than the lens says.
 Coverage calibrations(int images, const Errors& errors, int runs) {
-  namespace calib = slom::app::calib;
+  namespace calib = slom::calibration;
   calib::testing::RigOptions options;
   options.cameras = 1;
   options.images = images;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "calibration/quality/lens.hpp"
+#include "calibration/quality/uncertainty/lens.hpp"
 
 namespace slom::calibration {
 

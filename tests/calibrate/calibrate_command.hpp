@@ -9,11 +9,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibrate/simulated_rig.hpp"
+#include "calibrate/library.hpp"
+#include "calibration/simulated_rig.hpp"
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
 
 namespace slom::app::calib::testing {
+
+using namespace slom::calibration::testing;  // simulated rigs and views
 
 using slom::testing::CommandResult;
 using slom::testing::TemporaryFolder;

@@ -8,8 +8,8 @@
 
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/library.hpp"
-#include "calibrate/simulated_views.hpp"
-#include "calibration/quality/lens.hpp"
+#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/simulated_views.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -6,11 +6,12 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "calibrate/calibrate_command.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
-#include "calibrate/simulated_rig.hpp"
 #include "calibration/fit/imu_precision.hpp"
 #include "calibration/fit/rotation_vector.hpp"
+#include "calibration/simulated_rig.hpp"
 
 namespace slom::app::calib {
 namespace {

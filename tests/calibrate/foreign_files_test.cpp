@@ -7,6 +7,7 @@
 
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/detect/board.hpp"
+#include "support/replaced.hpp"
 
 namespace slom::app::calib {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/simulated_rig.hpp"
 #include "calibration/models/fisheye.hpp"
+#include "calibration/simulated_rig.hpp"
 
 namespace slom::app::calib {
 namespace {

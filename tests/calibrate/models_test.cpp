@@ -11,11 +11,11 @@
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
-#include "calibrate/simulated_views.hpp"
 #include "calibration/fit/measurements.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/models/fisheye.hpp"
 #include "calibration/models/opencv.hpp"
+#include "calibration/simulated_views.hpp"
 #include "support/paths.hpp"
 #include "support/slow_with_sanitizers.hpp"
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "calibrate/calibrate_command.hpp"
-#include "calibrate/simulated_rig.hpp"
-#include "calibrate/simulated_views.hpp"
+#include "calibration/simulated_rig.hpp"
+#include "calibration/simulated_views.hpp"
 
 namespace slom::app::calib {
 namespace {

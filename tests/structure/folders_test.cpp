@@ -27,7 +27,6 @@ const std::map<std::string, std::string> others{
     {"listings", "the listings of the paper"},
     {"members", "names of members of plain structs, which g++ alone knows: compiled by it"},
     {"nist", "certified values for the whole fit"},
-    {"quality", "a folder of src/calibration"},
     {"report", "the report of slom calibrate, in a browser"},
     {"structure", "the sources themselves"},
     {"support", "what tests share"},

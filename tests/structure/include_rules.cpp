@@ -32,8 +32,9 @@ std::string levelName(int level) {
                                  : kLevels[static_cast<std::size_t>(level)];
 }
 
-/// Level of the file `<step>/...` or, for a name without folder, the facade.
+/// Level of the file `<step>/...` or, for a name without folder, the facade. The facade's own rooms are `estimator` and `archive`.
 std::optional<int> levelBelowSlom(const fs::path& path) {
+  if (path.begin()->stem() == "estimator" || path.begin()->stem() == "archive") return kFacade;
   if (path.begin()->stem() == "initialize") return kInitialize;
   if (path.begin()->stem() == "io") return kIo;
   if (path.begin()->stem() == "calibration") return kCalibration;

@@ -40,7 +40,8 @@ TEST(IncludeRules, AllowedIncludesAreNotReported) {
   writeFile(root / "src/solve/s.cpp",
             "#include \"slom/solve/s.hpp\"\n#include <iostream>\n#include \"local.hpp\"\n");
   writeFile(root / "src/solve/local.hpp", "#include <cholmod.h>\n");
-  writeFile(root / "src/estimator.cpp", "#include \"slom/estimator.hpp\"\n#include \"solve/local.hpp\"\n");
+  writeFile(root / "src/estimator/estimator.cpp",
+            "#include \"slom/estimator.hpp\"\n#include \"solve/local.hpp\"\n");
   EXPECT_EQ(lines(checkIncludes(root.path()).violations), "");
 }
 

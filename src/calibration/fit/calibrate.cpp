@@ -18,8 +18,8 @@
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
-#include "calibration/quality/clustered.hpp"
-#include "calibration/quality/readout.hpp"
+#include "calibration/quality/uncertainty/clustered.hpp"
+#include "calibration/quality/uncertainty/readout.hpp"
 
 namespace slom::calibration {
 

@@ -12,7 +12,7 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/view_facts.hpp"
 #include "calibration/median.hpp"
-#include "calibration/quality/readout.hpp"
+#include "calibration/quality/uncertainty/readout.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/model/loss.hpp"
 

@@ -16,7 +16,7 @@
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
-#include "calibration/quality/lens.hpp"
+#include "calibration/quality/uncertainty/lens.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {

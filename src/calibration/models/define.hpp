@@ -4,7 +4,7 @@
 
 #include "calibration/fit/calibrate_model.hpp"
 #include "calibration/models/definition.hpp"
-#include "calibration/quality/model_lens.hpp"
+#include "calibration/quality/uncertainty/model_lens.hpp"
 
 namespace slom::calibration {
 

@@ -1,0 +1,374 @@
+/// Loading: a problem from its text.
+#include <cctype>
+#include <charconv>
+#include <istream>
+#include <locale>
+#include <sstream>
+#include <system_error>
+
+#include "archive/text.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
+#include "slom/archive.hpp"
+#include "slom/problem/group_table.hpp"
+
+namespace slom {
+
+using archive_text::inQuotes, archive_text::isAtEnd, archive_text::kFirstWords, archive_text::kVersion;
+
+namespace {
+
+/// Numbers may be infinite, as bounds and Barron's shape are.
+bool readNumber(std::istream& is, double& x) {
+  std::string word;
+  if (!(is >> word)) return false;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// What is wrong with the numbers of a text that was written with the locale of a language whose decimals
+/// follow a comma.
+std::string commaIn(const std::string& text) {
+  const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {
+    if (comma > 0 && is_digit(comma - 1) && is_digit(comma + 1))
+      return "; decimals stand after a comma there, as a program with a locale of such a language writes "
+             "them: write points";
+  }
+  return "";
+}
+
+}  // namespace
+
+class ArchiveReader {
+ public:
+  ArchiveReader(const Archive& archive, std::istream& is, const std::string& source)
+      : archive_(archive), is_(is), source_(source) {
+    line_.imbue(std::locale::classic());
+    rest_.imbue(std::locale::classic());
+  }
+
+  StoredProblem read() {
+    readFirstLine();
+    while (nextLine()) {
+      if (text_ == "end") {
+        if (nextLine()) raise("there is text after the line \"end\"; remove it");
+        result_.sortNames();
+        return std::move(result_);
+      }
+      readLine();
+    }
+    throw Error(
+        "slom.bad-archive",
+        source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end",
+        source_);
+  }
+
+ private:
+  [[noreturn]] void raise(const std::string& what) const {
+    throw Error("slom.bad-archive", source_ + ":" + std::to_string(line_number_) + ": " + what,
+                source_ + ":" + std::to_string(line_number_));
+  }
+
+  /// Blank lines and lines that begin with # are skipped.
+  bool nextLine() {
+    while (std::getline(is_, text_)) {
+      ++line_number_;
+      if (!text_.empty() && text_.back() == '\r') text_.pop_back();
+      if (text_.find_first_not_of(" \t") == std::string::npos || text_[0] == '#') continue;
+      line_.clear();
+      line_.str(text_);
+      return true;
+    }
+    return false;
+  }
+
+  void readFirstLine() {
+    std::string first, second;
+    int version = 0;
+    if (!nextLine() || !(line_ >> first >> second >> version) || first + " " + second != kFirstWords) {
+      line_number_ = std::max(line_number_, 1);
+      raise(std::string("this is not a saved problem: its first line is not \"") + kFirstWords + " " +
+            std::to_string(kVersion) + "\"");
+    }
+    if (version != kVersion) {
+      raise("the problem is saved in version " + std::to_string(version) +
+            " of the format, this program reads version " + std::to_string(kVersion) + "; use a newer one");
+    }
+  }
+
+  void readLine() {
+    if (text_[0] == '"') return readVariable();
+    if (text_[0] >= '0' && text_[0] <= '9') return readMeasurement();
+    std::string word;
+    line_ >> word;
+    if (word == "variables") return readVariableKind();
+    if (word == "measurements") return readMeasurementKind();
+    if (word == "fix") return readConstraint(false);
+    if (word == "bound") return readConstraint(true);
+    if (word == "sigma" || word == "gauge") return readChoice(word);
+    raise("a line cannot begin with " + inQuotes(word) +
+          "; it begins with a quoted name, a number, variables, fix, bound, "
+          "measurements, sigma, gauge or end");
+  }
+
+  void readChoice(const std::string& word) {
+    std::string choice;
+    line_ >> choice;
+    if (word == "sigma" && choice == "estimated") return result_.estimator.setSigma(Sigma::estimated);
+    if (word == "gauge" && choice == "inner-constraints")
+      return result_.estimator.setFreeGauge(FreeGauge::inner_constraints);
+    raise(word == "sigma" ? "write \"sigma estimated\", or nothing for stated ones"
+                          : "write \"gauge inner-constraints\", or nothing for an error at a free gauge");
+  }
+
+  template <class Kinds>
+  const auto* kindNamed(const Kinds& kinds, const std::string& name, const char* what) const {
+    for (const auto& kind : kinds) {
+      if (kind.name == name) return &kind;
+    }
+    std::vector<std::string> known;
+    for (const auto& kind : kinds) known.push_back(inQuotes(kind.name));
+    raise(std::string(what) + " " + inQuotes(name) + " are not known to this program" +
+          (known.empty() ? "" : ", which knows " + listed(known, known.size())) +
+          "; a program that includes slom/archive.hpp can register more");
+  }
+
+  void readVariableKind() {
+    std::string name;
+    if (!(line_ >> std::quoted(name)) || !isAtEnd(line_)) raise("write variables \"TYPE\"");
+    variable_kind_ = kindNamed(archive_.variables_, name, "variables");
+  }
+
+  void readVariable() {
+    std::string name, state;
+    if (variable_kind_ == nullptr)
+      raise("a variable stands before the first line that begins with variables");
+    if (!(line_ >> std::quoted(name) >> state) || (state != "free" && state != "fixed")) {
+      raise("write \"NAME\" free VALUE or \"NAME\" fixed VALUE");
+    }
+    VariableHandle id;
+    if (!variable_kind_->read(rest(), nullptr, true, "", id) || !isAtEnd(rest_)) {
+      raise("variable " + inQuotes(name) + " has no value that is a " + variable_kind_->name + ":" +
+            rest_.str() + commaIn(rest_.str()));
+    }
+    variable_kind_->read(restAgain(), &problem(), state == "free", name, id);
+    result_.entries_.push_back({name, variable_kind_->type, id});
+    indices_.push_back(static_cast<int>(problem().variables().size()) - 1);
+  }
+
+  int readVariableNumber() {
+    long number = -1;
+    if (!(line_ >> number)) raise("here the number of a variable is due");
+    if (number < 0 || number >= static_cast<long>(indices_.size())) {
+      raise("there is no variable " + std::to_string(number) +
+            (indices_.empty() ? "; none stands above"
+                              : "; above are those from 0 to " + std::to_string(indices_.size() - 1)));
+    }
+    return static_cast<int>(number);
+  }
+
+  void readConstraint(bool is_bound) {
+    const int variable = indices_[at(readVariableNumber())];
+    std::string component;
+    double lower = 0, upper = 0;
+    if (!(line_ >> std::quoted(component)) ||
+        (is_bound && !(readNumber(line_, lower) && readNumber(line_, upper))) || !isAtEnd(line_)) {
+      raise((is_bound ? "write bound NUMBER \"COMPONENT\" LOWER UPPER" : "write fix NUMBER \"COMPONENT\"") +
+            commaIn(text_));
+    }
+    withLine([&] {
+      const std::vector<int> components = problem().componentsAt(variable, component);
+      is_bound ? problem().setBound(variable, components, lower, upper)
+               : problem().setFixed(variable, components, true);
+    });
+  }
+
+  void readMeasurementKind() {
+    std::string name;
+    if (!(line_ >> std::quoted(name) >> std::quoted(options_.label)) || !isAtEnd(line_))
+      raise("write measurements \"TYPE\" \"LABEL\"");
+    measurement_kind_ = kindNamed(archive_.measurements_, name, "measurements");
+  }
+
+  void readMeasurement() {
+    if (measurement_kind_ == nullptr)
+      raise("a measurement stands before the first line that begins with measurements");
+    handles_.clear();
+    kinds_.clear();
+    if (measurement_kind_->is_list) readList();
+    for (const std::type_index type : measurement_kind_->variables) {
+      const int number = readVariableNumber();
+      const StoredProblem::Entry& entry = result_.entries_[at(number)];
+      if (entry.type != type) {
+        raise("variable " + std::to_string(number) + ", " + inQuotes(entry.name) + ", is a " +
+              archive_.findVariable(entry.type)->name + " where " + measurement_kind_->name + " takes a " +
+              archive_.findVariable(type)->name);
+      }
+      handles_.push_back(entry.handle);
+    }
+    expectBar("the numbers of " + counted(static_cast<int>(handles_.size()), "variable"));
+    readOptions();
+    const int count = static_cast<int>(handles_.size());
+    if (!measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {}) || !isAtEnd(rest_)) {
+      raise("what stands after the second | is not the data of " + measurement_kind_->name + ":" +
+            rest_.str() + commaIn(rest_.str()));
+    }
+    withLine([&] {
+      const std::uint64_t before = problem().structureRevision();
+      measurement_kind_->read(restAgain(), &problem(), {handles_.data(), kinds_.data(), count}, options_);
+      assignGroups(before);
+    });
+  }
+
+  /// The variables of a measurement over a list, up to the bar.
+  void readList() {
+    while ((line_ >> std::ws) && std::isdigit(line_.peek()) != 0) {
+      const StoredProblem::Entry& entry = result_.entries_[at(readVariableNumber())];
+      handles_.push_back(entry.handle);
+      kinds_.push_back(archive_.findVariable(entry.type));
+    }
+    line_.clear();
+  }
+
+  /// What of the line has not been read yet.
+  std::istream& rest() {
+    std::string text;
+    std::getline(line_, text);
+    rest_.str(text);
+    return restAgain();
+  }
+  std::istream& restAgain() {
+    rest_.clear();
+    rest_.seekg(0);
+    return rest_;
+  }
+
+  void expectBar(const std::string& before) {
+    std::string word;
+    if (!(line_ >> word) || word != "|") raise("a | is due after " + before);
+  }
+
+  /// The noise, which needs the length of no residual to be read, and the loss, up to the second bar.
+  void readOptions() {
+    std::string word;
+    line_ >> word;
+    noise_.clear();
+    const std::string kind = word;
+    if (kind != "unit" && kind != "scalar" && kind != "diagonal" && kind != "matrix") {
+      raise("the noise is " + inQuotes(kind) + "; it is unit, scalar, diagonal or matrix and its numbers");
+    }
+    for (double x = 0; line_ >> word;) {
+      std::istringstream one(word);
+      if (!readNumber(one, x)) break;
+      noise_.push_back(x);
+    }
+    options_.loss = Loss();
+    groups_.clear();
+    const bool is_more = line_ && word != "|";
+    if (is_more && word != "group") {
+      readLoss(word);
+      line_ >> word;
+    }
+    while (line_ && word == "group") {
+      readGroup();
+      line_ >> word;
+    }
+    if (is_more && (!line_ || word != "|")) raise("a | is due after the noise and the loss");
+    setNoise(kind);
+  }
+
+  /// A group: the name of its dimension and its key, a number or a text in quotes.
+  void readGroup() {
+    StoredGroup group;
+    line_ >> std::ws;
+    if (line_.peek() != '"' || !(line_ >> std::quoted(group.dimension) >> std::ws))
+      raise("write group \"NAME\" KEY");
+    group.is_text = line_.peek() == '"';
+    if (!(group.is_text ? line_ >> std::quoted(group.text) : line_ >> group.number))
+      raise("the key of a group is a whole number or a text in quotes");
+    groups_.push_back(std::move(group));
+  }
+
+  /// Puts the measurement that was inserted last into the groups that were read.
+  void assignGroups(std::uint64_t revision_before) {
+    if (groups_.empty()) return;
+    std::vector<Group> groups;
+    for (const StoredGroup& one : groups_)
+      groups.push_back({one.dimension, one.text, one.number, one.is_text});
+    const int count = static_cast<int>(groups.size());
+    detail::requireDistinctDimensions(groups.data(), count);
+    const std::optional<std::span<const Change>> changes = problem().changesSince(revision_before);
+    const Change& inserted = changes.value().back();
+    problem().assignGroups(*problem().pools()[at(inserted.pool)], inserted.index, groups.data(), count);
+  }
+
+  void readLoss(const std::string& word) {
+    const LossKind* const kind = lossNamed(word);
+    double shape = 0, scale = 0;
+    if (kind == nullptr)
+      raise(inQuotes(word) + " is neither a number of the noise nor a loss nor a |" + commaIn(word));
+    if ((kind->has_shape && !readNumber(line_, shape)) || !readNumber(line_, scale)) {
+      raise("numbers are missing after " + word + commaIn(text_));
+    }
+    options_.loss = Loss(*kind, scale, shape);
+  }
+
+  void setNoise(const std::string& kind) {
+    const int n = static_cast<int>(noise_.size());
+    options_.noise = {NoiseView::Shape::unit, NoiseForm::whitening, noise_.data(), n, 1};
+    if (kind == "scalar" && n == 1) options_.noise.shape = NoiseView::Shape::scalar;
+    if (kind == "diagonal") options_.noise.shape = NoiseView::Shape::vector;
+    if (kind == "matrix") {
+      int side = 0;
+      while (side * side < n) ++side;
+      if (side * side != n) raise("the noise matrix has " + counted(n, "number") + ", which is not a square");
+      std::vector<double> by_columns(noise_.size());
+      for (int k = 0; k < n; ++k) by_columns[at(k % side * side + k / side)] = noise_[at(k)];
+      noise_ = by_columns;
+      options_.noise = {NoiseView::Shape::matrix, NoiseForm::whitening, noise_.data(), side, side};
+    }
+    if ((kind == "unit" && n != 0) || (kind == "scalar" && n != 1)) {
+      raise("the noise is " + kind + " with " + counted(n, "number") + "; unit has none, scalar one");
+    }
+  }
+
+  /// f(), whose errors get the line before them.
+  template <class F>
+  void withLine(const F& f) const {
+    try {
+      f();
+    } catch (const Error& error) {
+      raise(std::string(error.sentence()));
+    }
+  }
+
+  Problem& problem() { return Archive::problemOf(result_.estimator); }
+
+  const Archive& archive_;
+  std::istream& is_;
+  const std::string& source_;
+  StoredProblem result_;
+  std::string text_;
+  std::istringstream line_, rest_;
+  int line_number_ = 0;
+  const detail::StoredVariable* variable_kind_ = nullptr;
+  const detail::StoredMeasurement* measurement_kind_ = nullptr;
+  std::vector<int> indices_;  // in the problem, by number in the file
+  std::vector<VariableHandle> handles_;
+  std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list
+  std::vector<double> noise_;
+  detail::StoredOptions options_;
+  struct StoredGroup {
+    std::string dimension, text;
+    std::int64_t number = 0;
+    bool is_text = false;
+  };
+  std::vector<StoredGroup> groups_;
+};
+
+StoredProblem Archive::load(std::istream& is, const std::string& source) const {
+  return ArchiveReader(*this, is, source).read();
+}
+
+}  // namespace slom

@@ -1,0 +1,175 @@
+#include "calibration/quality/verdict/doubts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slom/calibration/assess.hpp"
+#include "slom/calibration/number_text.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double far_off = 4;      // corner: distance over RMS, which noise exceeds once in 10^7 corners
+constexpr double much_worse = 3;   // image: chi2 per measurement over the median
+constexpr double too_noisy = 1.5;  // corners: observed over stated sigma
+constexpr double halves_disagree = 1e-3;     // probability
+constexpr double halves_differ = 1.5;        // over what noise gives
+constexpr double much_more_than_stated = 2;  // clustered over stated standard deviations
+
+double medianChi2(const Result& result) {
+  std::vector<double> all;
+  for (const ImageResult& image : result.images) all.push_back(image.chi2PerMeasurement());
+  std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
+  return all[all.size() / 2];
+}
+
+void doubtCompleteness(const Quality& quality, std::vector<std::string>& doubts) {
+  if (!quality.cut_short.empty())
+    doubts.push_back(fmt::format("the assessment was cut short: {}", quality.cut_short));
+}
+
+void doubtImages(const Result& result, std::vector<std::string>& doubts) {
+  const double limit = much_worse * std::max(medianChi2(result), 1e-12);
+  for (const ImageResult* image : result.worstImages(3)) {
+    if (image->chi2PerMeasurement() < limit) return;
+    doubts.push_back(
+        fmt::format("image {} should be looked at: its residuals are {} times the usual ones", image->image,
+                    fixedDecimals(std::sqrt(image->chi2PerMeasurement() / medianChi2(result)), 1)));
+  }
+}
+
+void doubtCorners(const Result& result, std::vector<std::string>& doubts) {
+  int count = 0;
+  for (const WorstResidual& worst : result.quality->worst) {
+    const CameraResult& camera = result.cameras[worst.camera];
+    if (worst.error_px < far_off * camera.rms_px || ++count > 3) return;
+    doubts.push_back(fmt::format("corner {} of image {} of {} is {} px off", worst.corner.corner,
+                                 worst.corner.image, camera.name, twoDigits(worst.error_px)));
+  }
+}
+
+void doubtLeverage(const Result& result, std::vector<std::string>& doubts) {
+  constexpr double hidden = 1.5;  // error without the corner over its residual
+  int count = 0;
+  for (const GrossCorner& corner : result.gross) {
+    if (!(corner.error_without_px > hidden * corner.error_px)) continue;
+    if (++count > 3) return;
+    doubts.push_back(fmt::format(
+        "corner {} of image {} of {} draws the fit to itself: without it, it is {} px off", corner.number,
+        corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
+  }
+}
+
+void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
+  const double observed = std::sqrt(result.chi2PerDof());
+  if (!(observed > too_noisy)) return;
+  doubts.push_back(fmt::format(
+      "the residuals are {} times what the stated sigmas allow, so all {} are too small by about that factor",
+      fixedDecimals(observed, 1),
+      result.quality->is_clustered ? "stated uncertainties" : "uncertainties here"));
+}
+
+void doubtIndependence(const Result& result, std::vector<std::string>& doubts) {
+  if (!result.quality->is_clustered || result.clustered->levels_off ||
+      !(result.clustered->ratio > much_more_than_stated))
+    return;
+  doubts.push_back(fmt::format(
+      "errors last over many images, as by a drift or a model that is too simple, so that all uncertainties are rough, and {} "
+      "times the stated ones",
+      fixedDecimals(result.clustered->ratio, 1)));
+}
+
+/// What moves parameters in all images alike, which no standard deviation shows.
+void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
+  bool has_board = false;
+  for (const ResidualPattern& pattern : result.quality->patterns) {
+    if (!pattern.isFound()) continue;
+    const std::string& camera = result.cameras[pattern.camera].name;
+    switch (pattern.kind) {
+      case ResidualPattern::Kind::board_shape:
+        if (!std::exchange(has_board, true))
+          doubts.push_back(fmt::format(
+              "corners of the board are not where they are stated to be, by at least {} mm off its plane and {} mm within it",
+              twoDigits(1e3 * pattern.value), twoDigits(1e3 * pattern.second)));
+        break;
+      case ResidualPattern::Kind::image_place:
+        doubts.push_back(fmt::format("residuals of {} depend on the place in the image, by {} px", camera,
+                                     twoDigits(pattern.value)));
+        break;
+      case ResidualPattern::Kind::drift:
+        doubts.push_back(fmt::format("the lens of {} changes over the images", camera));
+        break;
+      case ResidualPattern::Kind::row_readout:
+        if (!isExplained(pattern, result))
+          doubts.push_back(
+              fmt::format("rows of {} seem to be read out one after the other while it moves", camera));
+        break;
+      case ResidualPattern::Kind::time_offset:
+        doubts.push_back(fmt::format("{} and {} are not simultaneous", result.cameras.front().name, camera));
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+void doubtImu(const Result& result, std::vector<std::string>& doubts) {
+  for (const ImuFinding& finding : imuFindings(result)) {
+    if (finding.is_doubt) doubts.push_back(finding.fault + "; " + finding.remedy);
+  }
+}
+
+}  // namespace
+
+bool isExplained(const ResidualPattern& pattern, const Result& result) {
+  const auto& all = result.quality->patterns;
+  return pattern.kind == ResidualPattern::Kind::row_readout &&
+         std::any_of(all.begin(), all.end(), [&](const ResidualPattern& other) {
+           return other.kind == ResidualPattern::Kind::time_offset && other.isFound() &&
+                  other.share >= pattern.share;
+         });
+}
+
+void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
+  const SplitHalf& split = result.quality->split_half;
+  if (!split.why_not.empty() && result.quality->cut_short.empty())
+    doubts.push_back("two halves of the images cannot be compared: " + split.why_not);
+  // Where the residuals are larger than stated, so may the difference of the halves be.
+  const double noise = std::max(1.0, std::sqrt(result.chi2PerDof()));
+  for (std::size_t c = 0; c < split.cameras.size(); ++c) {
+    const SplitHalfCamera& camera = split.cameras[c];
+    if (!std::isfinite(camera.rms_px) || !std::isfinite(camera.expected_rms_px) ||
+        !std::isfinite(camera.probability)) {
+      doubts.push_back(fmt::format(
+          "two halves of the images of {} cannot be compared, as one of them gives no usable lens",
+          result.cameras[c].name));
+      continue;
+    }
+    if (camera.probability > halves_disagree ||
+        camera.rms_px < halves_differ * noise * camera.expected_rms_px)
+      continue;
+    doubts.push_back(
+        fmt::format("two halves of the images of {} disagree by {} px where noise alone gives {} px",
+                    result.cameras[c].name, twoDigits(camera.rms_px), twoDigits(camera.expected_rms_px)));
+  }
+}
+
+std::vector<std::string> doubtsOf(const Result& result) {
+  std::vector<std::string> doubts;
+  doubtCompleteness(*result.quality, doubts);
+  doubtImages(result, doubts);
+  doubtCorners(result, doubts);
+  doubtLeverage(result, doubts);
+  doubtHalves(result, doubts);
+  doubtNoise(result, doubts);
+  doubtIndependence(result, doubts);
+  doubtProjection(result, doubts);
+  doubtPatterns(result, doubts);
+  doubtImu(result, doubts);
+  return doubts;
+}
+
+}  // namespace slom::calibration

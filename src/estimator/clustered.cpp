@@ -1,0 +1,52 @@
+// Clustered covariances of a fit.
+#include "slom/analyze/clustered.hpp"
+
+#include "analyze/clustered/clustered_state.hpp"
+#include "base/index.hpp"
+#include "estimator/state.hpp"
+
+namespace slom {
+
+/// Fits without each group of the first way, by the estimator's algorithm.
+GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
+  if (gauge == FreeGauge::inner_constraints &&
+      analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); }) > 0) {
+    throw Error("slom.bad-option",
+                "ClusterOptions::refit compares values, and the gauge is free: values of different fits "
+                "differ by a motion of everything; fix what fixes the gauge, or leave refit out",
+                "refit");
+  }
+  const Clustering way = Clustered::State::firstWay(problem, options);
+  const ProblemStructure structure = evaluator.structure();
+  const auto fit = [&] {
+    try {
+      return optimize(*algorithm, Options{.most_parameters = 0}).converged;
+    } catch (const Error&) {  // no derivative at some values on the way
+      return false;
+    }
+  };
+  GroupRefits result = refitWithoutGroups(problem, structure, way, fit);
+  current.reset();
+  return result;
+}
+
+Clustered Estimator::clustered() const { return clustered(ClusterOptions{}); }
+
+Clustered Estimator::clustered(const ClusterOptions& options) const {
+  const double factor = state_->varianceFactor();
+  if (!state_->isAtMinimum(factor)) {
+    throw Error("slom.not-a-minimum",
+                "clustered covariances are those of a fit, and the values are not at one; call optimize() "
+                "and see in its summary whether it has converged",
+                "clustered");
+  }
+  std::optional<GroupRefits> refits;
+  if (options.refit) refits = state_->refitGroups(options);
+  return state_->analyze([&](const LinearizedProblem&) {
+    auto state = std::make_shared<Clustered::State>(state_->current, state_->gauge, factor, options);
+    state->refits = std::move(refits);
+    return Clustered(std::move(state));
+  });
+}
+
+}  // namespace slom

@@ -1,0 +1,391 @@
+#include "slom/estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "analyze/covariance.hpp"
+#include "analyze/diagnose.hpp"
+#include "analyze/fit_tables.hpp"
+#include "analyze/free_directions.hpp"
+#include "analyze/preflight.hpp"
+#include "analyze/residual_tests.hpp"
+#include "analyze/singular.hpp"
+#include "base/index.hpp"
+#include "base/words.hpp"
+#include "estimator/state.hpp"
+#include "optimize/lost_rank.hpp"
+#include "problem/value_snapshot.hpp"
+#include "slom/analyze/chi_square.hpp"
+#include "slom/optimize/optimizer.hpp"
+
+namespace slom {
+
+namespace {
+double squaredResidual(const Problem& problem, MeasurementPool& pool, int i) {
+  Eigen::VectorXd r(pool.rows(i));
+  problem.naming(pool, [&] { pool.evaluate(i, i + 1, r.data()); });
+  return r.squaredNorm();
+}
+
+}  // namespace
+
+void detail::raiseMovedFrom() {
+  throw Error("slom.moved-from",
+              "the estimator has been moved from and holds nothing; use the one that it was moved to, or "
+              "assign another one to it");
+}
+
+Estimator::Estimator() : state_(new State) {}
+Estimator::~Estimator() = default;
+Estimator::Estimator(Estimator&&) noexcept = default;
+Estimator& Estimator::operator=(Estimator&&) noexcept = default;
+
+Problem& Estimator::problem() const { return state_->problem; }
+
+int Estimator::dofOf(int variable) const {
+  return problem().variables()[static_cast<std::size_t>(variable)].dof;
+}
+
+void Estimator::setGroup(const MeasurementHandle& id, const Group& group) {
+  const auto [pool, i] = problem().locate(id);
+  problem().assignGroups(*pool, i, &group, 1);
+}
+
+void Estimator::removeMeasurement(const MeasurementHandle& id) {
+  const auto [pool, i] = problem().locate(id);
+  problem().removeMeasurement(*pool, i);
+}
+
+std::string Estimator::nameOf(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  return pool->measurementName(i);
+}
+
+namespace {
+/// Enough to leave a singular start.
+int fewIterations(const Options& options) {
+  constexpr int few = 300;
+  return options.max_iterations == Options::kByTheSize ? few : std::min(options.max_iterations, few);
+}
+}  // namespace
+
+bool Estimator::State::isSingularStart(const Summary& summary) {
+  constexpr int most_unknowns = 500;
+  if (summary.final_rss != summary.initial_rss || evaluator.structure().system.unknowns() > most_unknowns)
+    return false;
+  const FreeDirections free = analyze(&findFreeDirections);
+  const auto freeThere = [&] {
+    const FreeDirections there = analyze(&findFreeDirections);
+    return there.count - there.gauge;
+  };
+  if (free.count <= free.gauge) return false;
+  ValueSnapshot start(problem);
+  try {
+    return run([&] {
+      evaluator.linearize();
+      const Eigen::MatrixXd steps = asSteps(evaluator, free.basis);
+      for (Eigen::Index k = 0; k < steps.cols(); ++k) {
+        for (const double length : {0.1, -0.1, 1.0, -1.0, 10.0, -10.0}) {
+          const bool is_better = std::isfinite(evaluator.tryStep(length * steps.col(k))) &&
+                                 freeThere() < free.count - free.gauge;
+          evaluator.undo();
+          if (is_better) return true;
+        }
+      }
+      return false;
+    });
+  } catch (const Error&) {  // a user's function has no value there
+    start.restore();
+    return false;
+  }
+}
+
+void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why,
+                                     Summary& summary) {
+  ValueSnapshot before(problem);
+  Summary nearer = by_damping();
+  if (nearer.converged) {
+    Summary again = fit();
+    if (again.converged) {
+      goOn(summary, std::move(nearer));
+      goOn(summary, std::move(again));
+      summary.warnings.push_back(std::string(why) + "; Levenberg-Marquardt left it first");
+      return;
+    }
+  }
+  before.restore();
+  current.reset();
+}
+
+Summary Estimator::optimize(const Options& options) { return state_->optimize(*state_->algorithm, options); }
+
+Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
+  by.reset();
+  current.reset();
+  Summary before;
+  fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
+  RankAtEnd rank;
+  const auto fitBy = [&](Algorithm& algorithm, const Options& limits) {
+    return run([&] {
+      return runAlgorithm(evaluator, algorithm, limits, sigma == Sigma::estimated, rank,
+                          [this] { return analyze(&findFreeDirections); });
+    });
+  };
+  const auto fit = [&] { return fitBy(by, options); };
+  std::unique_ptr<FreeNetwork> network = gauge == FreeGauge::inner_constraints ? freeNetwork() : nullptr;
+  const bool is_free = network != nullptr;
+  Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
+  summary.is_free_network = is_free;
+  const bool may_go_on =
+      summary.stop_reason == StopReason::rank_deficient && options.fall_back && by.safeguarded() != nullptr;
+  const bool is_hidden = evaluator.wasHidden();
+  if (may_go_on && (is_hidden || isSingularStart(summary))) {
+    LevenbergMarquardt damped;
+    Options limits = options;
+    if (!is_hidden) limits.max_iterations = fewIterations(options);
+    const RankAtEnd rank_before = rank;
+    fitFromNearer(
+        fit, [&] { return fitBy(damped, limits); },
+        is_hidden ? "rounding errors of the residuals at the start hide what an unknown changes"
+                  : "the start leaves unknowns free, to first order",
+        summary);
+    if (!summary.converged) rank = rank_before;
+  }
+  summary.groups = std::move(before.groups);
+  complete(summary, options, rank);
+  unconverged = summary.converged ? "" : toString(summary.stop_reason);
+  unconverged_values = problem.valueRevision();
+  unconverged_structure = problem.structureRevision();
+  return summary;
+}
+
+void Estimator::changeAlgorithm(Algorithm* algorithm) {
+  if (algorithm == nullptr) {
+    throw Error("slom.no-algorithm",
+                "changeAlgorithm got a null pointer; pass a new GaussNewton, LevenbergMarquardt or "
+                "DogLeg",
+                "changeAlgorithm");
+  }
+  std::unique_ptr<Algorithm> owned(algorithm);  // also where there is no state
+  state_->algorithm = std::move(owned);
+}
+
+void Estimator::changeSolver(std::unique_ptr<LinearSolver> solver) {
+  if (!solver)
+    throw Error("slom.no-solver", "changeSolver got a null pointer; pass a BlockSolver, BlockQR or DenseQR",
+                "changeSolver");
+  state_->current.reset();
+  state_->evaluator.setSolver(*solver);
+  state_->solver = std::move(solver);
+}
+
+void Estimator::setThreads(int threads) {
+  if (threads < 0) {
+    throw Error("slom.bad-option",
+                "the number of threads is " + std::to_string(threads) +
+                    "; pass a positive number, or 0 for as many as the machine has",
+                "threads");
+  }
+  state_->arena.setThreads(threads);
+  state_->threads = threads;
+}
+
+double Estimator::getRSS() const {
+  return state_->run([&] { return state_->linearizer.rss(problem()); });
+}
+
+double Estimator::rssOfPools(const std::vector<const MeasurementPool*>& pools) const {
+  const std::vector<double> rss = state_->run([&] { return state_->linearizer.rssPerPool(problem()); });
+  double sum = 0;
+  for (std::size_t g = 0; g < rss.size(); ++g) {
+    if (std::find(pools.begin(), pools.end(), problem().pools()[g].get()) != pools.end()) sum += rss[g];
+  }
+  return sum;
+}
+
+double Estimator::rssOfVariable(int variable) const {
+  double sum = 0;
+  problem().forEachUse(variable, [&](MeasurementPool& pool, int i) { sum += rssOfMeasurement(pool, i); });
+  return sum;
+}
+
+double Estimator::getRSS(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  return rssOfMeasurement(*pool, i);
+}
+
+double Estimator::rssOfMeasurement(MeasurementPool& pool, int i) const {
+  const double s = squaredResidual(problem(), pool, i);
+  const Loss* loss = pool.lossOf(i);
+  return loss == nullptr || !std::isfinite(s) ? s : loss->evaluate(s).rho;
+}
+
+double Estimator::weight(const MeasurementHandle& id) const {
+  const auto [pool, i] = problem().locate(id);
+  const Loss* loss = pool->lossOf(i);
+  return loss == nullptr ? 1 : loss->evaluate(squaredResidual(problem(), *pool, i)).first;
+}
+
+double Estimator::getRMS() const {
+  const int residuals = getM();
+  return residuals > 0 ? std::sqrt(getRSS() / residuals) : 0;
+}
+
+int Estimator::getM() const { return state_->evaluator.structure().residuals; }
+int Estimator::getN() const { return problem().freeCount(); }
+
+void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const {
+  problem().naming(pool, [&] {
+    if (whitened) {
+      pool.evaluate(i, i + 1, r);
+    } else {
+      pool.evaluateRaw(i, r);
+    }
+  });
+}
+
+void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(problem(), r); }
+
+void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
+  const double factor = state_->varianceFactor();
+  const Eigen::MatrixXd result = factor * state_->analyze([&](const LinearizedProblem& linearized) {
+    return covarianceBlock(linearized, state_->gauge, variable_a, variable_b);
+  });
+  std::copy(result.data(), result.data() + result.size(), block);
+}
+
+void Estimator::writeJointCovariance(const int* variables, int count, double* out) const {
+  const double factor = state_->varianceFactor();
+  const Eigen::MatrixXd result = factor * state_->analyze([&](const LinearizedProblem& linearized) {
+    return slom::jointCovariance(linearized, state_->gauge, {variables, variables + count});
+  });
+  std::copy(result.data(), result.data() + result.size(), out);
+}
+
+void Estimator::writeDeviations(int variable, double* deviations) const {
+  const int dof = problem().variables()[static_cast<std::size_t>(variable)].dof;
+  Eigen::MatrixXd C(dof, dof);
+  writeCovariance(variable, variable, C.data());
+  Eigen::Map<Eigen::VectorXd>(deviations, dof) = detail::deviations(C);
+}
+
+Marginals Estimator::marginals() const {
+  const double factor = state_->varianceFactor();
+  return state_->analyze(
+      [&](const LinearizedProblem& linearized) { return makeMarginals(linearized, state_->gauge, factor); });
+}
+
+/// Whitened, residuals x unknowns, column-major.
+void Estimator::writeJacobian(double* J) const {
+  const Eigen::MatrixXd all = state_->analyze([](const LinearizedProblem& linearized) {
+    const Eigen::Index n = linearized.structure().system.unknowns();
+    return linearized.times(Eigen::MatrixXd::Identity(n, n));
+  });
+  std::copy_n(all.data(), all.size(), J);
+}
+
+void Estimator::setFreeGauge(FreeGauge gauge) { state_->gauge = gauge; }
+
+FreeGauge Estimator::freeGauge() const { return state_->gauge; }
+
+void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
+
+Sigma Estimator::sigma() const { return state_->sigma; }
+
+int Estimator::State::redundancy() {
+  // With FreeGauge::error there are no covariances where directions are free.
+  const bool may_be_free = gauge == FreeGauge::inner_constraints;
+  return analyze([&](const LinearizedProblem& linearized) {
+    return linearized.structure().residuals - linearized.freeUnknowns() +
+           (may_be_free ? linearized.freeDirections() : 0);
+  });
+}
+
+double Estimator::State::varianceFactor() {
+  if (sigma == Sigma::known) return 1;
+  const int dof = redundancy();
+  if (dof > 0) return linearized().rss() / dof;
+  const int residuals = evaluator.structure().residuals,
+            unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); }),
+            free = dof - residuals + unknowns;
+  throw Error("slom.no-redundancy",
+              "uncertainties can be estimated from residuals only when there are more of them than "
+              "unknowns; here are " +
+                  std::to_string(residuals) + " residuals and " + std::to_string(unknowns) + " unknowns" +
+                  (free > 0 ? ", " + counted(free, "direction") + " of them free" : "") +
+                  "; add measurements or use Sigma::known");
+}
+
+bool Estimator::State::isAtMinimum(double variance_factor) {
+  if (analyze([](const LinearizedProblem& linearized) { return linearized.orthogonality(); }) < kAtMinimum)
+    return true;
+  return run([&] {
+    evaluator.linearize();
+    const Evaluator::Promise promise =
+        evaluator.promise();  // residuals that are rounding errors have any direction
+    const double near = std::max(kAtMinimum, problem.largestStatedStep());
+    return promise.is_known && promise.decrease <= near * near * variance_factor;
+  });
+}
+
+void Estimator::addParametersTo(Summary& summary) const {
+  const double factor = state_->varianceFactor();
+  state_->analyze([&](const LinearizedProblem& linearized) {
+    addParameters(linearized, state_->gauge, factor, summary);
+  });
+}
+
+Diagnosis Estimator::diagnose() const {
+  Diagnosis result =
+      state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
+  result.unconverged = state_->whyUnconverged();
+  for (Finding& finding : result.findings)  // what is free is meant to be
+    finding.is_fault =
+        finding.is_fault && !(finding.kind == Finding::Kind::gauge && state_->gauge != FreeGauge::error);
+  if (state_->sigma == Sigma::estimated)
+    std::erase_if(result.findings,
+                  [](const Finding& finding) { return finding.kind == Finding::Kind::implausible_sigma; });
+  return result;
+}
+
+OutlierReport Estimator::outliers(const OutlierOptions& options) const {
+  const double factor = state_->varianceFactor();
+  const int redundancy = state_->sigma == Sigma::estimated ? state_->redundancy() : 0;
+  OutlierReport result = state_->analyze([&](const LinearizedProblem& linearized) {
+    return checkResiduals(linearized, options, factor, redundancy, state_->gauge);
+  });
+  result.noise = state_->noiseOfTests(factor);
+  result.unconverged = state_->whyUnconverged();
+  return result;
+}
+
+Preflight Estimator::preflight() const {
+  return state_->analyze([](const LinearizedProblem& linearized) { return slom::preflight(linearized); });
+}
+
+void Estimator::bound(int variable, const std::string& path, double lower, double upper) {
+  std::vector<int> components(at(dofOf(variable)));
+  std::iota(components.begin(), components.end(), 0);
+  if (!path.empty()) components = problem().componentsAt(variable, path);
+  problem().setBound(variable, components, lower, upper);
+}
+
+void Estimator::setFixed(int variable, int first, int count, bool is_fixed) {
+  std::vector<int> components(static_cast<std::size_t>(count));
+  std::iota(components.begin(), components.end(), first);
+  problem().setFixed(variable, components, is_fixed);
+}
+
+void Estimator::raiseNoMember(int variable) const {
+  throw Error("slom.no-component",
+              "the member passed with variable " + problem().variableName(variable) +
+                  " is not one of its manifold's parts; pass one that [+] moves",
+              problem().variableName(variable));
+}
+
+DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }
+
+std::vector<std::string> Estimator::warnings() const { return unmeasuredVariables(problem()); }
+
+}  // namespace slom
