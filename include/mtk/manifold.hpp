@@ -151,6 +151,8 @@ struct ManifoldTraits<M> {
       static_assert(DOF == Dynamic || std::size(M::component_names) == std::size_t(DOF),
                     "mtk: `component_names` has one name for each degree of freedom (`DOF`)");
       for (const auto& name : M::component_names) sink(detail::joinPath(path, name));
+    } else if constexpr (DOF == Dynamic && requires { x.componentNames(); }) {
+      for (const auto& name : x.componentNames()) sink(detail::joinPath(path, name));
     } else {
       detail::visitIndexNames(dof(x), detail::DerivesFromEigen<M>, path, sink);
     }

@@ -8,7 +8,7 @@
 
 #include "calibrate/calibrate_command.hpp"
 #include "calibrate/library.hpp"
-#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/models/lens.hpp"
 #include "calibration/simulated_views.hpp"
 
 namespace slom::app::calib {
@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 using slom::testing::readFile;
 
-CameraResult lensOf(const std::vector<double>& values) {
+CameraResult cameraOf(const std::vector<double>& values) {
   CameraResult camera;
   camera.model = "double_sphere";
   const std::vector<std::string>& names = Model("double_sphere").parameters();
@@ -39,7 +39,7 @@ vec2 pixelByFormula(const std::vector<double>& c, const vec3& p) {
 TEST(DoubleSphere, AgreesWithItsFormula) {
   for (const auto& [xi, alpha] : {std::pair(-0.18, 0.59), {0., 0.5}, {0.3, 0.2}, {0., 0.}, {-0.4, 0.8}}) {
     const std::vector<double> c{300, 310, 320, 240, xi, alpha};
-    const CameraResult lens = lensOf(c);
+    const CameraResult lens = cameraOf(c);
     for (const vec3& p : {vec3(0.1, -0.2, 1.), vec3(-1.1, -0.9, 1.2), vec3(0., 0., 1.), vec3(1e-9, 0., 2.),
                           vec3(1., 0.5, 0.4)})
       EXPECT_LT((lens.project(p) - pixelByFormula(c, p)).norm(), 1e-10)
@@ -48,14 +48,14 @@ TEST(DoubleSphere, AgreesWithItsFormula) {
 }
 
 TEST(DoubleSphere, IsAPinholeWithoutSphereAndShift) {
-  const vec2 pixel = lensOf({500, 510, 320, 240, 0, 0}).project(vec3(0.3, -0.2, 1.5));
+  const vec2 pixel = cameraOf({500, 510, 320, 240, 0, 0}).project(vec3(0.3, -0.2, 1.5));
   EXPECT_LT((pixel - vec2(500 * 0.2 + 320, -510 * 0.2 / 1.5 + 240)).norm(), 1e-10);
 }
 
 TEST(DoubleSphere, SeesBeyondItsSideAndNothingOutOfItsDomain) {
   // z > -w2 |p| with w1 = (1 - 0.59) / 0.59: 126 degrees off the axis.
   const double w1 = 0.41 / 0.59, w2 = (w1 - 0.18) / std::sqrt(-2 * w1 * 0.18 + 0.18 * 0.18 + 1);
-  const CameraResult lens = lensOf(fisheye_lens);
+  const CameraResult lens = cameraOf(fisheye_lens);
   for (const double angle : {std::acos(-w2) - 1e-3, 1.7, 1.0})
     EXPECT_TRUE(lens.project(vec3(std::sin(angle), 0., std::cos(angle))).allFinite()) << angle;
   for (const double angle : {std::acos(-w2) + 1e-3, 2.5, M_PI})
@@ -63,7 +63,7 @@ TEST(DoubleSphere, SeesBeyondItsSideAndNothingOutOfItsDomain) {
 }
 
 TEST(DoubleSphere, ARayIsSeenAtItsPixel) {
-  const CameraResult lens = lensOf(fisheye_lens);
+  const CameraResult lens = cameraOf(fisheye_lens);
   for (double u = 0; u <= 640; u += 80) {
     for (double v = 0; v <= 480; v += 80) {
       const auto ray = lens.ray(vec2(u, v));
@@ -79,7 +79,7 @@ Result calibrated(const std::vector<double>& truth, const testing::Scene& scene,
   settings.model = Model("double_sphere");
   settings.sigma_px = std::max(scene.sigma_px, 0.01);
   settings.lens = constraints;
-  return calibrate(testing::simulated(*makeLens(lensOf(truth)), scene, seed), settings);
+  return calibrate(testing::simulated(lensOf(cameraOf(truth)), scene, seed), settings);
 }
 
 const std::vector<std::vector<double>> lenses{fisheye_lens,
@@ -148,7 +148,7 @@ TEST(DoubleSphere, SeesAsTheTruthDoesWithNoise) {
       const Result result = calibrated(truth, scene, seed);
       ASSERT_TRUE(result.success()) << result.message << result.undetermined << " seed " << seed;
       EXPECT_NEAR(result.chi2PerDof(), 1, 0.2);
-      const CameraResult &found = result.cameras[0], lens = lensOf(truth);
+      const CameraResult &found = result.cameras[0], lens = cameraOf(truth);
       const vec2 centre = found.project(vec3(0., 0., 1.)), true_centre = lens.project(vec3(0., 0., 1.));
       for (const double angle : {0.2, 0.4, 0.6}) {
         const vec3 ray(std::sin(angle), 0., std::cos(angle));
@@ -166,7 +166,7 @@ struct Command : ::testing::Test {
     slom::testing::writeFile(
         folder / "cam.csv",
         "# image_size_px: 640 x 480\n" +
-            testing::cornerFile(testing::simulated(*makeLens(lensOf(fisheye_lens)), scene, 1).cameras[0]));
+            testing::cornerFile(testing::simulated(lensOf(cameraOf(fisheye_lens)), scene, 1).cameras[0]));
   }
   testing::CommandResult run(std::vector<std::string> options) const {
     options.insert(options.begin(),

@@ -116,13 +116,14 @@ TEST(CameraModels, DifferentiateViews) {
   const SE3 left2world(SO3::exp(vec3(0.3, -0.2, 0.1)) * SO3::exp(vec3(M_PI, 0., 0.)), vec3(0.05, -0.02, 1.));
   const SE3 left2camera(SO3::exp(vec3(-0.05, 0.1, 0.02)), vec3(-0.1, 0.01, 0.03));
   Estimator est;
-  const auto camera = est.insertRV(rational, true, "camera");
+  const Lens lens(Model("opencv8"), {rational.begin(), rational.end()});
+  const auto camera = est.insertRV(lens, true, "camera");
   const auto pose = est.insertRV(left2world, true, "left2world");
   const auto other = est.insertRV(left2camera, true, "left2camera");
   est.insertMeasurement(ViewOfLeft(view), camera, pose, named("left"));
-  est.insertMeasurement(ViewOfLeft(view), rational, pose, named("left, known camera"));
+  est.insertMeasurement(ViewOfLeft(view), lens, pose, named("left, known camera"));
   est.insertMeasurement(ViewOfOther(view), camera, other, pose, named("other"));
-  est.insertMeasurement(ViewOfOther(view, 1, 2), rational, left2camera, pose, named("other, known camera"));
+  est.insertMeasurement(ViewOfOther(view, 1, 2), lens, left2camera, pose, named("other, known camera"));
   const DerivativeCheck check = est.checkDerivatives();
   EXPECT_TRUE(check.ok()) << check;
   EXPECT_EQ(check.groups.size(), 4u);

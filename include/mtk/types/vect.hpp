@@ -4,7 +4,8 @@
 ///   names    x, y, z for N = 2 and 3, otherwise 0, 1, ...
 ///   a + b, a - b, 2 * a are values: mtk/types/vect_arithmetic.hpp
 /// Derive from it to give the numbers a meaning: `struct Camera : mtk::vect<9> { ... };`. A derived type can
-/// name its components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};`
+/// name its components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};` or, if its size is known only at run
+/// time, by a member function `componentNames()` that returns one name for each entry.
 #pragma once
 
 #include <array>

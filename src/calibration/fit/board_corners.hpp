@@ -13,14 +13,14 @@ class CornerOfShape {
   CornerOfShape(const Corner& corner, const BoardBasis& basis)
       : corner_(&corner), map_(&basis.map(basis.find(corner.world))) {}
 
-  vec2 operator()(const auto& camera, const SE3& left2camera, const SE3& left2world,
+  vec2 operator()(const Lens& camera, const SE3& left2camera, const SE3& left2world,
                   const vec3& shape) const {
     const vec3 in_left = left2world.inverse() * at(shape);
     return vec2(camera.project(left2camera * in_left) - corner_->pixel);
   }
 
  protected:
-  void differentiated(const auto& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
+  void differentiated(const Lens& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
                       auto by_camera, auto by_left2camera, auto by_left2world, auto& by_shape) const {
     const vec3 point = at(shape);
     Eigen::Matrix<double, 2, 6> pose;
@@ -42,10 +42,10 @@ class CornerOfShape {
 /// As the reference camera sees it.
 struct CornerOfShapeInLeft : CornerOfShape {
   using CornerOfShape::CornerOfShape;
-  vec2 operator()(const auto& camera, const SE3& left2world, const vec3& shape) const {
+  vec2 operator()(const Lens& camera, const SE3& left2world, const vec3& shape) const {
     return CornerOfShape::operator()(camera, SE3(), left2world, shape);
   }
-  void jacobian(const auto& camera, const SE3& left2world, const vec3& shape, auto& by_camera,
+  void jacobian(const Lens& camera, const SE3& left2world, const vec3& shape, auto& by_camera,
                 auto& by_left2world, auto& by_shape) const {
     differentiated(camera, SE3(), left2world, shape, &by_camera, nullptr, &by_left2world, by_shape);
   }
@@ -54,7 +54,7 @@ struct CornerOfShapeInLeft : CornerOfShape {
 /// As another camera sees it.
 struct CornerOfShapeInOther : CornerOfShape {
   using CornerOfShape::CornerOfShape;
-  void jacobian(const auto& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
+  void jacobian(const Lens& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
                 auto& by_camera, auto& by_left2camera, auto& by_left2world, auto& by_shape) const {
     differentiated(camera, left2camera, left2world, shape, &by_camera, &by_left2camera, &by_left2world,
                    by_shape);

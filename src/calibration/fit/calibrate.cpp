@@ -12,6 +12,7 @@
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/corner_noise.hpp"
 #include "calibration/fit/mirrored_views.hpp"
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/far_off.hpp"
@@ -53,8 +54,7 @@ void predictRejected(const Dataset& of_flat_board, Result& result) {
 
 /// Another fit, of the same images and from the values of the first one, which also says what only a fit from the beginning can say.
 Result fittedAgain(const Dataset& data, const Settings& settings, const Result& first) {
-  const auto& model = settings.model.definition();
-  Result next = data.imu ? model.calibrate(data, settings, {}) : model.calibrate_from(first, data, settings);
+  Result next = data.imu ? calibrateModel(data, settings, {}) : calibrateModelFrom(first, data, settings);
   next.rejected = first.rejected;
   next.strays = first.strays;
   next.sigma_denominator = first.sigma_denominator;
@@ -190,7 +190,7 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   Result without;
   without.rejected = farOffCorners(data);
   const Dataset rest = withoutRejected(data, without);
-  Result result = settings.model.definition().calibrate(rest, settings, ofCameras(data, rest, progress));
+  Result result = calibrateModel(rest, settings, ofCameras(data, rest, progress));
   result.rejected = std::move(without.rejected);
   result = withTakenBack(data, settings, std::move(result));
   if (settings.robust == Robust::reject) result = withoutGrossCorners(data, settings, std::move(result));
@@ -205,7 +205,7 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
 /// A fit of all data, without single corners that the others contradict.
 Result fitOfAll(const Dataset& data, const Settings& settings, const Progress& progress) {
   if (settings.robust != Robust::none) return withoutFarOffCorners(data, settings, progress);
-  Result result = settings.model.definition().calibrate(data, settings, progress);
+  Result result = calibrateModel(data, settings, progress);
   if (isRefined(settings)) return refined(data, settings, std::move(result));
   addClustered(data, result);
   return result;
@@ -273,7 +273,7 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
 
 Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
   checkConnected(data);
-  Result result = settings.model.definition().calibrate_from(start, data, settings);
+  Result result = calibrateModelFrom(start, data, settings);
   addClustered(data, result);
   return result;
 }

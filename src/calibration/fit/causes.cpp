@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/parallel_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
@@ -44,7 +45,7 @@ void lookForBetterModel(const Dataset& data, const Settings& settings, Result& r
       continue;
     Settings other = settings;
     other.model = Model(name);
-    const ModelTrial trial = other.model.definition().try_model(data, other);
+    const ModelTrial trial = tryModel(data, other);
     if (!trial.failure.empty() || !(trial.rms_px < std::fmin(obvious * rms, 8 * settings.sigma_px + 1)))
       continue;
     if (result.better_model && result.better_model->rms_px <= trial.rms_px) continue;

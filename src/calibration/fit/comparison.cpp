@@ -8,6 +8,7 @@
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/fit/rig_fit.hpp"
 #include "calibration/initialization/far_off.hpp"
 #include "calibration/limits.hpp"
@@ -41,7 +42,7 @@ ModelTrial tryOne(const Dataset& data, const Settings& settings, Comparison& com
   std::string reason;
   try {
     requireTime(settings.limits);
-    trial = settings.model.definition().try_model(data, settings);
+    trial = tryModel(data, settings);
     if (!trial.failure.empty()) reason = reasonToEnd(settings.limits);
   } catch (const WorkEnded& ended) {
     reason = ended.what();

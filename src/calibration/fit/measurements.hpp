@@ -8,7 +8,7 @@
 #include <slom/slom.hpp>
 
 #include "calibration/cross_matrix.hpp"
-#include "calibration/models/camera.hpp"
+#include "calibration/models/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/types.hpp"
 
@@ -24,17 +24,17 @@ struct CornerInOther {
 
 /// Rows of the Jacobian of pixels of points [px], two for each: `point_of(i)` in the world, i < count. A
 /// block that is a nullptr is not asked for. Right perturbation of rotations, translation before rotation.
-template <class Camera, class PointOf, class ByCamera, class ByLeft2Camera, class ByLeft2World>
-void differentiatePixels(const Camera& camera, const SE3& left2camera, const SE3& left2world,
-                         std::size_t count, const PointOf& point_of, ByCamera by_camera,
-                         ByLeft2Camera by_left2camera, ByLeft2World by_left2world) {
+template <class PointOf, class ByCamera, class ByLeft2Camera, class ByLeft2World>
+void differentiatePixels(const Lens& camera, const SE3& left2camera, const SE3& left2world, std::size_t count,
+                         const PointOf& point_of, ByCamera by_camera, ByLeft2Camera by_left2camera,
+                         ByLeft2World by_left2world) {
   const Eigen::Matrix3d R = left2camera.orient.toRotationMatrix();
   const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
   const Eigen::Vector3d origin = left2world.pos, offset = left2camera.pos;
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = 2 * Eigen::Index(i);
     const Eigen::Vector3d in_left = world2left * (point_of(i) - origin);
-    const auto d = differentiate(camera, R * in_left + offset);
+    const auto d = camera.differentiate(R * in_left + offset);
     const Eigen::Matrix<double, 2, 3> by_left = d.by_point * R;
     const Eigen::Matrix<double, 2, 3> by_turn = by_left * crossMatrix(in_left);
     if constexpr (!std::is_null_pointer_v<ByCamera>) by_camera->template middleRows<2>(row) = d.by_parameters;
@@ -56,7 +56,7 @@ class CornersOfView {
   explicit CornersOfView(const View& view, std::size_t first = 0, std::size_t step = 1)
       : corners_(&view.corners), first_(first), step_(step) {}
 
-  Eigen::VectorXd operator()(const auto& camera, const SE3& left2camera, const SE3& left2world) const {
+  Eigen::VectorXd operator()(const Lens& camera, const SE3& left2camera, const SE3& left2world) const {
     const Eigen::Matrix3d R = (left2camera.orient * left2world.orient.inverse()).toRotationMatrix();
     const Eigen::Vector3d offset = left2camera.pos - R * left2world.pos;
     Eigen::VectorXd difference(2 * Eigen::Index(count()));
@@ -69,7 +69,7 @@ class CornersOfView {
   }
 
  protected:
-  void differentiated(const auto& camera, const SE3& left2camera, const SE3& left2world, auto by_camera,
+  void differentiated(const Lens& camera, const SE3& left2camera, const SE3& left2world, auto by_camera,
                       auto by_left2camera, auto by_left2world) const {
     differentiatePixels(
         camera, left2camera, left2world, count(), [&](std::size_t i) { return corner(i).world; }, by_camera,
@@ -96,13 +96,13 @@ class CornersOfView {
 /// Corners as the reference camera sees them. The camera may be known.
 struct ViewOfLeft : CornersOfView {
   using CornersOfView::CornersOfView;
-  Eigen::VectorXd operator()(const auto& camera, const SE3& left2world) const {
+  Eigen::VectorXd operator()(const Lens& camera, const SE3& left2world) const {
     return CornersOfView::operator()(camera, SE3(), left2world);
   }
-  void jacobian(const auto& camera, const SE3& left2world, auto& by_camera, auto& by_left2world) const {
+  void jacobian(const Lens& camera, const SE3& left2world, auto& by_camera, auto& by_left2world) const {
     differentiated(camera, SE3(), left2world, &by_camera, nullptr, &by_left2world);
   }
-  void jacobian(const auto& camera, const SE3& left2world, auto& by_left2world) const {
+  void jacobian(const Lens& camera, const SE3& left2world, auto& by_left2world) const {
     differentiated(camera, SE3(), left2world, nullptr, nullptr, &by_left2world);
   }
 };
@@ -110,11 +110,11 @@ struct ViewOfLeft : CornersOfView {
 /// Corners as another camera sees them. The camera and left2camera may be known.
 struct ViewOfOther : CornersOfView {
   using CornersOfView::CornersOfView;
-  void jacobian(const auto& camera, const SE3& left2camera, const SE3& left2world, auto& by_camera,
+  void jacobian(const Lens& camera, const SE3& left2camera, const SE3& left2world, auto& by_camera,
                 auto& by_left2camera, auto& by_left2world) const {
     differentiated(camera, left2camera, left2world, &by_camera, &by_left2camera, &by_left2world);
   }
-  void jacobian(const auto& camera, const SE3& left2camera, const SE3& left2world,
+  void jacobian(const Lens& camera, const SE3& left2camera, const SE3& left2world,
                 auto& by_left2world) const {
     differentiated(camera, left2camera, left2world, nullptr, nullptr, &by_left2world);
   }

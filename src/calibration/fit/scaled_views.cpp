@@ -12,11 +12,12 @@
 #include "calibration/cross_matrix.hpp"
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/initialization/view_pose.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
-#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/models/lens.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -43,7 +44,7 @@ double rmsOfBestPose(const Lens& lens, const View& view, double pixel_scale, SE3
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
     for (const Corner& corner : view.corners) {
       const vec3 point(world2camera * corner.world);
-      const Lens::PointProjection at = lens.differentiateByPoint(point);
+      const Lens::PointProjection at = lens.differentiate(point);
       const Eigen::Vector2d e = at.pixel - vec2(pixel_scale * corner.pixel);
       Eigen::Matrix<double, 2, 6> J;
       J << at.by_point, -at.by_point * crossMatrix(point);
@@ -71,7 +72,7 @@ double rmsOfBestPose(const Lens& lens, const View& view, double pixel_scale, SE3
 double rmsOfBestPose(const Result& result, std::size_t c, const View& view, double pixel_scale, Look look) {
   constexpr std::size_t most_starts = 12;
   const CameraResult& camera = result.cameras[c];
-  const std::unique_ptr<Lens> lens = makeLens(camera);
+  const Lens lens = lensOf(camera);
   View scaled = view;
   for (Corner& corner : scaled.corners) corner.pixel *= pixel_scale;
   const PlaneView plane(scaled);
@@ -84,7 +85,7 @@ double rmsOfBestPose(const Result& result, std::size_t c, const View& view, doub
     starts.push_back(camera.left2camera * result.images[i].left2world.inverse());
   double least = std::numeric_limits<double>::infinity();
   for (const SE3& start : starts)
-    least = std::min(least, rmsOfBestPose(*lens, view, pixel_scale, start, look));
+    least = std::min(least, rmsOfBestPose(lens, view, pixel_scale, start, look));
   return least / pixel_scale;
 }
 
@@ -139,7 +140,7 @@ bool maybeOfAnotherSize(const Dataset& data, const Settings& settings, const Res
     rest.imu.reset();
     try {
       checkConnected(rest);
-      const Result without = settings.model.definition().calibrate_from(result, rest, settings);
+      const Result without = calibrateModelFrom(result, rest, settings);
       if (!without.success()) continue;
       for (std::size_t c = 0; c < data.cameras.size(); ++c) {
         for (const View& view : data.cameras[c].views) {
@@ -165,7 +166,7 @@ void scaleView(Dataset& data, std::size_t c, int image, double factor) {
 /// RSS of a fit from the beginning; infinite where it fails.
 double rssOf(const Dataset& data, const Settings& settings) {
   try {
-    const Result result = settings.model.definition().calibrate(data, settings, {});
+    const Result result = calibrateModel(data, settings, {});
     if (result.success() && result.strays.empty()) return result.rss;
   } catch (const slom::Error&) {
   }
@@ -214,7 +215,7 @@ double gainOfScaling(Dataset data, const Settings& settings, const Result& with_
     scaleView(data, indexOf(with_all, stray.camera), stray.image, 1 / stray.size);
   data.imu.reset();
   try {
-    const Result scaled = settings.model.definition().calibrate(data, settings, {});
+    const Result scaled = calibrateModel(data, settings, {});
     if (!scaled.success() || !scaled.strays.empty()) return 0;
     const double noise = scaled.chi2PerDof();
     return noise > 0 ? (with_all.rss - scaled.rss) / noise : 0;
@@ -238,7 +239,7 @@ std::vector<Stray> viewsOfAnotherSize(Dataset data, const Settings& settings, co
         const Dataset others = withoutViews(data, {one});
         if (!is_enough(others)) return found;
         try {
-          const Result without = settings.model.definition().calibrate_from(current, others, settings);
+          const Result without = calibrateModelFrom(current, others, settings);
           const auto scale = scaleOf(without, c, view, found.empty() ? 1 : found.back().size);
           if (!scale || !without.success()) continue;
           Stray stray = one;
@@ -254,7 +255,7 @@ std::vector<Stray> viewsOfAnotherSize(Dataset data, const Settings& settings, co
     data = withoutViews(all, found);
     data.imu.reset();
     try {
-      current = settings.model.definition().calibrate_from(current, data, settings);
+      current = calibrateModelFrom(current, data, settings);
     } catch (const slom::Error&) {
       return found;
     }

@@ -10,6 +10,7 @@
 
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/fit/scaled_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
@@ -179,7 +180,7 @@ std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& se
     if (!suffices(rest, data)) break;
     rest.imu.reset();
     try {
-      current.result = settings.model.definition().calibrate_from(current.result, rest, settings);
+      current.result = calibrateModelFrom(current.result, rest, settings);
     } catch (const slom::Error&) {
       break;
     }

@@ -6,14 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "slom/calibration/calibrate.hpp"
-#include "slom/calibration/comparison.hpp"
-#include "slom/calibration/models.hpp"
-#include "slom/calibration/result.hpp"
+#include "calibration/models/camera.hpp"
+#include "calibration/models/lens.hpp"
 
 namespace slom::calibration {
-
-class Lens;
 
 struct ModelDefinition {
   using Numbers = std::vector<double>;
@@ -24,10 +20,14 @@ struct ModelDefinition {
   std::vector<int> held_near_zero;  ///< parameters of the prior Settings::sigma_denominator
   bool is_compared;                 ///< it is in comparedModels()
 
-  Result (*calibrate)(const Dataset&, const Settings&, const Progress&);
-  Result (*calibrate_from)(const Result& start, const Dataset&, const Settings&);
-  ModelTrial (*try_model)(const Dataset&, const Settings&);
-  std::unique_ptr<Lens> (*make_lens)(const Numbers& parameters);
+  StartLens start_lens;  ///< which lens its start values take it for
+  /// Start values, one in the basin of attraction of each minimum.
+  std::vector<Numbers> (*starts)(const Pinhole& pinhole);
+
+  vec2 (*project)(const double* parameters, const vec3& point);
+  void (*differentiate)(const double* parameters, const Eigen::Vector3d& point, Lens::Projection& projection);
+  Eigen::Matrix3d (*camera_matrix)(const Numbers& parameters);
+  Numbers (*distortion)(const Numbers& parameters);
   ForOther for_opencv, for_ros, for_kalibr;
 };
 

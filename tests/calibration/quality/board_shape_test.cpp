@@ -241,9 +241,7 @@ TEST(BoardShape, ClusteredDeviationsAreThoseOfTheLibrary) {
   const FittedRig rig(result);
   const WhitenedScores scores(*DataOnBoard(simulation.data, result.board), rig);
   Estimator est;
-  Opencv5<> start;
-  for (int i = 0; i < Opencv5<>::DOF; ++i) start[i] = result.cameras[0].parameters[std::size_t(i)].value;
-  const auto camera = est.insertRV(start);
+  const auto camera = est.insertRV(lensOf(result.cameras[0]));
   std::vector<VarID<vec3>> board;
   const BoardBasis basis(BoardShape::free, simulation.data);
   for (int i = 0; i < basis.points(); ++i) {

@@ -81,7 +81,7 @@ TEST(FurtherViews, AreWhereTheWordsSay) {
   const BoardOutline board = outlineOf(fullestView(r.data));
   for (const FurtherView& view : viewsOf(r)) {
     const SE3 board2camera = rig.left2camera[view.camera] * view.left2world.inverse() * board.board2world;
-    EXPECT_LT((rig.lenses[view.camera]->project(board2camera.pos) - view.pixel).norm(), 1e-3);
+    EXPECT_LT((rig.lenses[view.camera].project(board2camera.pos) - view.pixel).norm(), 1e-3);
     EXPECT_NEAR(board2camera.pos.norm(), view.distance_m, 1e-9);
     const vec3 normal = board2camera.orient * vec3(0., 0., 1.);
     EXPECT_NEAR(std::abs(normal.z()), std::cos(view.tilt_deg * M_PI / 180), 1e-9);

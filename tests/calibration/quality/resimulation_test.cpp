@@ -68,11 +68,11 @@ std::vector<Probe> probesOf(const RigTruth& truth) {
     CameraResult camera;
     camera.model = "opencv5";
     for (const double value : truth.cameras[c]) camera.parameters.push_back({"", value, 1});
-    const auto lens = makeLens(camera);
+    const auto lens = lensOf(camera);
     for (const double distance : {0.7, 2.0, at_infinity}) {
       for (const vec2& pixel : {vec2(320., 240.), vec2(0., 240.), vec2(320., 479.), vec2(0., 0.),
                                 vec2(639., 479.), vec2(500., 100.)}) {
-        probes.push_back({c, pixel, distance, *lens->unproject(pixel)});
+        probes.push_back({c, pixel, distance, *lens.unproject(pixel)});
       }
     }
   }
@@ -90,7 +90,7 @@ void addProjection(Probe& probe, const RigTruth& truth, const FittedRig& rig, co
     const vec3 in_left = truth.left2camera[c].inverse() * vec3(probe.distance_m * probe.ray);
     in_camera = rig.left2camera[c] * (motion.inverse() * in_left);
   }
-  const Eigen::Vector2d difference = rig.lenses[c]->project(in_camera) - probe.pixel;
+  const Eigen::Vector2d difference = rig.lenses[c].project(in_camera) - probe.pixel;
   const Eigen::Matrix2d covariance =
       projectedPoint(rig, c, probe.ray, probe.distance_m).covariance(posterior);
   probe.chi2 += difference.dot(covariance.inverse() * difference);

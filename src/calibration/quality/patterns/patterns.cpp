@@ -287,7 +287,7 @@ ResidualPattern CameraPatterns::driftOf(const PatternScores& scores) const {
 
 std::vector<ResidualPattern> CameraPatterns::all(const MatrixXd& covariance, const Limits& limits) {
   const int shared = rig_.columns.size;
-  for (int k = 0; k < rig_.lenses[c_]->parameters(); ++k) {
+  for (int k = 0; k < rig_.lenses[c_].parameters(); ++k) {
     const auto& free = rig_.columns.free;
     if (std::binary_search(free.begin(), free.end(), rig_.columns.lens[c_] + k)) free_.push_back(k);
   }

@@ -22,7 +22,7 @@ std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig&
   for (const View& view : data.views) {
     const SE3 world2camera = rig.left2camera[camera] * rig.left2world.at(view.image).inverse();
     for (const Corner& corner : view.corners) {
-      const vec2 predicted = rig.lenses[camera]->project(world2camera * corner.world);
+      const vec2 predicted = rig.lenses[camera].project(world2camera * corner.world);
       residuals.push_back(
           {view.image, corner.number, corner.line, corner.pixel, vec2(corner.pixel - predicted)});
     }

@@ -64,7 +64,7 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
     const SO3 turn = SO3::exp(angle);
     for (Compared& c : nodes) {
       c.ray = turn * c.ray;
-      c.at = second.differentiateByPoint(c.ray);
+      c.at = second.differentiate(c.ray);
       c.difference = vec2(c.at.pixel - grid.node(c.node));
     }
     if (angle.norm() < no_turn) break;
@@ -130,8 +130,8 @@ Eigen::MatrixXd wellConditioned(const ClusteredUncertainty& clustered, const Eig
 
 SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const ImageGrid& grid,
                         const Eigen::MatrixXd& covariance) {
-  const Lens& first = *a.rig.lenses[c];
-  const Lens& second = *b.rig.lenses[c];
+  const Lens& first = a.rig.lenses[c];
+  const Lens& second = b.rig.lenses[c];
   const auto rays = raysOf(first, grid), others = raysOf(second, grid);
   const auto stds = CameraPosterior(a.rig, a.posterior, c).stdOfRays(rays),
              other_stds = CameraPosterior(b.rig, b.posterior, c).stdOfRays(others);
@@ -141,7 +141,7 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
     const auto k = std::size_t(i);
     const double variance = (rays[k] ? std::pow(*std++, 2) : 0) + (others[k] ? std::pow(*other_std++, 2) : 0);
     if (!rays[k] || !others[k]) continue;
-    const Lens::PointProjection at = second.differentiateByPoint(*rays[k]);
+    const Lens::PointProjection at = second.differentiate(*rays[k]);
     // A lens that is hardly known projects some rays nowhere, or with no finite uncertainty.
     if (!at.pixel.allFinite() || !at.by_point.allFinite() || !(variance > 0) || !std::isfinite(variance))
       continue;
@@ -204,7 +204,7 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
     return half.clustered && half.clustered->isReliable();
   });
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-    const int n = halves[0]->rig.lenses[c]->parameters(), first = halves[0]->rig.columns.lens[c];
+    const int n = halves[0]->rig.lenses[c].parameters(), first = halves[0]->rig.columns.lens[c];
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
     for (std::size_t h = 0; h < halves.size(); ++h) {
       const Eigen::MatrixXd stated = halves[h]->posterior.covarianceOfShared();

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/models/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/result.hpp"
 

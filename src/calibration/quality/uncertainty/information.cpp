@@ -43,6 +43,29 @@ SharedColumns columnsOf(const Result& result) {
   return columns;
 }
 
+/// J^T J of the pixels of points in the world, J by the lens parameters and by left2camera (translation, rotation) [px]; its rows over the sigma of
+/// their points, if these are given.
+Eigen::MatrixXd squareOf(const Lens& lens, const SE3& left2camera, const SE3& left2world,
+                         const std::vector<vec3>& points, const std::vector<double>& sigmas) {
+  const int n = lens.parameters();
+  const Eigen::Matrix3d R = left2camera.orient.toRotationMatrix();
+  const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
+  Eigen::MatrixXd transposed(n + 6, 2 * Eigen::Index(points.size()));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double weight = sigmas.empty() ? 1 : 1 / sigmas[k];
+    const Eigen::Vector3d in_left = world2left * (points[k] - left2world.pos);
+    const Lens::Projection d = lens.differentiate(R * in_left + left2camera.pos);
+    auto columns = transposed.middleCols<2>(2 * Eigen::Index(k));
+    columns.topRows(n) = weight * d.by_parameters.transpose();
+    columns.middleRows<3>(n) = weight * d.by_point.transpose();
+    columns.bottomRows<3>().noalias() = crossMatrix(in_left) * (R.transpose() * columns.middleRows<3>(n));
+  }
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n + 6, n + 6);
+  square.selfadjointView<Eigen::Lower>().rankUpdate(transposed);
+  square.triangularView<Eigen::StrictlyUpper>() = square.transpose();
+  return square;
+}
+
 /// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
 /// by left2camera, times `pose`.
 void addCorners(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
@@ -51,11 +74,10 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& observat
   pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
   pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
   const double weight = 1 / (rig.sigma_px * rig.sigma_px);
-  const Lens::Square square =
-      weight *
-      rig.lenses[c]->square(rig.left2camera[c], observation.left2world, observation.points[c],
-                            observation.sigmas.empty() ? std::vector<double>() : observation.sigmas[c]);
-  const int n = rig.lenses[c]->parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
+  const Eigen::MatrixXd square =
+      weight * squareOf(rig.lenses[c], rig.left2camera[c], observation.left2world, observation.points[c],
+                        observation.sigmas.empty() ? std::vector<double>() : observation.sigmas[c]);
+  const int n = rig.lenses[c].parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
   const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
   H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
   H.bottomRows<6>().middleCols(lens, n) += pose.transpose().lazyProduct(square.bottomRows<6>().leftCols(n));
@@ -78,7 +100,7 @@ void addReading(const FittedRig& rig, const Observation& observation, Eigen::Mat
 /// Adds what the unknowns of the board are to the corners that camera c sees: to H, in which they follow the shared parameters.
 void addBoard(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
   const SeenBoard board(rig, c, observation.left2world);
-  const int n = rig.lenses[c]->parameters(), left2camera = rig.columns.pose[c];
+  const int n = rig.lenses[c].parameters(), left2camera = rig.columns.pose[c];
   for (std::size_t k = 0; k < observation.points[c].size(); ++k) {
     const vec3& point = observation.points[c][k];
     const double sigma = rig.sigma_px * (observation.sigmas.empty() ? 1 : observation.sigmas[c][k]);
@@ -116,7 +138,7 @@ SeenBoard::SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2w
 
 SeenBoard::Rows SeenBoard::rowsOf(const vec3& point) const {
   const Eigen::Vector3d in_left = world2left_ * (point - origin_);
-  Rows rows{rig_.lenses[camera_]->differentiate(vec3(left2camera_ * in_left + offset_)), {}, {}, {}};
+  Rows rows{rig_.lenses[camera_].differentiate(vec3(left2camera_ * in_left + offset_)), {}, {}, {}};
   const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_,
                                     by_turn = by_left * crossMatrix(in_left);
   rows.by_left2camera << rows.seen.by_point, -by_turn;
@@ -161,7 +183,7 @@ FittedRig::FittedRig(const Result& result)
       columns(columnsOf(result)) {
   if (result.board) board.emplace(*result.board);
   for (const CameraResult& camera : result.cameras) {
-    lenses.push_back(makeLens(camera));
+    lenses.push_back(lensOf(camera));
     left2camera.push_back(camera.left2camera);
   }
   for (const ImageResult& image : result.images) left2world[image.image] = image.left2world;

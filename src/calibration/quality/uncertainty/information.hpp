@@ -26,7 +26,7 @@
 
 #include "calibration/data/board_basis.hpp"
 #include "calibration/data/point_key.hpp"
-#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/models/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/result.hpp"
 
@@ -64,7 +64,7 @@ class BoardColumns {
 struct FittedRig {
   explicit FittedRig(const Result& result);
 
-  std::vector<std::unique_ptr<Lens>> lenses;
+  std::vector<Lens> lenses;
   std::vector<SE3> left2camera;
   std::map<int, SE3> left2world;
   std::optional<ImuResult> imu;

@@ -89,7 +89,7 @@ std::optional<PixelCovariance> PixelUncertainty::at(std::size_t camera, const ve
     refuseQuestion("distance_m",
                    fmt::format("the distance is {} m; pass a positive number, or infinity", distance_m));
   }
-  const std::optional<vec3> ray = impl_->rig.lenses[camera]->unproject(pixel);
+  const std::optional<vec3> ray = impl_->rig.lenses[camera].unproject(pixel);
   if (!ray) return std::nullopt;
   return impl_->cameras[camera].covarianceAt(*ray, distance_m);
 }

@@ -85,7 +85,7 @@ double largestStd(double uu, double uv, double vv) {
 ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& ray, double distance_m) {
   const SharedColumns& columns = rig.columns;
   const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
-  const Lens::Projection q = rig.lenses[c]->differentiate(ray);
+  const Lens::Projection q = rig.lenses[c].differentiate(ray);
   // In the left camera the point is distance * direction + origin; by one metre at this distance it moves by_point.
   const Eigen::Vector3d direction = R.transpose() * ray, origin = -(R.transpose() * rig.left2camera[c].pos);
   const Eigen::Matrix<double, 2, 3> by_point = q.by_point / distance_m, by_left = by_point * R;
@@ -100,7 +100,7 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
 }
 
 CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& posterior, std::size_t c)
-    : lens_(*rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
+    : lens_(rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
   // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this one, is how its centre moves.
   const SharedColumns& columns = rig.columns;
   const int n = lens_.parameters();

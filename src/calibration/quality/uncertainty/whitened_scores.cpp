@@ -132,7 +132,7 @@ MatrixXd WhitenedScores::onBoard(const Image& group) const {
 void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                              const MatrixXd& by_pose, const Matrix6& pose_inverse) {
   const SeenBoard board(rig, c, left2world);
-  const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], rig.lenses[c]->parameters()).transpose();
+  const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], rig.lenses[c].parameters()).transpose();
   const MatrixXd by_left2camera =
       c == 0 ? MatrixXd() : MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose());
   Eigen::Matrix<double, Eigen::Dynamic, 2> rows(K_.cols(), 2);

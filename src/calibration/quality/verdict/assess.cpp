@@ -62,7 +62,7 @@ void addProjection(const FittedRig& rig, const Posterior& posterior, const Poste
     CameraQuality& camera = cameras[c];
     const CameraPosterior known(rig, posterior, c);
     const double infinity = std::numeric_limits<double>::infinity();
-    const auto rays = raysOf(*rig.lenses[c], camera.grid);
+    const auto rays = raysOf(rig.lenses[c], camera.grid);
     camera.projection = known.maps(camera.grid, rays, {board_distance_m, infinity});
     camera.projection_stated =
         CameraPosterior(rig, stated, c).maps(camera.grid, rays, {board_distance_m, infinity});
@@ -72,7 +72,7 @@ void addProjection(const FittedRig& rig, const Posterior& posterior, const Poste
     for (int i = 0; i < distances; ++i)
       camera.distances_m.push_back(board_distance_m * std::pow(10, -0.5 + 2.0 * i / (distances - 1)));
     for (const ProjectionUncertainty& map :
-         known.maps(coarse, raysOf(*rig.lenses[c], coarse), camera.distances_m)) {
+         known.maps(coarse, raysOf(rig.lenses[c], coarse), camera.distances_m)) {
       camera.middle_px.push_back(map.middle_px);
       camera.worst_px.push_back(map.worst_px);
     }
@@ -82,8 +82,8 @@ void addProjection(const FittedRig& rig, const Posterior& posterior, const Poste
 void addDetermination(const Dataset& on_board, const Result& result, const FittedRig& rig,
                       const Eigen::MatrixXd& covariance, std::vector<CameraQuality>& cameras) {
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const int n = rig.lenses[c]->parameters(), first = rig.columns.lens[c];
-    const AxisUncertainty axis = axisUncertainty(*rig.lenses[c], covariance.block(first, first, n, n));
+    const int n = rig.lenses[c].parameters(), first = rig.columns.lens[c];
+    const AxisUncertainty axis = axisUncertainty(rig.lenses[c], covariance.block(first, first, n, n));
     cameras[c].focal_std = axis.focal;
     cameras[c].centre_std_px = axis.centre_px;
     cameras[c].tilt_spread = tiltSpreadOf(on_board, result, c);

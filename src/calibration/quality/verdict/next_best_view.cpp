@@ -76,7 +76,7 @@ std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<Im
   std::vector<FieldOfView> fields;
   for (std::size_t c = 0; c < grids.size(); ++c) {
     fields.push_back({grids[c].box});
-    for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
+    for (const auto& ray : raysOf(rig.lenses[c], grids[c])) {
       if (ray) fields.back().least_cosine = std::min(fields.back().least_cosine, ray->z());
     }
   }
@@ -93,7 +93,7 @@ Observation observationOf(const FittedRig& rig, const std::vector<FieldOfView>& 
     const Eigen::Matrix3d R = world2camera.orient.toRotationMatrix();
     observation.points[c].reserve(board.size());
     for (const vec3& corner : board) {
-      if (fields[c].holds(*rig.lenses[c], vec3(R * corner + world2camera.pos)))
+      if (fields[c].holds(rig.lenses[c], vec3(R * corner + world2camera.pos)))
         observation.points[c].push_back(corner);
     }
     if (observation.points[c].size() < fewest) observation.points[c].clear();
@@ -109,7 +109,7 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
   for (int place = 0; place < places * places; ++place) {
     const int column = place % places, row = place / places;
     const vec2 pixel(box.width * (0.16 + 0.34 * column), box.height * (0.16 + 0.34 * row));
-    const auto ray = rig.lenses[c]->unproject(pixel);
+    const auto ray = rig.lenses[c].unproject(pixel);
     if (!ray) continue;
     for (const Attitude& attitude : attitudes()) {
       const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
@@ -212,7 +212,7 @@ ProjectedPoints pointsOfAllCameras(const FittedRig& rig, const std::vector<Image
                                    double distance_m) {
   std::vector<ProjectedPoint> points;
   for (std::size_t c = 0; c < grids.size(); ++c) {
-    for (const auto& ray : raysOf(*rig.lenses[c], grids[c])) {
+    for (const auto& ray : raysOf(rig.lenses[c], grids[c])) {
       if (ray) points.push_back(projectedPoint(rig, c, *ray, distance_m));
     }
   }

@@ -1,4 +1,4 @@
-#include "calibration/quality/uncertainty/lens.hpp"
+#include "calibration/models/lens.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "calibration/models/definition.hpp"
 #include "slom/calibration/error.hpp"
+#include "slom/calibration/result.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -23,14 +24,34 @@ Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
   return T;
 }
 
+/// The scale of the image about the optical axis [px/rad].
+double scaleOf(const Lens& lens) {
+  return lens.differentiate(Eigen::Vector3d(0, 0, 1)).by_point.norm() / std::sqrt(2.0);
+}
+
 }  // namespace
+
+Lens::Lens(const Model& model, const std::vector<double>& parameters)
+    : vect(Eigen::Map<const Eigen::VectorXd>(parameters.data(), Eigen::Index(parameters.size()))),
+      model_(model) {}
+
+vec2 Lens::project(const vec3& point) const { return model_.definition().project(data(), point); }
+
+Lens::Projection Lens::differentiate(const Eigen::Vector3d& point) const {
+  Projection projection;
+  model_.definition().differentiate(data(), point, projection);
+  return projection;
+}
 
 std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
   constexpr double longest_leg = 0.06;  // approximate limit [rad]
   constexpr int most_steps = 8;
-  PointProjection at = differentiateByPoint(ray);
+  // Of rays of length 1 that the model is for: above 0 for a pinhole, near -1 for one of angles.
+  const double least_z = model_.definition().start_lens == StartLens::equidistant ? -0.99 : 1e-3;
+  const double scale = scaleOf(*this);
+  PointProjection at = differentiate(ray);
   const vec2 start = at.pixel;
-  const int legs = 1 + int(std::min(100.0, (pixel - start).norm() / (longest_leg * scale_)));
+  const int legs = 1 + int(std::min(100.0, (pixel - start).norm() / (longest_leg * scale)));
   for (int leg = 1; leg <= legs; ++leg) {
     const vec2 target(start + double(leg) / legs * (pixel - start));
     double error = 0;
@@ -40,19 +61,19 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
       if (error < 1e-7 || (leg < legs && error < 1e-2)) break;
       const Eigen::Matrix<double, 3, 2> T = tangents(ray);
       const Eigen::Matrix2d J = at.by_point * T;
-      if (!(J.determinant() > 2e-4 * scale_ * scale_)) return {};  // folds over, or is about to
+      if (!(J.determinant() > 2e-4 * scale * scale)) return {};  // folds over, or is about to
       const Eigen::Vector2d angle = J.inverse() * missing;
       if (!(angle.norm() < 0.5)) return {};
       ray = vec3((ray + T * angle).normalized());
-      if (!(ray.z() > least_z_)) return {};
-      at = differentiateByPoint(ray);
+      if (!(ray.z() > least_z)) return {};
+      at = differentiate(ray);
     }
     if (!(error < 1e-2)) return {};
   }
   return ray;
 }
 
-std::unique_ptr<Lens> makeLens(const CameraResult& camera) {
+Lens lensOf(const CameraResult& camera) {
   if (camera.model.empty()) {
     throw DataError("slom.calibration.bad-camera",
                     fmt::format("camera {} has no model; pass one of the result of calibrate(), or set model "
@@ -71,7 +92,7 @@ std::unique_ptr<Lens> makeLens(const CameraResult& camera) {
   }
   std::vector<double> values;
   for (const Parameter& parameter : camera.parameters) values.push_back(parameter.value);
-  return model.definition().make_lens(values);
+  return {model, values};
 }
 
 }  // namespace slom::calibration

@@ -1,30 +1,31 @@
-// The way from data to result for one camera model. Each model is compiled in a file of its own, in
-// fit/models.
-#pragma once
+#include "calibration/fit/model_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "calibration/fit/cross_validation.hpp"
+#include "calibration/fit/lens_constraints.hpp"
 #include "calibration/fit/rig.hpp"
+#include "calibration/fit/rig_fit.hpp"
 #include "calibration/fit/single_camera.hpp"
+#include "calibration/fit/unfitted_views.hpp"
 #include "calibration/initialization/parallel_views.hpp"
 #include "calibration/limits.hpp"
-#include "calibration/median.hpp"
-#include "slom/calibration/calibrate.hpp"
-#include "slom/calibration/comparison.hpp"
+#include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
+namespace {
 
 /// Fewer numbers measured than unknown: nothing to fit.
-inline void requireEnoughMeasurements(const Dataset& data, const Settings& settings,
-                                      int parameters_per_camera) {
+void requireEnoughMeasurements(const Dataset& data, const Settings& settings) {
   std::size_t measured = 0;
   for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
   const std::size_t cameras = data.cameras.size();
@@ -32,7 +33,7 @@ inline void requireEnoughMeasurements(const Dataset& data, const Settings& setti
   for (const LensConstraint& constraint : settings.lens)
     fixed += constraint.isFixed() ? (constraint.camera.empty() ? cameras : 1) : 0;
   const std::size_t unknowns =
-      cameras * parameters_per_camera - fixed + 6 * (cameras - 1) + 6 * data.images().size();
+      cameras * settings.model.parameters().size() - fixed + 6 * (cameras - 1) + 6 * data.images().size();
   if (measured > unknowns) return;
   throw DataError("slom.calibration.too-few-data",
                   {.place = nameOf(data.cameras.front()),
@@ -41,63 +42,8 @@ inline void requireEnoughMeasurements(const Dataset& data, const Settings& setti
                    .remedy = "add images or corners, or choose a model with fewer parameters"});
 }
 
-/// Views most of whose corners lie more than 10 px, and ten times as far as those of most, from where the rig puts them: in most cases
-/// images that were not taken at the same time. Single corners that are farther off are another matter.
-template <class Camera>
-std::vector<Stray> findStrays(const Dataset& data, const std::vector<Camera>& cameras, const RigStart& rig) {
-  std::vector<Stray> views;
-  std::vector<double> errors, medians;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    for (const View& view : data.cameras[c].views) {
-      const SE3 world2camera = rig.left2camera[c] * rig.left2world.at(view.image).inverse();
-      const double square = squaredPixelError(cameras[c], world2camera, view);
-      errors.push_back(std::sqrt(square / double(view.corners.size())));
-      medians.push_back(medianPixelError(cameras[c], world2camera, view));
-      views.push_back({data.cameras[c].name, view.image, errors.back(), view.photo});
-    }
-  }
-  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  const double limit = std::max(10.0, 10 * *middle);
-  std::size_t i = 0;
-  std::erase_if(views, [&](const Stray&) { return medians[i++] <= limit; });
-  return views;
-}
-
-/// Without those that the fit fits like the other views of their camera: the start values were far off there, not the images.
-inline void keepUnfitted(Result& result) {
-  constexpr double much_worse = 3, least_px = 0.1;
-  if (!result.success()) return;
-  std::map<std::string, std::size_t> index_of;
-  std::vector<double>
-      usual_px;  // of a camera's views; where most of them contradict others, that of the camera alone
-  for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-    std::vector<double> all;
-    for (const ImageResult& image : result.images) {
-      if (image.rms_px[c]) all.push_back(*image.rms_px[c]);
-    }
-    usual_px.push_back(std::fmax(least_px, std::fmin(medianOf(all), result.cameras[c].rms_px_single)));
-    index_of[result.cameras[c].name] = c;
-  }
-  std::erase_if(result.strays, [&](const Stray& stray) {
-    const std::size_t c = index_of.at(stray.camera);
-    return std::any_of(result.images.begin(), result.images.end(), [&](const ImageResult& image) {
-      return image.image == stray.image && image.rms_px[c] && *image.rms_px[c] <= much_worse * usual_px[c];
-    });
-  });
-}
-
-/// Whether they are most views of some camera: its numbers are not those of the others, and no fit of all is to be expected.
-inline bool areMost(const std::vector<Stray>& strays, const Dataset& data) {
-  return std::any_of(data.cameras.begin(), data.cameras.end(), [&](const CameraData& camera) {
-    const auto own = std::count_if(strays.begin(), strays.end(),
-                                   [&](const Stray& stray) { return stray.camera == camera.name; });
-    return 2 * std::size_t(own) > camera.views.size();
-  });
-}
-
 /// A camera whose focal length is not known to a fifth of it, as far as anything is known.
-inline bool hasOpenFocalLength(const Result& result) {
+bool hasOpenFocalLength(const Result& result) {
   if (!result.success()) return true;
   return std::any_of(result.cameras.begin(), result.cameras.end(), [](const CameraResult& camera) {
     const Parameter& f = camera.parameters.front();
@@ -105,35 +51,49 @@ inline bool hasOpenFocalLength(const Result& result) {
   });
 }
 
-/// 1 where the boards lie level and the cameras see them from above if the world's z axis points up, -1 if it points down; 0: the boards do not lie
-/// level, or are seen from both sides.
-int upOfLevelBoards(const Dataset& data, const Result& result);
+/// Returns 1 if the boards lie level and the cameras see them from above when the world's z axis points up, -1 when it points down. Returns 0 if the
+/// boards do not lie level, or are seen from both sides.
+int upOfLevelBoards(const Dataset& data, const Result& result) {
+  constexpr double level = 0.87;  // cosine of 30 degrees
+  std::map<int, SE3> left2world;
+  for (const ImageResult& image : result.images) left2world.emplace(image.image, image.left2world);
+  int up = 0;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    for (const View& view : data.cameras[c].views) {
+      const SE3 plane2world = fitPlane(view.corners).plane2world;
+      if (std::abs((plane2world.orient * vec3(0., 0., 1.)).z()) < level) return 0;
+      const SE3 camera2world = left2world.at(view.image) * result.cameras[c].left2camera.inverse();
+      const int side = camera2world.pos.z() > plane2world.pos.z() ? 1 : -1;
+      if (up != 0 && side != up) return 0;
+      up = side;
+    }
+  }
+  return up;
+}
 
 /// Fits of single cameras, then start values of the rig from these.
-template <class Camera>
 struct ModelStart {
-  std::vector<Camera> cameras;
+  std::vector<Lens> cameras;
   std::vector<double> rms_px_single;
   RigStart rig;
 };
 
 using PlanesByCamera = std::vector<std::vector<PlaneView>>;
 
-inline PlanesByCamera planesOf(const Dataset& data) {
+PlanesByCamera planesOf(const Dataset& data) {
   PlanesByCamera planes;
   for (const CameraData& camera : data.cameras) planes.push_back(planeViews(camera));
   return planes;
 }
 
-template <class Camera>
-ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
-                              const Progress& progress) {
-  requireEnoughMeasurements(data, settings, Camera::DOF);
-  ModelStart<Camera> start;
+ModelStart startModel(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
+                      const Progress& progress) {
+  requireEnoughMeasurements(data, settings);
+  ModelStart start;
   std::vector<ViewPoses> world2camera;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const CameraData& camera = data.cameras[c];
-    const auto fit = fitAlone<Camera>(camera, planes[c], settings);
+    const auto fit = fitAlone(camera, planes[c], settings);
     start.cameras.push_back(fit.camera);
     world2camera.push_back(fit.world2camera);
     start.rms_px_single.push_back(fit.converged ? fit.rms_px : unknown);
@@ -145,9 +105,7 @@ ModelStart<Camera> startModel(const Dataset& data, const PlanesByCamera& planes,
 }
 
 /// Where the lens of the start values does not see a corner, that is the fault of a corner which drew them there.
-template <class Camera>
-Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, const Dataset& data,
-                          Robust robust) {
+Summary optimizeFromStart(RigProblem& problem, const Options& options, const Dataset& data, Robust robust) {
   try {
     return problem.optimize(options);
   } catch (const slom::Error& error) {
@@ -165,11 +123,10 @@ Summary optimizeFromStart(RigProblem<Camera>& problem, const Options& options, c
 
 /// From start values to the result. Boards that are all `parallel` (the sentence says so) and cameras most of whose views contradict the others rarely
 /// allow a fit: it is not tried for long.
-template <class Camera>
 Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel,
                      Settings settings, const Progress& progress) {
   constexpr int few_iterations = 20;
-  const auto [cameras, rms_px_single, rig] = startModel<Camera>(data, planes, settings, progress);
+  const auto [cameras, rms_px_single, rig] = startModel(data, planes, settings, progress);
   const std::vector<Stray> strays = findStrays(data, cameras, rig);
   if (!parallel.empty() || areMost(strays, data))
     settings.max_iterations = std::min(settings.max_iterations, few_iterations);
@@ -182,7 +139,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
     requireImuDetermined(*data.imu, tilts, *imu, settings.fixed, settings.sigma_acc);
   }
 
-  RigProblem<Camera> problem(data, settings, cameras, rig, imu);
+  RigProblem problem(data, settings, cameras, rig, imu);
   Options options;
   options.max_iterations = settings.max_iterations;
   options.deviation_tolerance = enough_deviations;
@@ -205,17 +162,16 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
 
 /// Numerator and denominator of opencv8 can do the same, and then k4, k5, k6 run off together with k1, k2, k3 on the way to
 /// nowhere: then a prior keeps them near 0.
-inline constexpr double sigma_of_denominator = 1;
+constexpr double sigma_of_denominator = 1;
 
 /// For a model that may need its prior: first without, which says whether it does.
-template <class Camera>
 Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& planes,
                                   const std::string& parallel, Settings settings, const Progress& progress) {
   std::vector<SingleCameraReport> alone;
   std::vector<IterationRecord> iterations;
   const Progress kept{[&](const SingleCameraReport& report) { alone.push_back(report); },
                       [&](const IterationRecord& record) { iterations.push_back(record); }};
-  const Result result = calibrateOnce<Camera>(data, planes, parallel, settings, kept);
+  const Result result = calibrateOnce(data, planes, parallel, settings, kept);
   if (result.success() || !parallel.empty() || !reasonToEnd(settings.limits).empty()) {
     for (const SingleCameraReport& report : alone) {
       if (progress.single_camera) progress.single_camera(report);
@@ -226,62 +182,22 @@ Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& pla
     return result;
   }
   settings.sigma_denominator = sigma_of_denominator;
-  return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
+  return calibrateOnce(data, planes, parallel, settings, progress);
 }
 
 /// Where the board is unknown, too, the prior is there from the beginning: numerator, denominator and board can do the same, and steps towards what
 /// is all but open are long and careful ones, of minutes each in long recordings.
-template <class Camera>
 Settings withPriorForBoard(Settings settings) {
-  if (has_prior<Camera> && settings.board_shape != BoardShape::flat && !settings.sigma_denominator)
+  if (hasPrior(settings.model) && settings.board_shape != BoardShape::flat && !settings.sigma_denominator)
     settings.sigma_denominator = sigma_of_denominator;
   return settings;
 }
 
-template <class Camera>
-Result calibrateModel(const Dataset& data, const Settings& given, const Progress& progress) {
-  const Settings settings = withPriorForBoard<Camera>(given);
-  const PlanesByCamera planes = planesOf(data);
-  const std::string parallel = parallelViews(planes, data.images().size());
-  if (has_prior<Camera> && !settings.sigma_denominator)
-    return calibrateWithPriorIfNeeded<Camera>(data, planes, parallel, settings, progress);
-  return calibrateOnce<Camera>(data, planes, parallel, settings, progress);
-}
-
-template <class Camera>
-Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
-  requireEnoughMeasurements(data, settings, Camera::DOF);
-  std::vector<Camera> cameras;
-  RigStart rig;
-  for (const CameraResult& camera : start.cameras) {
-    cameras.emplace_back();
-    for (int i = 0; i < Camera::DOF; ++i) cameras.back()[i] = camera.parameters[std::size_t(i)].value;
-    rig.left2camera.push_back(camera.left2camera);
-  }
-  const std::vector<int> wanted = data.images();
-  for (const ImageResult& image : start.images) {
-    if (std::binary_search(wanted.begin(), wanted.end(), image.image))
-      rig.left2world[image.image] = image.left2world;
-  }
-  Settings same = settings;
-  same.sigma_denominator = start.sigma_denominator;
-  RigProblem<Camera> problem(data, same, cameras, rig, {}, start.board ? &*start.board : nullptr);
-  Options options;
-  options.max_iterations = settings.max_iterations;
-  options.deviation_tolerance = enough_deviations;
-  applyLimits(settings.limits, options);
-  options.most_parameters = 0;
-  options.decrease_tolerance =
-      rough_tolerance;  // from so near, what then is left is far below a standard deviation
-  return problem.result(problem.optimize(options));
-}
-
-template <class Camera>
 ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const Settings& settings) {
   ModelTrial trial{settings.model, settings.board_shape};
   try {
-    const auto start = startModel<Camera>(data, planes, settings, {});
-    RigProblem<Camera> problem(data, settings, start.cameras, start.rig, {});
+    const auto start = startModel(data, planes, settings, {});
+    RigProblem problem(data, settings, start.cameras, start.rig, {});
     Options options;
     options.max_iterations = settings.max_iterations;
     options.deviation_tolerance = enough_deviations;
@@ -306,16 +222,52 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
   return trial;
 }
 
-template <class Camera>
+}  // namespace
+
+Result calibrateModel(const Dataset& data, const Settings& given, const Progress& progress) {
+  const Settings settings = withPriorForBoard(given);
+  const PlanesByCamera planes = planesOf(data);
+  const std::string parallel = parallelViews(planes, data.images().size());
+  if (hasPrior(settings.model) && !settings.sigma_denominator)
+    return calibrateWithPriorIfNeeded(data, planes, parallel, settings, progress);
+  return calibrateOnce(data, planes, parallel, settings, progress);
+}
+
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+  requireEnoughMeasurements(data, settings);
+  std::vector<Lens> cameras;
+  RigStart rig;
+  for (const CameraResult& camera : start.cameras) {
+    cameras.push_back(lensOf(camera));
+    rig.left2camera.push_back(camera.left2camera);
+  }
+  const std::vector<int> wanted = data.images();
+  for (const ImageResult& image : start.images) {
+    if (std::binary_search(wanted.begin(), wanted.end(), image.image))
+      rig.left2world[image.image] = image.left2world;
+  }
+  Settings same = settings;
+  same.sigma_denominator = start.sigma_denominator;
+  RigProblem problem(data, same, cameras, rig, {}, start.board ? &*start.board : nullptr);
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  applyLimits(settings.limits, options);
+  options.most_parameters = 0;
+  options.decrease_tolerance =
+      rough_tolerance;  // from so near, what then is left is far below a standard deviation
+  return problem.result(problem.optimize(options));
+}
+
 ModelTrial tryModel(const Dataset& data, const Settings& given) {
   const PlanesByCamera planes = planesOf(data);
-  Settings settings = withPriorForBoard<Camera>(given);
-  ModelTrial trial = tryModelOnce<Camera>(data, planes, settings);
-  if (!has_prior<Camera> || settings.sigma_denominator || trial.failure.empty() ||
+  Settings settings = withPriorForBoard(given);
+  ModelTrial trial = tryModelOnce(data, planes, settings);
+  if (!hasPrior(settings.model) || settings.sigma_denominator || trial.failure.empty() ||
       !reasonToEnd(settings.limits).empty())
     return trial;
   settings.sigma_denominator = sigma_of_denominator;
-  return tryModelOnce<Camera>(data, planes, settings);
+  return tryModelOnce(data, planes, settings);
 }
 
 }  // namespace slom::calibration

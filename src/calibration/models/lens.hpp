@@ -1,0 +1,54 @@
+// The lens of a camera of any model: its parameters, and where they project points to. A variable of the fits.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <mtk/mtk.hpp>
+
+#include "slom/calibration/models.hpp"
+#include "slom/calibration/types.hpp"
+
+namespace slom::calibration {
+
+struct CameraResult;
+
+class Lens : public mtk::vect<mtk::Dynamic> {
+ public:
+  static constexpr int most_parameters = 12;
+
+  /// A pixel and its derivatives by the point (2 x 3, [px/m]).
+  struct PointProjection {
+    vec2 pixel;
+    Eigen::Matrix<double, 2, 3> by_point;
+  };
+  /// The same, with derivatives by the lens parameters (2 x n).
+  struct Projection : PointProjection {
+    Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, most_parameters> by_parameters;
+  };
+
+  /// `parameters` has as many entries as the model has parameters, in their order.
+  Lens(const Model& model, const std::vector<double>& parameters);
+
+  const Model& model() const { return model_; }
+  int parameters() const { return int(size()); }
+  std::vector<double> numbers() const { return {begin(), end()}; }
+  /// The names of the model's parameters, for the estimator.
+  const std::vector<std::string>& componentNames() const { return model_.parameters(); }
+
+  /// The pixel [px] of a point in the frame of the camera [m]; NaN for a point without an image.
+  vec2 project(const vec3& point) const;
+  Projection differentiate(const Eigen::Vector3d& point) const;
+  /// Returns the direction, of length 1, that is projected to a pixel, found by steps from `from`, whose pixel is known to have one. Returns
+  /// nothing if the model folds over on the way, as distortion polynomials do outside of the corners that they were fitted to.
+  std::optional<vec3> unproject(const vec2& pixel, vec3 from = vec3(0., 0., 1.)) const;
+
+ private:
+  Model model_;
+};
+
+/// The lens of a calibrated camera. Throws [slom.calibration.bad-camera] if model and parameters do not fit.
+Lens lensOf(const CameraResult& camera);
+
+}  // namespace slom::calibration
