@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "calibration/models/lens.hpp"
-
 namespace slom::calibration {
-
-vec2 CameraResult::project(const vec3& point) const { return lensOf(*this).project(point); }
-std::optional<vec3> CameraResult::ray(const vec2& pixel) const { return lensOf(*this).unproject(pixel); }
 
 std::vector<const ImageResult*> Result::worstImages(std::size_t count) const {
   std::vector<const ImageResult*> order;

@@ -10,7 +10,7 @@
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
 #include "calibration/fit/imu_precision.hpp"
-#include "calibration/fit/rotation_vector.hpp"
+#include "calibration/rotation_vector.hpp"
 #include "calibration/simulated_rig.hpp"
 
 namespace slom::app::calib {

@@ -1,5 +1,5 @@
 // Views that show the board mirrored among views from its front: they are named, and no other view is. Seeds are fixed.
-#include "calibration/fit/mirrored_views.hpp"
+#include "calibration/procedure/mirrored_views.hpp"
 
 #include <algorithm>
 #include <numbers>

@@ -13,7 +13,6 @@
 #include "calibration/fit/cross_validation.hpp"
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/fit/rig.hpp"
-#include "calibration/fit/rig_fit.hpp"
 #include "calibration/fit/single_camera.hpp"
 #include "calibration/fit/unfitted_views.hpp"
 #include "calibration/initialization/parallel_views.hpp"

@@ -6,12 +6,16 @@
 #include "calibration/fit/imu_precision.hpp"
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/fit/measurements.hpp"
-#include "calibration/fit/rig_fit.hpp"
-#include "calibration/fit/rotation_vector.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/rotation_vector.hpp"
 
 namespace slom::calibration {
+
+std::string sentenceOf(const slom::Error& error) {
+  const bool names_unknown = error.id() == "slom.rank-deficient" && !error.subject().empty();
+  return names_unknown ? "the measurements do not determine " + error.subject() : std::string(error.fault());
+}
 
 RigProblem::RigProblem(const Dataset& data, const Settings& settings, const std::vector<Lens>& cameras,
                        const RigStart& rig, const std::optional<ImuStart>& imu, const FittedBoard* board)

@@ -57,4 +57,7 @@ class RigProblem {
   std::optional<BoardUnknowns> board_;  ///< where its shape is estimated
 };
 
+/// The fault alone, without the library's id and without the remedy, which is for programmers.
+std::string sentenceOf(const slom::Error& error);
+
 }  // namespace slom::calibration

@@ -95,4 +95,7 @@ Lens lensOf(const CameraResult& camera) {
   return {model, values};
 }
 
+vec2 CameraResult::project(const vec3& point) const { return lensOf(*this).project(point); }
+std::optional<vec3> CameraResult::ray(const vec2& pixel) const { return lensOf(*this).unproject(pixel); }
+
 }  // namespace slom::calibration

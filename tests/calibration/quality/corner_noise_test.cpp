@@ -11,10 +11,11 @@
 
 #include "calibration/data/fitted_board.hpp"
 #include "calibration/data/view_facts.hpp"
-#include "calibration/fit/corner_noise.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/fit/measurements.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/opencv.hpp"
+#include "calibration/procedure/corner_noise.hpp"
 #include "calibration/quality/calibrated_rig.hpp"
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
 #include "slom/calibration/pixel_uncertainty.hpp"

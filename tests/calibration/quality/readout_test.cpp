@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/fit/rotation_vector.hpp"
 #include "calibration/quality/calibrated_rig.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
 #include "calibration/quality/uncertainty/uncertainties.hpp"
+#include "calibration/rotation_vector.hpp"
 
 namespace slom::calibration {
 namespace {

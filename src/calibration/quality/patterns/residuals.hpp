@@ -14,10 +14,6 @@ std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig&
 std::vector<WorstResidual> worstResiduals(const Dataset& data, const std::vector<CameraQuality>& cameras,
                                           std::size_t count);
 
-/// As stated, or else assumed: a usual size that has room for all corners and the optical axis near its
-/// centre, or the smallest that has both.
-ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera);
-
 /// Median distance of the boards' centres from the cameras that saw them [m].
 double boardDistance(const std::map<int, Observation>& observations, const FittedRig& rig);
 

@@ -7,8 +7,9 @@
 #include <fmt/format.h>
 
 #include "calibration/cross_matrix.hpp"
+#include "calibration/data/check.hpp"
 #include "calibration/data/fitted_board.hpp"
-#include "calibration/fit/rig_fit.hpp"
+#include "calibration/fit/model_fit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
 #include "calibration/quality/uncertainty/projection.hpp"
@@ -188,7 +189,9 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
       return result;
     }
     try {
-      results.push_back(calibrateFrom(fit, part, settings));
+      checkConnected(part);
+      results.push_back(calibrateModelFrom(fit, part, settings));
+      addClustered(part, results.back());
     } catch (const DataError&) {
       result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
       return result;

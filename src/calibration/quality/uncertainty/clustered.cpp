@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "calibration/data/fitted_board.hpp"
-#include "calibration/fit/rotation_vector.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
+#include "calibration/rotation_vector.hpp"
 #include "calibration/symmetric.hpp"
 #include "slom/calibration/number_text.hpp"
 

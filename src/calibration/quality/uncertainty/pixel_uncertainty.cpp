@@ -12,9 +12,9 @@
 #include "calibration/data/result_of.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
 #include "calibration/quality/uncertainty/projection.hpp"
-#include "calibration/quality/uncertainty/readout.hpp"
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
 #include "slom/calibration/error.hpp"
 

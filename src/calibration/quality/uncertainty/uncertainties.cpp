@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "calibration/fit/rotation_vector.hpp"
+#include "calibration/rotation_vector.hpp"
 
 namespace slom::calibration {
 namespace {

@@ -9,13 +9,6 @@
 
 namespace slom::calibration {
 
-/// The data as a camera that reads out all rows at once would have seen them: pixels moved back by what the corners move until their row is read,
-/// value (row / height) motion. `data` is sorted.
-Dataset withoutReadout(const Dataset& data, const Result& result);
-
-/// The data as the fit took them: without readout, and with its noise (withNoiseOf).
-Dataset asFitted(const Result& result, const Dataset& data);
-
 /// What the residuals of a result that succeeded say beside its values.
 struct ReadoutStep {
   double value = 0;          ///< to be added

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "calibration/fit/model_fit.hpp"
-#include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/parallel_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/procedure/stray_views.hpp"
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"

@@ -1,4 +1,4 @@
-#include "calibration/fit/stray_views.hpp"
+#include "calibration/procedure/stray_views.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,11 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/fit/model_fit.hpp"
-#include "calibration/fit/scaled_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/procedure/scaled_views.hpp"
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"

@@ -1,4 +1,4 @@
-#include "calibration/fit/corner_noise.hpp"
+#include "calibration/procedure/corner_noise.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/view_facts.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/median.hpp"
-#include "calibration/quality/uncertainty/readout.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/model/loss.hpp"
 
@@ -32,27 +32,9 @@ const char* toString(SigmaBy by) {
   return "constant";
 }
 
-double CornerNoise::at(double x) const {
-  const double ratio = std::isfinite(x) ? x / typical : 1;
-  return factor * std::sqrt(1 + growth * ratio * ratio);
-}
-
 namespace {
 
 constexpr std::size_t fewest_views = 4;  // that a growth is estimated from
-
-/// Of two coordinates, with 95 % efficiency on normal noise; for their distance over its standard deviation in each.
-constexpr double huber_scale = 1.5, cauchy_scale = 2.55;
-
-Loss lossOf(Robust robust) {
-  if (robust == Robust::huber) return Huber(huber_scale);
-  if (robust == Robust::cauchy) return Cauchy(cauchy_scale);
-  return {};
-}
-
-Loss lossOf(const Downweighted& down) {
-  return down.loss == Huber(huber_scale).text() ? Loss(Huber(huber_scale)) : Loss(Cauchy(cauchy_scale));
-}
 
 /// The residuals of one view.
 struct ViewResiduals {
@@ -60,45 +42,6 @@ struct ViewResiduals {
   double squares = 0;  // over Corner::sigma, with the weights of a loss [px^2]
   double dof = 0;      // numbers measured, less what the pose takes
 };
-
-/// Where the noise of a view is asked for.
-std::vector<double> quantityOf(SigmaBy by, const CameraData& camera, const CameraResult& fitted,
-                               const std::map<int, SE3>& left2world, const Eigen::Vector3d& normal) {
-  std::vector<double> x;
-  if (by == SigmaBy::speed) {
-    for (const ViewMotion& motion : motionsOf(camera)) x.push_back(motion.speed);
-    return x;
-  }
-  for (const View& view : camera.views) {
-    const auto pose = left2world.find(view.image);
-    if (by == SigmaBy::constant || pose == left2world.end()) {
-      x.push_back(std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    const ViewGeometry seen = geometryOf(view, fitted.left2camera * pose->second.inverse(), normal);
-    x.push_back(by == SigmaBy::slant ? seen.slant : seen.distance);
-  }
-  return x;
-}
-
-std::map<int, SE3> posesOf(const Result& result) {
-  std::map<int, SE3> poses;
-  for (const ImageResult& image : result.images) poses.emplace(image.image, image.left2world);
-  return poses;
-}
-
-Eigen::Vector3d normalOf(const Dataset& data) {
-  return fitPlane(fullestView(data).corners).plane2world.orient.toRotationMatrix().col(2);
-}
-
-/// Distances of the corners of a view from where the fit puts them [px].
-std::vector<double> distancesOf(const View& view, const CameraResult& camera, const SE3& left2world) {
-  const SE3 world2camera = camera.left2camera * left2world.inverse();
-  std::vector<double> distances;
-  for (const Corner& corner : view.corners)
-    distances.push_back((camera.project(vec3(world2camera * corner.world)) - corner.pixel).norm());
-  return distances;
-}
 
 /// What is left of the numbers of each view beside its pose, which all cameras that see the image share.
 std::vector<std::vector<ViewResiduals>> residualsOf(const Dataset& on_board, const Result& result) {
@@ -191,53 +134,8 @@ CornerNoise noiseFrom(SigmaBy by, const std::vector<ViewResiduals>& views) {
 
 void setQuantity(SigmaBy by, const Dataset& on_board, const Result& result, std::size_t c,
                  std::vector<ViewResiduals>& views) {
-  const std::vector<double> x =
-      quantityOf(by, on_board.cameras[c], result.cameras[c], posesOf(result), normalOf(on_board));
+  const std::vector<double> x = quantityOf(by, on_board, result, c);
   for (std::size_t i = 0; i < x.size(); ++i) views[i].x = x[i];
-}
-
-/// Multiplies Corner::sigma by what grows.
-void applyGrowth(const Result& result, const Dataset& on_board, Dataset& data) {
-  const std::map<int, SE3> poses = posesOf(result);
-  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-    const CornerNoise& noise = result.cameras[c].noise;
-    if (noise.growth == 0) continue;
-    const std::vector<double> x =
-        quantityOf(noise.by, on_board.cameras[c], result.cameras[c], poses, normalOf(on_board));
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      for (Corner& corner : data.cameras[c].views[i].corners) corner.sigma *= noise.at(x[i]);
-    }
-  }
-}
-
-/// Divides Corner::sigma by the roots of the weights of a loss, and sums these up.
-void applyLoss(const Loss& loss, const Result& result, const Dataset& on_board, Dataset& data,
-               Downweighted& down) {
-  const std::map<int, SE3> poses = posesOf(result);
-  double weights = 0, curvatures = 0, count = 0;
-  down.corners = 0, down.least = 1;
-  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-    for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
-      const View& view = on_board.cameras[c].views[v];
-      const auto pose = poses.find(view.image);
-      if (pose == poses.end()) continue;  // of a fit that failed early
-      const std::vector<double> distances = distancesOf(view, result.cameras[c], pose->second);
-      for (std::size_t k = 0; k < distances.size(); ++k) {
-        Corner& corner = data.cameras[c].views[v].corners[k];
-        const double length = distances[k] / (down.noise_px * corner.sigma), s = length * length;
-        if (!std::isfinite(s)) continue;
-        const LossValue value = loss.evaluate(s);
-        corner.sigma /= std::sqrt(value.first);
-        weights += value.first, count += 1;
-        curvatures += value.first + value.second * s;  // half the trace of the second derivative
-        down.corners += value.first < 0.5 ? 1 : 0;
-        down.least = std::min(down.least, value.first);
-      }
-    }
-  }
-  if (!(count > 0)) return;
-  down.mean = weights / count;
-  down.over_curvature = curvatures > 0 ? std::max(1.0, weights / curvatures) : 1;
 }
 
 /// What u and v of most corners show.
@@ -283,16 +181,6 @@ void estimateNoise(const Dataset& data, const Settings& settings, Result& result
   if (!(down.noise_px > 0)) return;
   applyLoss(loss, result, *before, grown, down);
   result.downweighted = std::move(down);
-}
-
-Dataset withNoiseOf(const Result& result, const Dataset& data) {
-  Dataset weighted = data;
-  const DataOnBoard on_board(data, result.board);
-  applyGrowth(result, *on_board, weighted);
-  if (!result.downweighted) return weighted;
-  Downweighted again = *result.downweighted;
-  applyLoss(lossOf(again), result, *on_board, weighted, again);
-  return weighted;
 }
 
 namespace {

@@ -13,7 +13,4 @@ bool estimatesNoise(const Settings& settings);
 /// Estimates CameraResult::noise and Result::downweighted from the residuals of a result that succeeded. `data` is sorted.
 void estimateNoise(const Dataset& data, const Settings& settings, Result& result);
 
-/// The data with Corner::sigma times what the result says about it. `data` is sorted.
-Dataset withNoiseOf(const Result& result, const Dataset& data);
-
 }  // namespace slom::calibration

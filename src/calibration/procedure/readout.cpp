@@ -1,4 +1,4 @@
-#include "calibration/quality/uncertainty/readout.hpp"
+#include "calibration/procedure/readout.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,10 @@
 #include <map>
 
 #include "calibration/data/fitted_board.hpp"
+#include "calibration/data/image_box.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
-#include "calibration/fit/corner_noise.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/median.hpp"
 #include "calibration/quality/patterns/flip_test.hpp"
 #include "calibration/quality/patterns/residuals.hpp"
@@ -20,39 +21,6 @@ namespace slom::calibration {
 namespace {
 
 constexpr std::size_t most_blocks_of_readout = 12;
-
-/// How the corners of all views of a camera move from one image number to the next, by the poses of the images before and after, where these are not
-/// much farther away than usual [px]; NaN: unknown. Corners as they were found would bring their noise along, which no pose takes up.
-std::vector<std::vector<Eigen::Vector2d>> motionsByPoses(const CameraData& camera, const CameraResult& fitted,
-                                                         const Result& result) {
-  std::map<int, SE3> world2camera;
-  std::vector<double> gaps;
-  for (const ImageResult& image : result.images) {
-    if (!world2camera.empty()) gaps.push_back(image.image - world2camera.rbegin()->first);
-    world2camera.emplace(image.image, fitted.left2camera * image.left2world.inverse());
-  }
-  const double most = 2 * medianOf(gaps);
-  std::vector<std::vector<Eigen::Vector2d>> motions;
-  for (const View& view : camera.views) {
-    motions.emplace_back();
-    const auto here = world2camera.find(view.image);
-    if (here == world2camera.end()) {
-      motions.back().assign(view.corners.size(), Eigen::Vector2d::Constant(unknown));
-      continue;
-    }
-    const bool has_before = here != world2camera.begin() && here->first - std::prev(here)->first <= most;
-    const bool has_after =
-        std::next(here) != world2camera.end() && std::next(here)->first - here->first <= most;
-    const auto first = has_before ? std::prev(here) : here, last = has_after ? std::next(here) : here;
-    for (const Corner& corner : view.corners) {
-      const auto at = [&](const SE3& pose) {
-        return Eigen::Vector2d(fitted.project(vec3(pose * corner.world)));
-      };
-      motions.back().push_back((at(last->second) - at(first->second)) / double(last->first - first->first));
-    }
-  }
-  return motions;
-}
 
 /// One camera's step, with the covariance of the shared parameters.
 std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result, const FittedRig& rig,
@@ -117,28 +85,6 @@ std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& all, cons
     if (step) trials.back() = {{step->value, step->std, step->std_clustered}, step->probability};
   }
   return trials;
-}
-
-Dataset withoutReadout(const Dataset& data, const Result& result) {
-  Dataset still = data;
-  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-    if (!result.cameras[c].readout) continue;
-    const double height = imageBoxOf(data.cameras[c], result.cameras[c]).height;
-    const auto motions = motionsByPoses(data.cameras[c], result.cameras[c], result);
-    for (std::size_t i = 0; i < motions.size(); ++i) {
-      for (std::size_t k = 0; k < motions[i].size(); ++k) {
-        const Eigen::Vector2d& motion = motions[i][k];
-        Corner& corner = still.cameras[c].views[i].corners[k];
-        if (motion.allFinite())
-          corner.pixel -= result.cameras[c].readout->value * corner.pixel.y() / height * motion;
-      }
-    }
-  }
-  return still;
-}
-
-Dataset asFitted(const Result& result, const Dataset& data) {
-  return withNoiseOf(result, withoutReadout(data, result));
 }
 
 std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const Result& result) {

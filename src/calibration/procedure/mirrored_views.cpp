@@ -1,4 +1,4 @@
-#include "calibration/fit/mirrored_views.hpp"
+#include "calibration/procedure/mirrored_views.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
-#include "calibration/fit/scaled_views.hpp"
+#include "calibration/procedure/scaled_views.hpp"
 
 namespace slom::calibration {
 namespace {

@@ -1,4 +1,4 @@
-#include "calibration/fit/scaled_views.hpp"
+#include "calibration/procedure/scaled_views.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,24 +10,19 @@
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
-#include "calibration/fit/corner_noise.hpp"
-#include "calibration/fit/mirrored_views.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/fit/model_fit.hpp"
-#include "calibration/fit/rig_fit.hpp"
-#include "calibration/fit/stray_views.hpp"
 #include "calibration/initialization/far_off.hpp"
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/procedure/corner_noise.hpp"
+#include "calibration/procedure/mirrored_views.hpp"
+#include "calibration/procedure/readout.hpp"
+#include "calibration/procedure/stray_views.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
-#include "calibration/quality/uncertainty/readout.hpp"
 
 namespace slom::calibration {
-
-std::string sentenceOf(const slom::Error& error) {
-  const bool names_unknown = error.id() == "slom.rank-deficient" && !error.subject().empty();
-  return names_unknown ? "the measurements do not determine " + error.subject() : std::string(error.fault());
-}
 
 namespace {
 
@@ -269,13 +264,6 @@ Result calibrate(const Dataset& data, const Settings& settings, const Progress& 
   }
   for (const CameraData& camera : (*sorted).cameras) requireSmoothViews(camera);
   return fitWithoutMirroredViews(*sorted, started(settings), of_caller);
-}
-
-Result calibrateFrom(const Result& start, const Dataset& data, const Settings& settings) {
-  checkConnected(data);
-  Result result = calibrateModelFrom(start, data, settings);
-  addClustered(data, result);
-  return result;
 }
 
 }  // namespace slom::calibration

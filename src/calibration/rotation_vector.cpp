@@ -1,4 +1,4 @@
-#include "calibration/fit/rotation_vector.hpp"
+#include "calibration/rotation_vector.hpp"
 
 #include <cmath>
 

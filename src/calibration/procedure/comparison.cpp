@@ -9,10 +9,10 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
 #include "calibration/fit/model_fit.hpp"
-#include "calibration/fit/rig_fit.hpp"
 #include "calibration/initialization/far_off.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
+#include "calibration/procedure/judge.hpp"
 
 namespace slom::calibration {
 namespace {
