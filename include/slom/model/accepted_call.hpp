@@ -1,4 +1,4 @@
-/// Whether a callable accepts its arguments and, where it does not, which one, as a compile-time message.
+/// Compile-time checks whether a callable accepts its arguments, with a message that names the one that does not fit.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace slom {
 
 namespace detail {
 
-/// Whether F can be called with these arguments, and what it returns. Does not compile F's body where its return type is
-/// written out.
+/// Whether F can be called with these arguments, and its return type. If F's return type is written out, F's body is
+/// not compiled.
 template <class F, class Passed>
 struct Call {
   static constexpr bool is_possible = false;
@@ -54,7 +54,8 @@ template <class F>
   requires requires { &F::operator(); }
 struct Parameters<F> : Parameters<decltype(&F::operator())> {};
 
-/// One line for the first argument that does not fit, with both types in the line that says where.
+/// Fails to compile with one line for the first argument that does not fit. The line that names the place shows both
+/// types.
 template <int Number, class Given, class Wanted>
 constexpr void requireArgument() {
   constexpr bool fits = std::is_convertible_v<Given, Wanted>;
@@ -74,7 +75,8 @@ constexpr void requireArgument() {
       Number <= 6 || fits,
       "slom: an argument after the 6th of the measurement function is not of the type that it takes");
 }
-/// Fails to compile where F does not accept what it gets, and the number of data is not to blame: names the argument where F is not a template.
+/// Fails to compile if F does not accept its arguments for another reason than the number of data. If F is not a
+/// template, the message names the argument.
 template <class F, class... Given>
 constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
@@ -104,14 +106,15 @@ constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   }
 }
 
-/// Whether F takes only the first `Left` of what it gets.
+/// Returns whether F takes only the first `Left` of its arguments.
 template <class F, std::size_t Left, class... Given>
 constexpr bool acceptsFirst() {
   return []<std::size_t... I>(std::index_sequence<I...>) {
     return Call<F, std::tuple<std::tuple_element_t<I, std::tuple<Given...>>...>>::is_possible;
   }(std::make_index_sequence<Left>{});
 }
-/// Number of data at the end of what F gets, of which `Args` are all arguments of insertMeasurement but options.
+/// Returns the number of data at the end of F's arguments. `Args` are all arguments of insertMeasurement except
+/// options.
 template <class... Args>
 constexpr std::size_t countLastData() {
   constexpr bool is_measured_datum[] = {is_measured<Args>...}, is_variable[] = {is_var_id<Args>...};
@@ -119,7 +122,7 @@ constexpr std::size_t countLastData() {
   for (std::size_t i = sizeof...(Args); i-- > 0 && !is_variable[i];) count += is_measured_datum[i] ? 0 : 1;
   return count;
 }
-/// Whether F accepts what it gets without the last one or two, which are data.
+/// Returns whether F accepts its arguments without the last one or two, which are data.
 template <class F, class... Args, class... Given>
 constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
   constexpr std::size_t given = sizeof...(Given), data = countLastData<Args...>();
@@ -129,7 +132,7 @@ constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
   return accepts;
 }
 
-/// Fails to compile where F does not accept what it gets, with the remedy.
+/// Fails to compile, with the remedy, if F does not accept its arguments.
 template <class F, class... Args, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
@@ -147,13 +150,14 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
   }
 }
 
-/// Whether a parameter would round the value of a variable that is a number.
+/// Returns whether a parameter would round the value of a variable that is a number.
 template <class Arg, class Parameter>
 constexpr bool roundsVariable() {
   using P = std::remove_cvref_t<Parameter>;
   return std::is_same_v<Arg, VarID<double>> && (std::is_integral_v<P> || std::is_same_v<P, float>);
 }
-/// `Wanted`: the parameters; of `Args` the function gets those that are not marked by slom::measured.
+/// Returns whether any parameter rounds its variable. `Wanted`: the parameters. The function gets those of `Args` that
+/// are not marked by slom::measured.
 template <class Wanted, class... Args>
 constexpr bool roundsVariables() {
   constexpr std::size_t count = (std::size_t{!is_measured<Args>} + ... + 0);

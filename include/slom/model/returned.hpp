@@ -1,4 +1,4 @@
-/// The residual that a callable's return value stands for.
+/// Conversion of a callable's return value to a residual.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace slom {
 
 namespace detail {
 
-/// The residual that a callable's return value stands for.
+/// The residual for a callable's return value of type R.
 template <class R>
 struct Returned {
   static_assert(
