@@ -150,7 +150,7 @@ struct ManifoldTraits<M> {
       detail::NamedTraits<M>::visitComponentNames(x, path, sink);
     } else if constexpr (requires { M::component_names; }) {
       static_assert(DOF == Dynamic || std::size(M::component_names) == std::size_t(DOF),
-                    "mtk: `component_names` has one name for each degree of freedom (`DOF`)");
+                    "mtk: `component_names` must have one name for each degree of freedom (`DOF`)");
       for (const auto& name : M::component_names) sink(detail::joinPath(path, name));
     } else {
       detail::visitIndexNames(dof(x), detail::DerivesFromEigen<M>, path, sink);
@@ -285,19 +285,18 @@ constexpr void requireManifold() {
                           detail::is_eigens_rotation<M> || detail::is_eigens_transform<M> ||
                           std::is_array_v<M> || std::is_pointer_v<M>;
   static_assert(!detail::is_eigens_rotation<M>,
-                "mtk: Eigen's rotations are not manifolds: take mtk::SO3<>(q) for an Eigen::Quaterniond or "
+                "mtk: Eigen's rotations are not manifolds: use mtk::SO3<>(q) for an Eigen::Quaterniond or "
                 "Eigen::AngleAxisd, mtk::SO2<>(r.angle()) for an Eigen::Rotation2Dd");
   static_assert(
       !detail::is_eigens_transform<M>,
-      "mtk: Eigen's transforms are not manifolds: take mtk::trafo<mtk::SO3<>>(mtk::SO3<>(T.linear()), "
-      "T.translation()) for an Eigen::Isometry3d, mtk::SO2<> for one in the plane");
-  static_assert(
-      !std::is_array_v<M> && !std::is_pointer_v<M>,
-      "mtk: arrays T[N] and pointers are not manifolds: take std::array<T, N> or, for numbers, mtk::vect<N>");
-  static_assert(
-      !has_array,
-      "mtk: this struct has a member T[N], which is not a manifold: take std::array<T, N> or, for numbers, "
-      "mtk::vect<N>");
+      "mtk: Eigen's transforms are not manifolds: use mtk::trafo<mtk::SO3<>>(mtk::SO3<>(T.linear()), "
+      "T.translation()) for an Eigen::Isometry3d, and mtk::SO2<> in the plane");
+  static_assert(!std::is_array_v<M> && !std::is_pointer_v<M>,
+                "mtk: arrays T[N] and pointers are not manifolds: use std::array<T, N> or, for numbers, "
+                "mtk::vect<N>");
+  static_assert(!has_array,
+                "mtk: this struct has a member T[N], which is not a manifold: use std::array<T, N> or, for "
+                "numbers, mtk::vect<N>");
   static_assert(
       ok || !detail::HasDof<M> || detail::HasScalar<M>,
       "mtk: this type has DOF but is not a manifold: it lacks the member type `scalar` (float or double)");

@@ -117,8 +117,8 @@ struct Archive::Kind {
   using M = CallableMeasurement<F, Args...>;
   static_assert(
       std::is_empty_v<F> && std::is_default_constructible_v<F>,
-      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
-      "arguments of insertMeasurement, and put a function into a lambda");
+      "slom: only function objects without captures or members can be loaded: pass captured values as "
+      "further arguments of insertMeasurement, and wrap a function in a lambda");
 
   template <class A>
   struct Argument {
@@ -199,8 +199,8 @@ struct Archive::ListKind {
   using M = ListMeasurement<F, Data...>;
   static_assert(
       std::is_empty_v<F> && std::is_default_constructible_v<F>,
-      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
-      "arguments of insertMeasurement, and put a function into a lambda");
+      "slom: only function objects without captures or members can be loaded: pass captured values as "
+      "further arguments of insertMeasurement, and wrap a function in a lambda");
 
   static std::string name() {
     return typeName<F>() + "(variables" + (std::string() + ... + (", datum " + typeName<Data>())) + ")";
@@ -275,7 +275,8 @@ void Archive::measurement(std::string name) {
   if constexpr (std::derived_from<F, RuntimeMeasurement>) {
     static_assert(
         std::is_same_v<F, GaussianPrior> && sizeof...(Args) == 0,
-        "slom: of the kinds that are classes over a list of variables, only slom::GaussianPrior can be saved, and without further types");
+        "slom: among classes over a list of variables, only slom::GaussianPrior can be saved; register it "
+        "without further types");
     addList(std::type_identity<StoredPrior>{}, typeid(F));
   } else if constexpr (detail::begins_with_list<Args...>) {
     [&]<class... Data>(std::type_identity<std::tuple<std::vector<AnyVarID>, Data...>>) {
@@ -283,8 +284,10 @@ void Archive::measurement(std::string name) {
       addList(std::type_identity<ListKind<Function, Data...>>{}, typeid(ListMeasurement<Function, Data...>));
     }(std::type_identity<std::tuple<Args...>>{});
   } else if constexpr (Measurement<F>) {
-    static_assert(sizeof...(Args) == 0,
-                  "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
+    static_assert(
+        sizeof...(Args) == 0,
+        "slom: a type declared by SLOM_BUILD_MEASUREMENT already lists its variables and data; register "
+        "it without further types");
     addKind(std::type_identity<DeclaredKind<F>>{}, typeid(F));
   } else {
     using Function = std::remove_const_t<F>;  // the type of a constexpr lambda is const

@@ -229,9 +229,9 @@ class Estimator {
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
     static_assert(
         (detail::is_option<Options> && ...),
-        "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
-        "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
-        "(slom::named)");
+        "slom: an argument after the measurement must be its uncertainty (Covariance, StandardDeviation, "
+        "InvCovariance or InvStandardDeviation), its loss (Huber, ...), its label (slom::named) or a "
+        "group (slom::group)");
     const detail::Values<const Options&...> all{{options}...};
     if constexpr (detail::group_count<Options...> > 0) {
       const auto groups = detail::groupsAmong<Options...>(all);

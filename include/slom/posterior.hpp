@@ -40,7 +40,7 @@ double halfLogOfDeterminants(const double* before, const double* after, int n);
 /// Estimator::covariance does, and [slom.singular-covariance] if a combination of the variables has variance 0.
 template <class... T>
 Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
-  static_assert(sizeof...(T) > 0, "slom: posterior takes the variables that it is about after the estimator");
+  static_assert(sizeof...(T) > 0, "slom: pass the variables of the posterior after the estimator");
   const Eigen::MatrixXd C = est.jointCovariance(ids...);
   Eigen::MatrixXd R(C.rows(), C.cols());
   detail::writeSquareRootInformation(C.data(), static_cast<int>(C.rows()), R.data());

@@ -60,20 +60,21 @@ template <int Number, class Given, class Wanted>
 constexpr void requireArgument() {
   constexpr bool fits = std::is_convertible_v<Given, Wanted>;
   static_assert(Number != 1 || fits,
-                "slom: argument 1 of the measurement function is not of the type that it takes");
+                "slom: argument 1 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 2 || fits,
-                "slom: argument 2 of the measurement function is not of the type that it takes");
+                "slom: argument 2 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 3 || fits,
-                "slom: argument 3 of the measurement function is not of the type that it takes");
+                "slom: argument 3 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 4 || fits,
-                "slom: argument 4 of the measurement function is not of the type that it takes");
+                "slom: argument 4 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 5 || fits,
-                "slom: argument 5 of the measurement function is not of the type that it takes");
+                "slom: argument 5 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 6 || fits,
-                "slom: argument 6 of the measurement function is not of the type that it takes");
+                "slom: argument 6 of the measurement function does not convert to the type of its parameter");
   static_assert(
       Number <= 6 || fits,
-      "slom: an argument after the 6th of the measurement function is not of the type that it takes");
+      "slom: an argument after the 6th of the measurement function does not convert to the type of its "
+      "parameter");
 }
 /// Fails to compile if F does not accept its arguments for another reason than the number of data. If F is not a
 /// template, the message names the argument.
@@ -83,15 +84,16 @@ constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
     constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
     static_assert(
         !is_mutable,
-        "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
-        "write `const` after the parameters of operator()");
+        "slom: the measurement function must be const, because several threads call it at once: remove "
+        "`mutable`, or write `const` after the parameters of operator()");
     if constexpr (is_mutable) {
     } else if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;
       constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
-      static_assert(right_number,
-                    "slom: the measurement function takes another number of arguments: it gets one for each "
-                    "VarID and each datum, none for noise, loss, name and slom::measured");
+      static_assert(
+          right_number,
+          "slom: the measurement function has the wrong number of parameters: it gets one argument for each "
+          "VarID and each datum, none for noise, loss, name and slom::measured");
       if constexpr (right_number) {
         [&]<std::size_t... I>(std::index_sequence<I...>) {
           (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
@@ -140,12 +142,13 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
     constexpr bool has_datum = (is_measured<Args> || ...);
     static_assert(
         !has_too_many || !has_datum,
-        "slom: the measurement function does not take the last argument, which is taken for data: write an uncertainty as "
-        "slom::StandardDeviation(s) or slom::Covariance(c)");
+        "slom: the measurement function does not accept the last argument, which counts as data: write an "
+        "uncertainty as slom::StandardDeviation(s) or slom::Covariance(c)");
     static_assert(
         !has_too_many || has_datum,
-        "slom: the measurement function takes fewer data than it gets: mark the datum that it predicts by "
-        "slom::measured(z), and write an uncertainty as slom::StandardDeviation(s) or slom::Covariance(c)");
+        "slom: the measurement function has too few parameters for its data: mark the datum that it "
+        "predicts by slom::measured(z), and write an uncertainty as slom::StandardDeviation(s) or "
+        "slom::Covariance(c)");
     if constexpr (!has_too_many) requireAcceptedOne<F>(given);
   }
 }

@@ -48,8 +48,8 @@ auto measured(const Datum& z) {
   if constexpr (requires { typename mtk::scalar_t<Z>; }) {
     static_assert(
         std::is_same_v<mtk::scalar_t<Z>, double>,
-        "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
-        "round the residual so that it has no derivatives");
+        "slom: the datum of slom::measured must consist of doubles; this one consists of float, integers "
+        "or other numbers, which round the residual so that it has no derivatives");
   }
   return Measured<Z>{Z(z)};
 }

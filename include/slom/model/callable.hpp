@@ -45,12 +45,14 @@ class CallableMeasurement {
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
   static_assert(
       (int{detail::is_measured<Args>} + ... + 0) <= 1,
-      "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
+      "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others "
+      "without it");
   static_assert((detail::requireAccepted<Function, Args...>(std::type_identity<Passed>{}), true));
   static_assert(
       !detail::parametersRoundVariables<Function, Args...>(),
-      "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "
-      "its value so that there are no derivatives: declare it as double or const auto&");
+      "slom: a parameter of the measurement function is float, an integer or bool, but the variable is "
+      "a double; rounding its value removes the derivatives: declare the parameter as double or const "
+      "auto&");
   using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
@@ -193,9 +195,8 @@ class CallableMeasurement {
         is_fixed && residual_dim != mtk::Dynamic &&
             (detail::hasFixedSize<detail::ContentOf<Stored<Args>>>() && ...),
         "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
-    static_assert(
-        !is_fixed || columns <= detail::kMostPackedColumns,
-        "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
+    static_assert(!is_fixed || columns <= detail::kMostPackedColumns,
+                  "slom: slom::vectorized supports at most 60 unknowns in a measurement; remove it for more");
     static_assert(
         (!std::is_void_v<mtk::rebind_t<detail::ContentOf<Stored<Args>>, double>> && ...),
         "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "

@@ -127,9 +127,9 @@ const LossKind& ownKind(const char* name, LossValue (*evaluate)(double t, double
 template <class F>
 Loss ownLoss(const char* name, double scale, F) {
   static_assert(std::is_empty_v<F> && std::is_default_constructible_v<F>,
-                "slom: the function of a loss has no captures; write the numbers that it needs into it");
+                "slom: the function of a loss must not capture; write its numbers into the function");
   static_assert(std::is_same_v<decltype(F()(1.0)), LossValue>,
-                "slom: the function of a loss returns a slom::LossValue: phi(t), phi'(t), phi''(t)");
+                "slom: the function of a loss must return a slom::LossValue: phi(t), phi'(t), phi''(t)");
   return Loss(detail::ownKind(name, [](double t, double) { return F()(t); }), scale);
 }
 

@@ -44,7 +44,7 @@ auto plainNoise(const T& value) {
     return static_cast<double>(value);
   } else {
     static_assert(
-        requires { typename T::PlainObject; }, "slom: noise is given by a number, a vector or a matrix");
+        requires { typename T::PlainObject; }, "slom: noise must be a number, a vector or a matrix");
     return typename T::PlainObject(value);
   }
 }
@@ -119,8 +119,8 @@ NoiseView viewNoise(const Noise<F, T>& noise) {
   if constexpr (std::is_same_v<T, double>) {
     return {NoiseView::Shape::scalar, F, &noise.value, 1, 1};
   } else {
-    static_assert(std::is_same_v<typename T::Scalar, double>, "slom: noise is given in double precision");
-    static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "slom: noise matrices are column-major");
+    static_assert(std::is_same_v<typename T::Scalar, double>, "slom: noise must have double precision");
+    static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "slom: noise matrices must be column-major");
     const bool vector = T::IsVectorAtCompileTime;
     return {vector ? NoiseView::Shape::vector : NoiseView::Shape::matrix, F, noise.value.data(),
             static_cast<int>(vector ? noise.value.size() : noise.value.rows()),

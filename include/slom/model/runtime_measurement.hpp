@@ -74,8 +74,10 @@ class RuntimeMeasurement {
 template <class F, class... Data>
 class ListMeasurement final : public RuntimeMeasurement {
   using Variables = std::span<const VariableView>;
-  static_assert(!(detail::is_var_id<Data> || ...),
-                "slom: all variables of a measurement over a list are in the list: put this VarID into it");
+  static_assert(
+      !(detail::is_var_id<Data> || ...),
+      "slom: a measurement over a list takes its variables only from the list: put this VarID into the "
+      "list");
   static_assert(
       std::is_invocable_v<const F&, Variables, const Data&...>,
       "slom: a measurement function over a list of variables gets a std::span<const slom::VariableView> and a "

@@ -65,7 +65,7 @@ class Observer {
   Observer(F f) {  // NOLINT(google-explicit-constructor): options.observer = [](const auto& record) { ... };
     using Result = decltype(f(std::declval<const IterationRecord&>()));
     static_assert(std::is_void_v<Result> || std::is_same_v<Result, FitControl>,
-                  "slom: an observer returns nothing, or FitControl::go_on or FitControl::stop");
+                  "slom: an observer must return nothing, FitControl::go_on or FitControl::stop");
     if constexpr (std::is_same_v<F, std::function<void(const IterationRecord&)>>) {
       if (!f) return;
     }
