@@ -309,8 +309,8 @@ class Estimator {
   /// remaining variables could explain. The number of residuals falls by the number of residuals in that part.
   ///
   /// If all replaced measurements of this call are in a group (slom::group), the priors are in that group too. With
-  /// first estimates, the Jacobians of all measurements of the remaining variables are from then on taken at the
-  /// present values of these variables, as long as a prior from this call depends on them. Throws [slom.stale-handle],
+  /// first estimates, the Jacobians of all measurements of the remaining variables are from then on taken at their
+  /// present values. This ends when no prior from this call depends on the variable. Throws [slom.stale-handle],
   /// [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw]; nothing is changed.
   ///   source   Sibley, Matthies, Sukhatme, "Sliding window filter with application to planetary landing", 2010
   std::vector<MeasID<GaussianPrior>> marginalize(const std::vector<AnyVarID>& ids,

@@ -122,8 +122,8 @@ struct ClusterOptions {
   std::vector<ClusterBy> by{};
   /// Correction of residuals. cr2 is too small if the fit follows a group closely, for example a group much larger than
   /// the others. The default detects that.
-  ///   source   MacKinnon, Nielsen and Webb, "Cluster-robust inference: a guide to empirical practice", 2023, sections 3
-  ///            and 7
+  ///   source   MacKinnon, Nielsen and Webb, "Cluster-robust inference: a guide to empirical practice", 2023,
+  ///            sections 3 and 7
   ClusterCorrection correction = ClusterCorrection::by_leverage;
   /// If true, groups of the first way are a sequence, by number or in order of insertion, and neighbours may share
   /// errors too. From 32 groups on, blocks of 1, 2, 4, ... groups are joined until the variance no longer grows. Up to

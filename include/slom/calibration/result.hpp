@@ -43,7 +43,7 @@ struct ClusteredUncertainty {
   int blocks = 0;          ///< number of blocks
   bool levels_off = true;  ///< false: errors are shared over more images than the longest blocks have
   /// Factor between the standard deviations and those of the longest blocks, if these do not level off. 1 if they level
-  /// off, and if there are too few images to tell; in the second case they are too small.
+  /// off. Also 1 if there are too few images to tell; then they are too small.
   double extrapolation = 1;
   /// Ratio of the clustered to the stated standard deviation, as root mean square over all directions of the
   /// parameters: by images, by blocks of images, and by blocks and points of the board.

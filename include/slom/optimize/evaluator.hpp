@@ -98,8 +98,8 @@ class Evaluator {
   /// did.
   bool advance(const Promise& promise);
   /// Returns the unknowns on which no residual depends at the current values. Their columns of J are so short that
-  /// moving an unknown by its own size changes no residual beyond rounding, and moves by 1 / |J_i| do not change the
-  /// residuals as the column predicts. Linearise first.
+  /// moving an unknown by its own size changes no residual beyond rounding. Moves by 1 / |J_i| do not change the
+  /// residuals as the column predicts, either. Linearise first.
   std::vector<int> unseenAtRest();
   /// Returns |x_i| of every unknown (1 for angles).
   Eigen::VectorXd typicalSizes();
@@ -121,9 +121,8 @@ class Evaluator {
   bool mustStop() const { return must_stop_ && must_stop_(); }
 
   /// Computes the Gauss-Newton step. Also fails at a hidden unknown, whose column of J is only rounding error, so that
-  /// no residual depends on it. An unknown is hidden if the step would move it by more than its typical size, but this
-  /// move changes the residuals by less than rounding, and its moves do not change the residuals as the column
-  /// predicts.
+  /// no residual depends on it. The step would move a hidden unknown by more than its typical size, but this move
+  /// changes the residuals by less than rounding. Also, its moves do not change the residuals as the column predicts.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
   /// Returns whether the last solveUndamped failed at a hidden unknown, and not because of the rank of J.
   bool wasHidden() const { return was_hidden_; }
