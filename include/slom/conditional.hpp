@@ -16,9 +16,9 @@
 namespace slom {
 
 /// Returns the minimum, over the tangent vectors of `ids`, of all measurements that depend on `ids`. It is a function
-/// of the variables that these measurements share with the rest: one prior for each connected set of them, linearised
-/// at the current values. Changes nothing; Estimator::marginalize replaces the variables and measurements by these
-/// priors. Throws as Estimator::marginalize does.
+/// of the variables that these measurements share with the rest: one prior for each set of them that the elimination
+/// couples, linearised at the current values. Changes nothing; Estimator::marginalize replaces the variables and
+/// measurements by these priors. Throws as Estimator::marginalize does.
 std::vector<GaussianPrior> conditional(const Estimator& est, const std::vector<AnyVarID>& ids);
 
 }  // namespace slom

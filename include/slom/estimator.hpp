@@ -301,7 +301,8 @@ class Estimator {
 
   /// Removes variables and keeps what their measurements say about other variables. The measurements of `ids` are
   /// linearised at the current values. GaussianPriors on the remaining variables of these measurements replace them,
-  /// one prior for each connected set of variables. `ids` may be any set of variables; duplicates count once.
+  /// one prior for each set of variables that the elimination couples. `ids` may be any set of variables; duplicates
+  /// count once.
   ///
   /// In a linear problem later steps are the same as without marginalisation. In a nonlinear one they no longer follow
   /// changes of the removed measurements, so marginalise after the fit has converged. Losses enter by their weights at
