@@ -6,10 +6,10 @@
 ///       ((SE3, left2right))
 ///     )
 ///
-/// gives a struct with these public members, a default constructor, one from all members, boxplus and
-/// boxminus, streaming, and the names of the members for messages. Types with a comma need an alias first.
-/// A plain struct with the same members is a manifold too, without any macro. Its operations are templates, so that a program compiles those
-/// that it uses.
+/// declares a struct with these public members, a default constructor, a constructor from all members, boxplus and
+/// boxminus, streaming, and names of the members for messages. A type with a comma needs an alias first. A plain struct
+/// with the same members is a manifold too, without a macro. Its operations are templates, so a program compiles only
+/// those that it uses.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@
 
 namespace mtk::detail {
 
-/// Scalar and degrees of freedom of a member. Where its type states them, its operations are not looked at before they are used: that is what
-/// cameras that a program declares and does not use would take longest to compile for.
+/// Scalar and degrees of freedom of a member. If the member's type states them, its operations are not examined before
+/// they are used. Examining them would dominate the compile time of cameras that a program declares and does not use.
 template <class M>
 struct Stated : MemberTypes<M> {};
 template <class M>

@@ -1,5 +1,5 @@
-/// Compounds: manifolds whose operations are those of their members, one after the other in the stacked tangent vector. To be included by
-/// mtk/manifold.hpp.
+/// Compounds: manifolds that consist of members. Their operations are those of the members, one after another in the
+/// stacked tangent vector. mtk/manifold.hpp includes this header.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace mtk {
 
-/// Compound types name their members: `mtkMembers(x)` gives references, `mtkMemberNames()` their names.
+/// A compound type that names its members: `mtkMembers(x)` gives references, `mtkMemberNames()` their names.
 template <class M>
 concept NamedCompound = requires(M& x) {
   M::mtkMembers(x);
@@ -24,14 +24,14 @@ concept NamedCompound = requires(M& x) {
 
 namespace detail {
 
-/// `left2right.pos`; without a dot where one of the two is empty.
+/// Returns `left2right.pos` for path and name; without a dot if one of the two is empty.
 inline std::string joinPath(const std::string& path, std::string_view name) {
   std::string joined(path);
   if (!path.empty() && !name.empty()) joined.push_back('.');
   return joined.append(name.data(), name.size());
 }
 
-/// Applies `f(part_of_x, part_of_y, offset, dof)` to each member, offsets in the stacked tangent vector.
+/// Calls `f(part_of_x, part_of_y, offset, dof)` for each member, with offsets in the stacked tangent vector.
 template <class TupleX, class TupleY, class F>
 void forEachPart(TupleX&& x, TupleY&& y, F&& f) {
   [&]<std::size_t... I>(std::index_sequence<I...>) {
@@ -45,7 +45,7 @@ void forEachPart(TupleX&& x, TupleY&& y, F&& f) {
   }(std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<TupleX>>>{});
 }
 
-/// Dynamic if one of them is.
+/// Returns the sum; Dynamic if any of them is Dynamic.
 constexpr int sumOfDof(std::initializer_list<int> dofs) {
   int sum = 0;
   for (const int dof : dofs) {
@@ -71,7 +71,7 @@ struct MemberTypesIn;
 template <class... P>
 struct MemberTypesIn<std::tuple<P...>> : MemberTypes<std::remove_cvref_t<P>...> {};
 
-/// The operations of a compound from those of its members. `Parts::of(x)` ties the members.
+/// The operations of a compound, made from those of its members. `Parts::of(x)` ties the members.
 template <class M, class Parts>
 struct CompoundTraits {
   using Tuple = decltype(Parts::of(std::declval<M&>()));

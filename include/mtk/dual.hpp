@@ -2,8 +2,8 @@
 ///   state    a value v and its partial derivatives d with respect to N columns (unknowns)
 ///   f(v, d)  = (f(v), f'(v) d), the chain rule
 ///   source   Griewank and Walther, "Evaluating derivatives", 2008, chapter 3
-/// Where a derivative is infinite (sqrt at 0, acos at 1) and the partial derivative of the argument is zero, the result
-/// is zero: sqrt(x * x) at 0, |R - R| and the like have finite derivatives.
+/// If a derivative is infinite (sqrt at 0, acos at 1) and the partial derivative of the argument is zero, the result is
+/// zero. So sqrt(x * x) at 0, |R - R| and similar terms have finite derivatives.
 #pragma once
 
 #include <algorithm>
@@ -26,31 +26,31 @@ namespace mtk {
 namespace detail {
 
 constexpr int countColumns(std::uint64_t columns) { return std::popcount(columns); }
-/// The bits 0 .. n - 1.
+/// Returns the bits 0 .. n - 1.
 constexpr std::uint64_t lowColumns(int n) {
   return n >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1;
 }
-/// Number of the i-th column in the set.
+/// Returns the number of the i-th column in the set.
 constexpr int columnAt(std::uint64_t columns, int i) {
   for (; i > 0; --i) columns &= columns - 1;
   return std::countr_zero(columns);
 }
-/// Place of a column that is in the set among its members.
+/// Returns the index of a column of the set among the set's members.
 constexpr int placeOf(std::uint64_t columns, int column) {
   return std::popcount(columns & lowColumns(column));
 }
 
 constexpr bool isIn(std::uint64_t columns, int column) { return ((columns >> column) & 1) != 0; }
-/// The same, 0 of a column that is not in the set.
+/// Returns placeOf(columns, column), or 0 if the column is not in the set.
 constexpr int placeIn(std::uint64_t columns, int column) {
   return isIn(columns, column) ? placeOf(columns, column) : 0;
 }
 
-/// Partial derivatives with respect to the columns in the set C; all others are zero.
+/// Partial derivatives with respect to the columns in the set C. All others are zero.
 template <class S, std::uint64_t C>
 using Partials = Lanes<S, countColumns(C)>;
 
-/// both(a, b), left(a) or right(b), for each column of either set.
+/// Computes both(a, b), left(a) or right(b) for each column of either set.
 template <std::uint64_t A, std::uint64_t B, class S, class Both, class Left, class Right>
 Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, const Both& both,
                            [[maybe_unused]] const Left& left, [[maybe_unused]] const Right& right) {
@@ -60,8 +60,8 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
     return r;
   } else {
     Partials<S, A | B> r;
-    if constexpr (r.lanes > 1) r.v[r.count - 1] = typename Partials<S, A | B>::Vector{};  // what is left over
-    // Which of the three it is is known for each I, without a function for each.
+    if constexpr (r.lanes > 1) r.v[r.count - 1] = typename Partials<S, A | B>::Vector{};  // unused lanes
+    // The choice among the three is a constant for each I and needs no function for each.
     [&]<int... I>(std::integer_sequence<int, I...>) {
       (r.set(I, isIn(A, columnAt(A | B, I)) && isIn(B, columnAt(A | B, I))
                     ? S(both(a.get(placeIn(A, columnAt(A | B, I))), b.get(placeIn(B, columnAt(A | B, I)))))
@@ -73,7 +73,7 @@ Partials<S, A | B> combine(const Partials<S, A>& a, const Partials<S, B>& b, con
   }
 }
 
-/// f(a) for each column of a.
+/// Returns f(a) for each column of a.
 template <class S, int N, class F>
 Lanes<S, N> apply(const Lanes<S, N>& a, const F& f) {
   Lanes<S, N> r;
@@ -81,7 +81,7 @@ Lanes<S, N> apply(const Lanes<S, N>& a, const F& f) {
   return r;
 }
 
-/// factor * a, with 0 where a is 0, whatever the factor.
+/// Returns factor * a, and 0 where a is 0, for any factor.
 template <class S, int N>
 Lanes<S, N> scaledOrZero(const S& factor, const Lanes<S, N>& a) {
   Lanes<S, N> r = Lanes<S, N>::zero();
@@ -91,7 +91,7 @@ Lanes<S, N> scaledOrZero(const S& factor, const Lanes<S, N>& a) {
 
 }  // namespace detail
 
-/// A number whose partial derivatives vanish but for the columns (bits) in C.
+/// A number whose partial derivatives are 0 except for the columns (bits) in C.
 template <class S, std::uint64_t C>
 class SparseDual {
  public:
@@ -100,21 +100,21 @@ class SparseDual {
   static constexpr std::uint64_t columns = C;
   static constexpr int size = detail::countColumns(C);
 
-  /// Not initialised, as a double; `SparseDual()` is 0.
+  /// Leaves the number uninitialised, as for a double; `SparseDual()` is 0.
   SparseDual() = default;
-  /// A constant.
+  /// Converts a constant.
   template <class T>
     requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
   SparseDual(const T& constant)
       : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
-  /// A number with the partial derivatives that make() returns, which are not copied.
+  /// Creates a number with the partial derivatives that make() returns, without copying them.
   template <class Make>
     requires requires(const Make& make) {
       { make() } -> std::same_as<Partials>;
     }
   SparseDual(const S& value, const Make& make) : v_(value), d_(make()) {}
-  /// The same number among more columns.
+  /// Converts to a number with more columns.
   template <std::uint64_t A>
     requires((A & ~C) == 0 && A != C)
   SparseDual(const SparseDual<S, A>& x) {  // NOLINT(google-explicit-constructor): nothing is lost
@@ -131,15 +131,15 @@ class SparseDual {
     return *this;
   }
 
-  /// The number itself, without its derivatives.
+  /// Returns the number without its derivatives.
   const S& value() const { return v_; }
-  /// The derivatives by the columns of the mask C, in ascending order; the others are 0.
+  /// Returns the derivatives with respect to the columns in C, in ascending order. All others are 0.
   const Partials& partials() const { return d_; }
   S& value() { return v_; }
   Partials& partials() { return d_; }
-  /// d / d column c.
+  /// Returns d / d column c.
   S partial(int c) const { return detail::isIn(C, c) ? d_.get(detail::placeOf(C, c)) : S(0); }
-  /// Becomes the unknown number `column` (a constant when the column is not in C) with value x.
+  /// Sets the value x and makes the number the unknown `column`, or a constant if the column is not in C.
   void seed(const S& x, int column) {
     v_ = x;
     const int place = column >= 0 && column < 64 && detail::isIn(C, column) ? detail::placeOf(C, column) : -1;
@@ -178,16 +178,16 @@ inline constexpr bool is_scalar_v<SparseDual<S, C>> = true;
 
 namespace detail {
 
-/// What mixes with a dual number over S as a constant.
+/// A type that mixes with a dual number over S as a constant.
 template <class T, class S>
 concept ConstantFor = std::is_arithmetic_v<T> || std::is_same_v<T, S>;
 
-/// The function with value f and derivative df at x.
+/// Returns the function with value f and derivative df at x.
 template <class S, std::uint64_t C>
 SparseDual<S, C> chain(const SparseDual<S, C>& x, const S& f, const S& df) {
   return {f, [&] { return apply(x.partials(), [&](const auto& d) { return df * d; }); }};
 }
-/// The same where df may be infinite.
+/// Returns chain(x, f, df) for a df that may be infinite.
 template <class S, std::uint64_t C>
 SparseDual<S, C> chainOrZero(const SparseDual<S, C>& x, const S& f, const S& df) {
   if constexpr (std::is_floating_point_v<S>) {
@@ -195,7 +195,7 @@ SparseDual<S, C> chainOrZero(const SparseDual<S, C>& x, const S& f, const S& df)
   }
   return {f, [&] { return scaledOrZero(df, x.partials()); }};
 }
-/// The function with value f and derivatives da, db at (a, b).
+/// Returns the function with value f and derivatives da, db at (a, b).
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f, const S& da,
                            const S& db) {
@@ -206,7 +206,7 @@ SparseDual<S, A | B> chain(const SparseDual<S, A>& a, const SparseDual<S, B>& b,
           }};
 }
 
-/// The same where da or db may be infinite or not exist.
+/// Returns chain(a, b, f, da, db) for da or db that may be infinite or undefined.
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> chainOrZero(const SparseDual<S, A>& a, const SparseDual<S, B>& b, const S& f,
                                  const S& da, const S& db) {
@@ -215,7 +215,7 @@ SparseDual<S, A | B> chainOrZero(const SparseDual<S, A>& a, const SparseDual<S, 
   return by_a + by_b;
 }
 
-/// The reciprocal, the largest number where there is none.
+/// Returns the reciprocal, or the largest number if there is none.
 template <class S>
 S boundedReciprocal(const S& x) {
   const S limit(std::numeric_limits<built_in_t<S>>::max());
@@ -293,7 +293,7 @@ SparseDual<S, C> operator/(const T& a, const SparseDual<S, C>& b) {
   return detail::chain(b, quotient, S(-quotient / b.value()));
 }
 
-// Comparisons look at the values.
+// Comparisons of dual numbers compare their values.
 #define MTK_COMPARE_DUALS(op)                                              \
   template <class S, std::uint64_t A, std::uint64_t B>                     \
   auto operator op(const SparseDual<S, A>& a, const SparseDual<S, B>& b) { \
@@ -315,7 +315,7 @@ MTK_COMPARE_DUALS(>)
 MTK_COMPARE_DUALS(>=)
 #undef MTK_COMPARE_DUALS
 
-/// Lane by lane for dual numbers over packs.
+/// Selects lane by lane, for dual numbers over packs.
 template <class Mask, class S, std::uint64_t C>
   requires(!std::is_same_v<Mask, bool>)
 SparseDual<S, C> select(const Mask& mask, const SparseDual<S, C>& a, const SparseDual<S, C>& b) {

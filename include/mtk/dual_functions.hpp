@@ -1,4 +1,4 @@
-/// Functions of numbers that carry their derivatives, as <cmath> has them.
+/// The functions of <cmath> for numbers that carry their derivatives.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace mtk {
 
-// Functions. `f` is the value, `df` the derivative; `x` is the argument's value.
+// Functions. `f` is the value, `df` the derivative, `x` the argument's value.
 #define MTK_DUAL_FUNCTION(name, derivative)                 \
   template <class S, std::uint64_t C>                       \
   SparseDual<S, C> name(const SparseDual<S, C>& argument) { \
@@ -49,7 +49,7 @@ MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(trunc, (SparseDual<S, C>(f)))
 #undef MTK_DUAL_FUNCTION
 
-/// The derivative at 0 is 0, the middle of what is possible.
+/// Returns |a|. At 0 the derivative is 0, the middle of the possible slopes.
 template <class S, std::uint64_t C>
 SparseDual<S, C> abs(const SparseDual<S, C>& a) {
   const S slope = select(a.value() < S(0), S(-1), select(a.value() > S(0), S(1), S(0)));
@@ -64,7 +64,7 @@ SparseDual<S, C> abs2(const SparseDual<S, C>& a) {
   return a * a;
 }
 
-/// Sine and cosine, which are the derivatives of each other.
+/// Returns sine and cosine, each from the derivative of the other.
 template <class S, std::uint64_t C>
 SinCos<SparseDual<S, C>> sinCos(const SparseDual<S, C>& x) {
   const auto [sine, cosine] = sinCos(x.value());
@@ -81,14 +81,14 @@ SparseDual<S, C> cos(const SparseDual<S, C>& x) {
   return detail::chain(x, cosine, S(-sine));
 }
 
-/// At (0, 0), where there is none, the derivative is zero.
+/// Returns the angle of (x, y). At (0, 0), where there is no derivative, the result has derivative 0.
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> atan2(const SparseDual<S, A>& y, const SparseDual<S, B>& x) {
   using std::abs;
   using std::atan2;
   const S square = y.value() * y.value() + x.value() * x.value();
   const auto [by_y, by_x] = detail::branch(
-      square > S(1e-30) && square < S(1e30),  // in reach of float, too
+      square > S(1e-30) && square < S(1e30),  // in the range of float, too
       [&] {
         const S inverse = S(1) / square;
         return std::array<S, 2>{x.value() * inverse, -y.value() * inverse};
@@ -111,7 +111,7 @@ SparseDual<S, C> atan2(const T& y, const SparseDual<S, C>& x) {
   return atan2(SparseDual<S, C>(y), x);
 }
 
-/// sqrt(x^2 + y^2); at (0, 0), where there is none, the derivative is zero.
+/// Returns sqrt(x^2 + y^2). At (0, 0), where there is no derivative, the result has derivative 0.
 template <class S, std::uint64_t A, std::uint64_t B>
 SparseDual<S, A | B> hypot(const SparseDual<S, A>& x, const SparseDual<S, B>& y) {
   using std::hypot;

@@ -1,4 +1,4 @@
-/// The exception of the project: a stable id, the subject, its value and the remedy, in one sentence.
+/// The exception of the project. Its one sentence has a stable id, the subject, the value and the remedy.
 #pragma once
 
 #include <cstdio>
@@ -12,31 +12,31 @@
 
 namespace mtk {
 
-/// what() reads `[id] sentence`; id() is stable between versions, so that programs can branch on it. A sentence ends with what
-/// to do about it, after its last semicolon.
+/// what() reads `[id] sentence`. The id is stable between versions, so programs can branch on it. The sentence ends
+/// with the remedy, after its last semicolon.
 class Error : public std::runtime_error {
  public:
-  /// subject: see subject().
+  /// Creates the error. `subject`: see subject().
   Error(std::string id, const std::string& sentence, std::string subject = {})
       : std::runtime_error("[" + id + "] " + sentence), id_(std::move(id)), subject_(std::move(subject)) {}
 
-  /// `slom.bad-option`: stable between versions.
+  /// Returns the id, such as `slom.bad-option`, which is stable between versions.
   const std::string& id() const noexcept { return id_; }
-  /// The name of what the sentence is about: of a variable or of one of its components, of a measurement, an option, an argument, a
-  /// file or its line, the type of a handle. `pose[3].pos.x`; empty where nothing has a name.
+  /// Returns the name of the subject: a variable or component, a measurement, an option, an argument, a file or its
+  /// line, or the type of a handle. Example: `pose[3].pos.x`. Empty if nothing has a name.
   const std::string& subject() const noexcept { return subject_; }
-  /// `max_seconds is -1; pass a positive number`
+  /// Returns the sentence, such as `max_seconds is -1; pass a positive number`.
   std::string_view sentence() const noexcept { return std::string_view(what()).substr(id_.size() + 3); }
-  /// `pass a positive number`; empty where nothing can be done.
+  /// Returns the remedy, such as `pass a positive number`; empty if there is none.
   std::string_view remedy() const noexcept {
     const std::size_t end = endOfFault();
     return end == std::string_view::npos ? std::string_view() : sentence().substr(end + 2);
   }
-  /// `max_seconds is -1`: the sentence without the remedy.
+  /// Returns the sentence without the remedy, such as `max_seconds is -1`.
   std::string_view fault() const noexcept { return sentence().substr(0, endOfFault()); }
 
  private:
-  /// The last semicolon that is not part of the subject's name.
+  /// Returns the place of the last semicolon outside the subject's name.
   std::size_t endOfFault() const noexcept {
     const std::size_t end = sentence().rfind("; "), name = sentence().rfind(subject_);
     const bool is_in_name = end != std::string_view::npos && name != std::string_view::npos && name < end &&
@@ -49,7 +49,7 @@ class Error : public std::runtime_error {
 
 namespace detail {
 
-/// The number as printf writes it, with a decimal point whatever the locale of C.
+/// Returns the number as printf writes it, but with a decimal point in every C locale.
 [[gnu::noinline, gnu::cold]] inline std::string classicText(const char* format, double x) {
   if (x != x) return "nan";
   char number[400];
@@ -66,7 +66,7 @@ namespace detail {
   return text;
 }
 
-/// Throws an error whose sentence has numbers in its middle: `before`(1, 2.5, 0)`after`.
+/// Throws an error whose sentence contains numbers: `before`(1, 2.5, 0)`after`.
 [[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before,
                                                                    std::initializer_list<double> numbers,
                                                                    const char* after) {

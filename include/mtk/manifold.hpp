@@ -1,10 +1,9 @@
-/// What a manifold is. The operations that work on every one of them are in mtk/operations.hpp, those of compounds in mtk/compounds.hpp.
+/// Definition of a manifold. Operations of every manifold are in mtk/operations.hpp, compounds in mtk/compounds.hpp.
 ///
-/// A manifold is a set whose points can be moved by small vectors (x [+] d) and whose differences are such
-/// vectors (y [-] x); locally it looks like R^DOF (Hertzberg et al., "Integrating generic sensor fusion
-/// algorithms with sound state representations through encapsulation of manifolds", 2013, section 3).
-/// Manifolds are
-///   * types with `scalar`, `DOF`, `x.boxplus(d, scale)` and `x.boxminus(out, y)`, by inheritance too,
+/// A manifold is a set whose points can be moved by small vectors (x [+] d) and whose differences are such vectors (y
+/// [-] x). Locally it looks like R^DOF (Hertzberg et al., "Integrating generic sensor fusion algorithms with sound
+/// state representations through encapsulation of manifolds", 2013, section 3). These types are manifolds:
+///   * types with `scalar`, `DOF`, `x.boxplus(d, scale)` and `x.boxminus(out, y)`, also by inheritance,
 ///   * `float`, `double` and Eigen column vectors,
 ///   * std::array<M, N> of a manifold M,
 ///   * plain aggregates (structs without constructors) all of whose members are manifolds.
@@ -64,33 +63,34 @@ concept IsEigenColumn = std::is_base_of_v<Eigen::PlainObjectBase<M>, M> && int(M
 template <class M>
 concept DerivesFromEigen = requires(const M& x) { []<class D>(const Eigen::MatrixBase<D>&) {}(x); };
 
-// Loops, as each expression of Eigen's is a type of its own that every program would compile for every type of variable.
+// Loops instead of Eigen's expressions. Each expression is its own type, which every program would compile for every
+// type of variable.
 
-/// x += scale * d
+/// Computes x += scale * d.
 template <class X, class S, int N>
 void addScaled(X& x, const S& scale, const vectview<const S, N>& d) {
   forEachEntry<N>(d.size(), [&](int i) { x.coeffRef(i) += scale * d.coeff(i); });
 }
-/// out = x - y
+/// Computes out = x - y.
 template <class S, int N, class X>
 void setDifference(vectview<S, N>& out, const X& x, const X& y) {
   forEachEntry<N>(x.size(), [&](int i) { out.coeffRef(i) = x.coeff(i) - y.coeff(i); });
 }
-/// out = |x|, entry by entry
+/// Computes out = |x|, entry by entry.
 template <class S, int N, class X>
 void setMagnitudes(vectview<S, N>& out, const X& x) {
   using std::abs;
   forEachEntry<N>(x.size(), [&](int i) { out.coeffRef(i) = abs(x.coeff(i)); });
 }
 
-/// x, y, z for vectors of two or three entries, numbers otherwise.
+/// Calls sink with x, y, z for vectors of 2 or 3 entries, and with numbers otherwise.
 template <class Sink>
 void visitIndexNames(int n, bool is_vector, const std::string& path, Sink&& sink) {
   const bool letters = is_vector && (n == 2 || n == 3);
   for (int i = 0; i < n; ++i) sink(joinPath(path, letters ? std::string(1, "xyz"[i]) : std::to_string(i)));
 }
 
-/// Nothing is compiled where both sizes are part of the types.
+/// Throws if the sizes differ. If both sizes are part of the types, nothing is compiled.
 template <class X, class Y>
 void requireSameSize(const X& x, const Y& y, const char* operation) {
   if constexpr (X::SizeAtCompileTime == Dynamic || Y::SizeAtCompileTime == Dynamic) {
@@ -104,7 +104,8 @@ void requireSameSize(const X& x, const Y& y, const char* operation) {
 }  // namespace detail
 
 namespace detail {
-/// Fails to compile for a compound with a member that is no manifold, which the declaration by macro lets pass where it states a DOF.
+/// Fails to compile for a compound with a member that is not a manifold. MTK_BUILD_MANIFOLD accepts such a member if it
+/// states a DOF.
 template <class M>
 constexpr bool membersAreManifolds() {
   if constexpr (NamedCompound<M>) {
@@ -115,12 +116,12 @@ constexpr bool membersAreManifolds() {
 }
 }  // namespace detail
 
-/// The type brings the operations itself (or inherits them).
+/// A type that has the operations as members, its own or inherited.
 template <class M>
 concept ManifoldByMembers =
     detail::HasBoxplus<M> && detail::HasBoxminus<M> && (int(M::DOF) != Dynamic || detail::HasRuntimeDof<M>);
 
-/// A struct without constructors whose members are all manifolds. Arrays inside it are std::array, not `T[N]`.
+/// A struct without constructors whose members are all manifolds. Arrays in it must be std::array, not `T[N]`.
 template <class M>
 concept AggregateOfManifolds =
     std::is_class_v<M> && std::is_aggregate_v<M> && !ManifoldByMembers<M> && !detail::HasDof<M> &&
@@ -149,7 +150,7 @@ struct ManifoldTraits<M> {
       detail::NamedTraits<M>::visitComponentNames(x, path, sink);
     } else if constexpr (requires { M::component_names; }) {
       static_assert(DOF == Dynamic || std::size(M::component_names) == std::size_t(DOF),
-                    "mtk: `component_names` has one name for each degree of freedom (`DOF`)");
+                    "mtk: `component_names` must have one name for each degree of freedom (`DOF`)");
       for (const auto& name : M::component_names) sink(detail::joinPath(path, name));
     } else if constexpr (DOF == Dynamic && requires { x.componentNames(); }) {
       for (const auto& name : x.componentNames()) sink(detail::joinPath(path, name));
@@ -254,7 +255,7 @@ template <AggregateOfManifolds M>
 struct ManifoldTraits<M> : detail::CompoundTraits<M, detail::AggregateParts<M>> {};
 
 namespace detail {
-// Eigen/Core declares the names of Eigen's rotations and transforms.
+// Eigen/Core declares the names of these types.
 template <class M>
 inline constexpr bool is_eigens_rotation = false;
 template <class S, int Options>
@@ -277,7 +278,7 @@ constexpr bool hasArrayMemberOf() {
 }
 }  // namespace detail
 
-/// Fails to compile with one sentence that says what M lacks. Functions that take a manifold call it first.
+/// Fails to compile with one sentence on what M lacks. Functions that take a manifold call it first.
 template <class M>
 constexpr void requireManifold() {
   constexpr bool ok = Manifold<M>;
@@ -286,19 +287,18 @@ constexpr void requireManifold() {
                           detail::is_eigens_rotation<M> || detail::is_eigens_transform<M> ||
                           std::is_array_v<M> || std::is_pointer_v<M>;
   static_assert(!detail::is_eigens_rotation<M>,
-                "mtk: Eigen's rotations are not manifolds: take mtk::SO3<>(q) for an Eigen::Quaterniond or "
+                "mtk: Eigen's rotations are not manifolds: use mtk::SO3<>(q) for an Eigen::Quaterniond or "
                 "Eigen::AngleAxisd, mtk::SO2<>(r.angle()) for an Eigen::Rotation2Dd");
   static_assert(
       !detail::is_eigens_transform<M>,
-      "mtk: Eigen's transforms are not manifolds: take mtk::trafo<mtk::SO3<>>(mtk::SO3<>(T.linear()), "
-      "T.translation()) for an Eigen::Isometry3d, mtk::SO2<> for one in the plane");
-  static_assert(
-      !std::is_array_v<M> && !std::is_pointer_v<M>,
-      "mtk: arrays T[N] and pointers are not manifolds: take std::array<T, N> or, for numbers, mtk::vect<N>");
-  static_assert(
-      !has_array,
-      "mtk: this struct has a member T[N], which is not a manifold: take std::array<T, N> or, for numbers, "
-      "mtk::vect<N>");
+      "mtk: Eigen's transforms are not manifolds: use mtk::trafo<mtk::SO3<>>(mtk::SO3<>(T.linear()), "
+      "T.translation()) for an Eigen::Isometry3d, and mtk::SO2<> in the plane");
+  static_assert(!std::is_array_v<M> && !std::is_pointer_v<M>,
+                "mtk: arrays T[N] and pointers are not manifolds: use std::array<T, N> or, for numbers, "
+                "mtk::vect<N>");
+  static_assert(!has_array,
+                "mtk: this struct has a member T[N], which is not a manifold: use std::array<T, N> or, for "
+                "numbers, mtk::vect<N>");
   static_assert(
       ok || !detail::HasDof<M> || detail::HasScalar<M>,
       "mtk: this type has DOF but is not a manifold: it lacks the member type `scalar` (float or double)");

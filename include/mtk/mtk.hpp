@@ -1,4 +1,4 @@
-/// The Manifold ToolKit: everything of namespace mtk except mtk::testing (mtk/testing/axioms.hpp, mtk/testing/random.hpp).
+/// The Manifold ToolKit: all of namespace mtk except mtk::testing (mtk/testing/axioms.hpp, mtk/testing/random.hpp).
 #pragma once
 
 #include "mtk/build_manifold.hpp"

@@ -1,5 +1,5 @@
-/// The operations that work on every manifold: [+], [-], names of components, typical sizes. To be included by mtk/manifold.hpp, which
-/// says which types are manifolds.
+/// Operations of every manifold: [+], [-], names of components, typical sizes. mtk/manifold.hpp includes this header
+/// and defines which types are manifolds.
 #pragma once
 
 #include <string>
@@ -12,17 +12,17 @@
 
 namespace mtk {
 
-/// How M is a manifold; the primary template is for types that are none.
+/// The operations of M as a manifold. The primary template is for types that are not manifolds.
 template <class M>
 struct ManifoldTraits {
   static constexpr bool is_manifold = false;
 };
 
-/// A type whose points move by `boxplus` and differ by `boxminus`.
+/// A type whose points move by `boxplus` and whose differences `boxminus` gives.
 template <class M>
 concept Manifold = ManifoldTraits<std::remove_cv_t<M>>::is_manifold;
 
-/// Degrees of freedom of M, mtk::Dynamic when they are known only at run time.
+/// Degrees of freedom of M; mtk::Dynamic if they are known only at run time.
 template <Manifold M>
 inline constexpr int DOF_v = ManifoldTraits<std::remove_cv_t<M>>::DOF;
 
@@ -33,32 +33,32 @@ using scalar_t = typename ManifoldTraits<std::remove_cv_t<M>>::scalar;
 template <Manifold M>
 using tangent_t = PlainVector<scalar_t<M>, DOF_v<M>>;
 
-/// Degrees of freedom of this value.
+/// Returns the degrees of freedom of this value.
 template <Manifold M>
 int dof(const M& x) {
   return ManifoldTraits<M>::dof(x);
 }
 
-/// x := x [+] scale * d, d of dof(x) entries.
+/// Sets x := x [+] scale * d; d has dof(x) entries.
 template <Manifold M>
 void boxplus(M& x, vectview<const scalar_t<M>, DOF_v<M>> d, scalar_t<M> scale = scalar_t<M>(1)) {
   ManifoldTraits<M>::boxplus(x, d, scale);
 }
 
-/// out := x [-] y, the tangent vector at y that moves y to x.
+/// Sets out := x [-] y, the tangent vector at y that moves y to x.
 template <Manifold M>
 void boxminus(vectview<scalar_t<M>, DOF_v<M>> out, const M& x, const M& y) {
   ManifoldTraits<M>::boxminus(out, x, y);
 }
 
-/// x [+] scale * d as a new value.
+/// Returns x [+] scale * d.
 template <Manifold M>
 M moved(M x, vectview<const scalar_t<M>, DOF_v<M>> d, scalar_t<M> scale = scalar_t<M>(1)) {
   ManifoldTraits<M>::boxplus(x, d, scale);
   return x;
 }
 
-/// x [-] y as a new vector.
+/// Returns x [-] y.
 template <Manifold M>
 tangent_t<M> difference(const M& x, const M& y) {
   tangent_t<M> out(dof(y));
@@ -72,7 +72,7 @@ void visitComponentNames(const M& x, const std::string& path, Sink&& sink) {
   ManifoldTraits<M>::visitComponentNames(x, path, sink);
 }
 
-/// Names of the components of x; `path` is put before each of them.
+/// Returns the names of the components of x, each with `path` before it.
 template <Manifold M>
 std::vector<std::string> componentNames(const M& x, const std::string& path = "") {
   std::vector<std::string> names;
@@ -80,8 +80,8 @@ std::vector<std::string> componentNames(const M& x, const std::string& path = ""
   return names;
 }
 
-/// Size of the coordinate that each component moves: |x_i| of vectors, 1 for angles. Numerical derivatives
-/// take their step widths from it. `out` has dof(x) entries.
+/// Writes the size of the coordinate that each component moves: |x_i| for vectors, 1 for angles. Numerical derivatives
+/// derive their step widths from it. `out` has dof(x) entries.
 template <Manifold M>
 void typicalSizes(vectview<scalar_t<M>, DOF_v<M>> out, const M& x) {
   ManifoldTraits<M>::typicalSizes(out, x);

@@ -1,7 +1,7 @@
-/// Several numbers that are computed with at once, in the lanes of vector registers (SIMD).
-///   state    Width doubles; every operation works lane by lane
-///   branches a comparison gives a mask: `select(mask, a, b)` in place of `if`
-///   functions of <cmath>: mtk/pack_functions.hpp
+/// Several numbers in the lanes of vector registers (SIMD), on which operations work at once.
+///   state      Width doubles; every operation works lane by lane
+///   branches   a comparison gives a mask: use `select(mask, a, b)` in place of `if`
+///   functions  those of <cmath>: mtk/pack_functions.hpp
 #pragma once
 
 #include <type_traits>
@@ -13,10 +13,10 @@
 
 namespace mtk {
 
-/// How many doubles a pack holds by default: 4, or 8 where the registers are that wide.
+/// Default number of doubles in a pack: 4, or 8 if the registers are that wide.
 inline constexpr int kPackWidth = detail::kNativeLanes == 8 ? 8 : 4;
 
-/// One condition per lane. There is no conversion to bool: use select, all or any.
+/// One condition for each lane. There is no conversion to bool: use select, all or any.
 template <int Width>
 struct PackMask {
   using Vector = typename detail::Lanes<double, Width>::Vector;
@@ -24,7 +24,7 @@ struct PackMask {
   static constexpr int count = detail::Lanes<double, Width>::count;
   Native v[std::size_t{count}];
 
-  /// Whether it holds in this lane.
+  /// Returns whether the condition holds in this lane.
   bool operator[](int lane) const {
     if constexpr (kLanes == 1) {
       return v[lane];
@@ -64,11 +64,11 @@ struct PackMask {
 
  private:
   static constexpr int kLanes = detail::Lanes<double, Width>::lanes;
-  /// The bits of vector i that are lanes of the pack: the last one may have more.
+  /// Returns the bits of vector i that are lanes of the pack; the last vector may have unused ones.
   static constexpr int used(int i) {
     return i + 1 < count || Width % kLanes == 0 ? (1 << kLanes) - 1 : (1 << Width % kLanes) - 1;
   }
-  /// A bit for each lane of one vector.
+  /// Returns a bit for each lane of one vector.
   static int bits(const Native& mask) {
     if constexpr (kLanes == 1) {
       return mask ? 1 : 0;
@@ -98,7 +98,7 @@ class Pack {
   Numbers lanes;
 
   Pack() = default;
-  /// The same number in all lanes.
+  /// Sets the same number in all lanes.
   template <class T>
     requires std::is_arithmetic_v<T>
   Pack(const T& x) {  // NOLINT(google-explicit-constructor): a constant
@@ -150,7 +150,7 @@ class Pack {
 template <int W>
 inline constexpr bool is_scalar_v<Pack<W>> = true;
 
-/// a where the mask is set, b elsewhere.
+/// Returns a where the mask is set, b elsewhere.
 template <int W>
 Pack<W> select(const PackMask<W>& mask, const Pack<W>& a, const Pack<W>& b) {
   Pack<W> r;

@@ -1,4 +1,4 @@
-/// Functions of packs, as <cmath> has them. All agree with the C library to a few units in the last place.
+/// The functions of <cmath> for packs. All agree with the C library to a few units in the last place.
 ///   source   sin, cos: reduction after Cody and Waite, "Software manual for the elementary functions", 1980, with
 ///            Taylor series; atan2: the rational approximation of Moshier, Cephes library, atan.c; others lane by lane
 ///            from the C library
@@ -18,7 +18,7 @@ namespace mtk {
 
 namespace detail {
 
-/// f of each lane.
+/// Returns f of each lane.
 template <int W, class F>
 Pack<W> laneByLane(const Pack<W>& a, const F& f) {
   Pack<W> r;
@@ -46,7 +46,7 @@ Vector vectorSqrt(const Vector& x) {
   }
 }
 
-/// c[0] + c[1] x + c[2] x^2 + ...
+/// Returns c[0] + c[1] x + c[2] x^2 + ...
 template <class S, std::size_t N>
 S polynomial(const S& x, const double (&c)[N]) {
   S sum(c[N - 1]);
@@ -64,7 +64,7 @@ Pack<W> roundToInteger(const Pack<W>& x) {
   return sum - shift;
 }
 
-// What few numbers need is no part of the functions into which the rest is compiled.
+// Code for rare lanes, kept out of the inlined functions.
 template <int W>
 [[gnu::noinline]] void sinCosOfFar(const Pack<W>& x, const PackMask<W>& far, SinCos<Pack<W>>& result) {
   result.sine = select(far, laneByLane(x, [](double t) { return std::sin(t); }), result.sine);
@@ -87,12 +87,12 @@ template <int W>
 Pack<W> abs(const Pack<W>& x) {
   return select(x < Pack<W>(0.0), -x, x);
 }
-/// sin(x) and cos(x); lanes beyond 10^5, where the reduction loses digits, from the C library.
+/// Returns sin(x) and cos(x). For lanes beyond 10^5, where the reduction loses digits, the C library computes them.
 template <int W>
 SinCos<Pack<W>> sinCos(const Pack<W>& x) {
   constexpr double two_over_pi = 0.63661977236758134308;
   const Pack<W> turns = detail::roundToInteger(Pack<W>(x * two_over_pi));
-  // pi/2 in three parts, of which the first two have trailing zeros, so that their multiples are exact.
+  // pi/2 in three parts. The first two have trailing zeros, so their multiples are exact.
   const Pack<W> r = ((x - turns * 1.57079632673412561417e+00) - turns * 6.07710050630396597660e-11) -
                     turns * 2.02226624879595063154e-21;
   const Pack<W> r2 = r * r;
@@ -151,11 +151,11 @@ MTK_PACK_FUNCTION(round)
 MTK_PACK_FUNCTION(trunc)
 #undef MTK_PACK_FUNCTION
 
-/// Angle of (x, y), in [-pi, pi]; zeros count as +0.
+/// Returns the angle of (x, y) in [-pi, pi]; -0 counts as +0.
 template <int W>
 Pack<W> atan2(const Pack<W>& y, const Pack<W>& x) {
   using P = Pack<W>;
-  // The angle in the first octant, less pi/4 when it is nearer to that: t = tan of what remains, |t| <= tan(pi/8).
+  // The angle in the first octant, minus pi/4 if it is nearer to that: t = tan of the remainder, |t| <= tan(pi/8).
   const P width = abs(x), height = abs(y);
   const PackMask<W> steep = height > width;
   const P small = select(steep, width, height), large = select(steep, height, width);
@@ -192,7 +192,7 @@ template <int W>
 Pack<W> pow(const Pack<W>& x, const Pack<W>& y) {
   return detail::laneByLane(x, y, [](double a, double b) { return std::pow(a, b); });
 }
-// Functions of a pack and a number that is the same for all lanes.
+// Functions of a pack and a number common to all lanes.
 #define MTK_PACK_AND_NUMBER(name)              \
   template <int W, class T>                    \
     requires std::is_arithmetic_v<T>           \
@@ -209,7 +209,7 @@ MTK_PACK_AND_NUMBER(atan2)
 MTK_PACK_AND_NUMBER(hypot)
 #undef MTK_PACK_AND_NUMBER
 
-/// The angle in [-pi, pi) that differs by whole turns, exact for angles of any size.
+/// Returns the angle in [-pi, pi) that differs by whole turns. Exact for angles of any size.
 template <int W>
 Pack<W> reducedAngle(const Pack<W>& a) {
   return detail::laneByLane(a, [](double t) { return detail::reducedAngle(t); });

@@ -1,9 +1,11 @@
-/// The chain rule through few numbers: f(p) where p has many derivatives and few entries.
+/// preaccumulate: evaluates f(p) when p has few entries and many derivatives.
 ///
-/// The derivatives of p by its unknowns pass through its entries. For long formulas (a camera model, say) it is cheaper to
-/// take the derivatives by these entries first and to multiply them by those of p at the end:
+/// The derivatives with respect to the unknowns pass through the entries of p. For a long formula, such as a camera
+/// model, it is cheaper to take the derivatives with respect to these entries first and to multiply them at the end by
+/// the derivatives of p:
 ///     return mtk::preaccumulate(camera.pose * point, [&](const auto& p) { ...the camera model... });
-/// gives the same as calling the function with the point. It makes a difference for dual numbers over packs alone.
+/// The result is the same as that of calling the function with the point. There is a difference in time only for dual
+/// numbers over packs.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +21,11 @@ namespace mtk {
 
 namespace detail {
 
-/// The columns that stand for the entries of p; unknowns never have such high numbers.
+/// The columns of the entries of p; unknowns never have such high numbers.
 inline constexpr int kFirstLocalColumn = 61;
 inline constexpr std::uint64_t kLocalColumns = lowColumns(3) << kFirstLocalColumn;
 
-/// y, a function of p's entries (the local columns) and of unknowns, as a function of unknowns alone.
+/// Returns y as a function of unknowns alone. y is a function of p's entries (the local columns) and of unknowns.
 template <class S, std::uint64_t C, std::uint64_t P, int N>
 auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p) {
   if constexpr ((C & kLocalColumns) == 0) {
@@ -53,13 +55,13 @@ auto withoutLocal(const SparseDual<S, C>& y, const vect<N, SparseDual<S, P>>& p)
   }
 }
 
-/// p's values as unknowns of their own.
+/// The values of p as separate unknowns.
 template <int N, class S>
 using LocalVector = SeedVector<N, S, kFirstLocalColumn>;
 
 }  // namespace detail
 
-/// f(p), a vector or a number. p: up to 3 entries.
+/// Returns f(p), a vector or a number. p has up to 3 entries.
 template <int N, class S, class F>
 auto preaccumulate(const vect<N, S>& p, const F& f) {
   return f(p);

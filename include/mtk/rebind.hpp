@@ -1,8 +1,9 @@
-/// The same variable over another number type: with derivatives, or several at once.
+/// rebind_t: the type of a variable over another number type, which carries derivatives or is a pack.
 ///   rebind_t<trafo<SO3<double>>, S> is trafo<SO3<S>>
-/// Types that can be rebound: numbers, vect, Scalar, SO2, SO3, S2, trafo, Eigen's matrices, std::array, compounds made by
-/// MTK_BUILD_MANIFOLD, and class templates all of whose arguments can be (`template <class S> struct Camera`). A struct
-/// that is not a template cannot be: write `template <class S> struct CameraOf {...}; using Camera = CameraOf<double>;`.
+/// These types can be rebound: numbers, vect, Scalar, SO2, SO3, S2, trafo, Eigen's matrices, std::array, compounds made
+/// by MTK_BUILD_MANIFOLD, and class templates all of whose arguments can be rebound (`template <class S> struct
+/// Camera`). A struct that is not a template cannot be rebound. Write `template <class S> struct CameraOf {...}; using
+/// Camera = CameraOf<double>;` instead.
 #pragma once
 
 #include <array>
@@ -26,7 +27,7 @@ namespace mtk {
 
 namespace detail {
 
-/// `type` is void when T cannot be rebound.
+/// `type` is void if T cannot be rebound.
 template <class T, class S>
 struct Rebind {
   using type = void;
@@ -49,7 +50,7 @@ struct Rebind<vect<N, A>, S> {
 };
 template <class A, int R, int C, int O, int MR, int MC, class S>
 struct Rebind<Eigen::Matrix<A, R, C, O, MR, MC>, S> {
-  // Columns become mtk's, which do not convert to vectors of doubles.
+  // Columns become mtk::vect, which does not convert to vectors of doubles.
   using type =
       std::conditional_t<C == 1, vect<R, S>,
                          Eigen::Matrix<S, R, C, detail::plainStorage<S, R, C>() | (O & Eigen::RowMajor)>>;
@@ -60,7 +61,7 @@ struct Rebind<std::array<T, N>, S> {
   using type = std::array<rebound_t<T, S>, N>;
 };
 
-/// Compounds of MTK_BUILD_MANIFOLD, not what derives from them.
+/// Compounds of MTK_BUILD_MANIFOLD, without types derived from them.
 template <class T>
 concept MacroCompound = requires { typename T::MtkSelf; } && std::is_same_v<typename T::MtkSelf, T>;
 template <class S>
@@ -90,17 +91,17 @@ struct Rebind<T<A...>, S> {
 
 }  // namespace detail
 
-/// T over the scalar S; void when T has no such form.
+/// T over the scalar S; void if T cannot be rebound.
 template <class T, class S>
 using rebind_t = detail::rebound_t<T, S>;
 
-/// Whether T exists over other scalars.
+/// True if T exists over other scalars.
 template <class T>
 inline constexpr bool is_rebindable_v = !std::is_void_v<rebind_t<T, Dual<double, 1>>>;
 
 namespace detail {
 
-/// T over S with derivatives by the unknowns Offset, Offset + 1, ...; each part has only the columns that it depends on.
+/// T over S with derivatives with respect to the unknowns Offset, Offset + 1, ... Each part has only its own columns.
 template <class T, class S, int Offset>
 struct SparseRebind {
   using type = rebound_t<T, SparseDual<S, lowColumns(DOF_v<T>) << Offset>>;
@@ -109,7 +110,7 @@ template <class R, class S, int Offset>
 struct SparseRebind<trafo<R>, S, Offset> {
   using type = SparseTrafo<typename SparseRebind<R, S, Offset + R::DIM>::type, SeedVector<R::DIM, S, Offset>>;
 };
-/// Class templates over their number type that say that they read their entries by get<I>() alone.
+/// Class templates over their number type that promise to read their entries only by get<I>().
 template <class T, class S, int Offset>
   requires(T::has_separate_entries)
 struct SparseRebind<T, S, Offset> {
@@ -124,7 +125,7 @@ template <int N, class S, int Offset>
 struct SparseRebind<vect<N>, S, Offset> {
   using type = SeedVector<N, S, Offset>;
 };
-/// Degrees of freedom of the first `count` of the members M.
+/// Returns the degrees of freedom of the first `count` of the members M.
 template <class... M>
 constexpr int dofOfFirst(int count, std::type_identity<std::tuple<M&...>>) {
   const int dofs[] = {DOF_v<M>...};
@@ -148,7 +149,7 @@ using sparse_rebind_t = typename SparseRebind<T, S, Offset>::type;
 
 }  // namespace detail
 
-/// x over another number type that loses nothing: a constant among dual numbers.
+/// Returns x over another number type without loss, such as a constant as a dual number.
 template <class S, class X>
 rebind_t<X, S> lifted(const X& x) {
   rebind_t<X, S> y{};

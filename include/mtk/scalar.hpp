@@ -1,4 +1,4 @@
-/// Numbers that coordinates are made of: built-in ones, dual numbers (dual.hpp), SIMD packs (pack.hpp).
+/// Numbers for coordinates: built-in ones, dual numbers (dual.hpp), SIMD packs (pack.hpp).
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 
 namespace mtk {
 
-/// Real numbers that coordinates are made of. Specialised by number types other than the built-in ones.
+/// True for real numbers that can be coordinates. Number types that are not built in specialise it.
 template <class S>
 inline constexpr bool is_scalar_v = std::is_floating_point_v<S>;
 
-/// A number with partial derivatives; see dual.hpp.
+/// A number with its partial derivatives; see dual.hpp.
 template <class S, std::uint64_t Columns>
 class SparseDual;
 
-/// Several numbers that are computed with at once; see pack.hpp.
+/// Several numbers that operations process at once; see pack.hpp.
 template <int Width>
 class Pack;
 
 namespace detail {
 
-/// The built-in number that S is made of.
+/// The built-in number type that S is made of.
 template <class S>
 struct BuiltIn {
   using type = S;
@@ -97,7 +97,7 @@ struct PromoteAll<A, B, C...> : PromoteAll<typename Promote<A, B>::type, C...> {
 template <class A, class B>
 using promote_t = typename detail::Promote<A, B>::type;
 
-/// `condition ? a : b`; for packs lane by lane.
+/// Returns `condition ? a : b`, for packs lane by lane.
 template <class S>
 S select(bool condition, const S& a, const S& b) {
   return condition ? a : b;
@@ -108,7 +108,8 @@ template <class S>
 struct SinCos {
   S sine, cosine;
 };
-/// sin(x) and cos(x), where both are wanted. Of packs, and of dual numbers, the derivative of each being the other, they are computed together.
+/// Returns sin(x) and cos(x) together. This saves time for packs and for dual numbers, where each is the derivative of
+/// the other.
 template <class S>
 SinCos<S> sinCos(const S& x) {
   using std::cos;
@@ -129,8 +130,8 @@ S selectResult(const Mask& mask, const S& a, const S& b) {
   return select(mask, a, b);
 }
 
-/// The result of `yes()` where the condition holds, of `no()` elsewhere. With packs both may be evaluated, and each
-/// lane takes its own.
+/// Returns `yes()` if the condition holds, otherwise `no()`. With packs, both may be evaluated, and each lane takes its
+/// own result.
 template <class Condition, class Yes, class No>
 auto branch(const Condition& condition, const Yes& yes, const No& no) {
   if constexpr (std::is_same_v<Condition, bool>) {
@@ -142,7 +143,7 @@ auto branch(const Condition& condition, const Yes& yes, const No& no) {
   }
 }
 
-/// Whether the condition holds, in all lanes of a pack.
+/// Returns whether the condition holds, in all lanes of a pack.
 template <class Condition>
 bool allOf(const Condition& condition) {
   if constexpr (std::is_same_v<Condition, bool>) {
@@ -151,7 +152,7 @@ bool allOf(const Condition& condition) {
     return all(condition);
   }
 }
-/// The number itself, or that of the pack's first lane in which the condition does not hold.
+/// Returns the number, or for a pack the number in the first lane where the condition does not hold.
 template <class Condition, class S>
 double firstWithout(const Condition& condition, const S& x) {
   if constexpr (std::is_same_v<Condition, bool>) {
@@ -163,7 +164,8 @@ double firstWithout(const Condition& condition, const S& x) {
   }
 }
 
-/// The angle in [-pi, pi) that differs from `a` by whole turns, exact for angles of any size; NaN for infinite ones.
+/// Returns the angle in [-pi, pi) that differs from `a` by whole turns. Exact for angles of any size; NaN for infinite
+/// ones.
 template <class S>
   requires std::is_floating_point_v<S>
 S reducedAngle(const S& a) {

@@ -14,7 +14,7 @@
 namespace mtk {
 
 namespace detail {
-/// Checks the weights (empty: all one) and returns their sum.
+/// Checks the weights (empty: all 1) and returns their sum.
 template <class S>
 S checkedWeightSum(std::size_t samples, std::span<const S> weights) {
   if (samples == 0) throw Error("mtk.no-samples", "the mean of no samples does not exist; pass at least one");
@@ -41,7 +41,8 @@ template <class V>
 bool isFinite(const V& v) {
   return ((v - v).array() == 0).all();
 }
-/// The sample that differs from itself by NaN, or else the first that differs from the mean by something that is not finite.
+/// Throws for the sample that differs from itself by NaN, or else for the first one whose difference from the mean is
+/// not finite.
 template <class M, class Samples>
 [[noreturn]] void raiseNotFinite(const Samples& samples, const M& mean) {
   std::size_t found = std::size(samples);
@@ -56,9 +57,9 @@ template <class M, class Samples>
 }
 }  // namespace detail
 
-/// The weighted mean. Samples that spread over more than a half circle or half sphere may have several; the
-/// one found from the heaviest sample is returned. Throws mtk::Error for no samples, bad weights, or when the
-/// iteration does not settle (samples spread evenly around a circle have no mean).
+/// Returns the weighted mean. If the samples spread over more than a half circle or half sphere, there may be several
+/// means. Then the one found from the heaviest sample is returned. Throws mtk::Error for no samples, for bad weights,
+/// and if the iteration does not settle: samples spread evenly around a circle have no mean.
 template <Manifold M, class Samples = std::vector<M>>
 M weightedMean(const Samples& samples, std::span<const scalar_t<M>> weights = {}) {
   using S = scalar_t<M>;
@@ -91,9 +92,9 @@ M weightedMean(const std::vector<M>& samples, const std::vector<scalar_t<M>>& we
   return weightedMean<M, std::vector<M>>(samples, std::span<const scalar_t<M>>(weights));
 }
 
-/// Second moment of the samples about `center`, divided by the sum of weights: sum w (x [-] c)(x [-] c)^T / sum w.
-/// DOF x DOF. About the samples' own mean this is the covariance of the distribution that the samples are; for the
-/// unbiased estimate from n equally weighted draws multiply by n / (n - 1).
+/// Returns the second moment of the samples about `center`, divided by the sum of weights: sum w (x [-] c)(x [-] c)^T /
+/// sum w, DOF x DOF. About the samples' own mean this is the covariance of the distribution that the samples form. For
+/// the unbiased estimate from n equally weighted draws, multiply by n / (n - 1).
 template <Manifold M>
 auto weightedCovariance(const std::vector<M>& samples, const M& center,
                         const std::vector<scalar_t<M>>& weights = {}) {

@@ -3,9 +3,8 @@
 ///   SO2            the angle [rad]          SO3   x y z w of the unit quaternion
 ///   S2             the three coordinates    trafo pos, then orient
 ///   compounds      their members
-/// With 17 digits (9 for float) a value comes back as it was but for rounding. Reading something that is not
-/// such a value (text, a quaternion or direction that is not of unit length) sets failbit and leaves the
-/// value as it was.
+/// With 17 digits (9 for float), reading returns the written value except for rounding. Reading sets failbit and leaves
+/// the value unchanged if the text is not such a value, such as a quaternion or direction without unit length.
 #pragma once
 
 #include <array>
@@ -41,7 +40,7 @@ bool readCoordinates(std::istream& is, V& v) {
   return bool(is);
 }
 
-/// Unit vectors may be off by the rounding of a short decimal notation.
+/// Returns whether v has unit length, with tolerance for the rounding of a short decimal notation.
 template <class V>
 bool isNearlyUnit(std::istream& is, const V& v) {
   if (v.norm() > 0.999 && v.norm() < 1.001) return true;
@@ -151,7 +150,7 @@ std::istream& operator>>(std::istream& is, trafo<R>& T) {
   return is;
 }
 
-/// Whether M and all its parts have operator<<.
+/// Returns whether M and all its parts have operator<<.
 template <class M>
 constexpr bool isWritable() {
   if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
@@ -165,7 +164,7 @@ constexpr bool isWritable() {
   }
 }
 
-/// Writes any manifold, plain aggregates included (for which `<<` is not found by name look-up).
+/// Writes any manifold, including plain aggregates, for which name look-up does not find `<<`.
 template <Manifold M>
 std::ostream& write(std::ostream& os, const M& x) {
   static_assert(isWritable<M>(), "mtk: to be written, this type or one of its parts needs an operator<<");
@@ -180,7 +179,7 @@ std::ostream& write(std::ostream& os, const M& x) {
   }
 }
 
-/// Reads what `write` wrote; on failure `x` keeps its value.
+/// Reads a value written by `write`; on failure `x` keeps its value.
 template <Manifold M>
 std::istream& read(std::istream& is, M& x) {
   if constexpr (NamedCompound<M> || AggregateOfManifolds<M>) {
@@ -199,7 +198,7 @@ std::istream& read(std::istream& is, M& x) {
   return is;
 }
 
-/// `os << mtk::streamed(x)` and `is >> mtk::streamed(x)` for any manifold.
+/// A wrapper for any manifold: `os << mtk::streamed(x)` and `is >> mtk::streamed(x)`.
 template <class M>
 struct Streamed {
   M& value;
@@ -210,7 +209,7 @@ struct Streamed {
     return read(is, s.value);
   }
 };
-/// Makes any manifold value writable and readable by the operators of streams: `os << mtk::streamed(x)`.
+/// Returns a wrapper that stream operators can write and read: `os << mtk::streamed(x)`.
 template <class M>
 Streamed<M> streamed(M& x) {
   return {x};

@@ -1,4 +1,4 @@
-/// A view of N contiguous scalars as an Eigen column vector; what [+] reads from and [-] writes to.
+/// A view of N contiguous scalars as an Eigen column vector. [+] reads from such views, [-] writes to them.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,9 @@ namespace mtk {
 inline constexpr int Dynamic = Eigen::Dynamic;
 
 namespace detail {
-/// Eigen's option for a matrix whose layout does not depend on compiler flags. Of a size known only at run time it is allocated,
-/// by Eigen's allocator where its scalars (packs, dual numbers) demand more alignment than malloc gives.
+/// Returns Eigen's option for a matrix whose layout does not depend on compiler flags. A matrix whose size is known
+/// only at run time is allocated. Eigen's allocator does that if the scalars (packs, dual numbers) need more alignment
+/// than malloc gives.
 template <class S, int Rows, int Cols>
 constexpr int plainStorage() {
   if constexpr (Rows == Dynamic || Cols == Dynamic) {
@@ -25,7 +26,8 @@ constexpr int plainStorage() {
 }
 }  // namespace detail
 
-/// Column vector of N scalars without alignment demands of its own: its layout does not depend on compiler flags.
+/// A column vector of N scalars without alignment requirements of its own: its layout does not depend on compiler
+/// flags.
 template <class S, int N>
 using PlainVector = Eigen::Matrix<S, N, 1, Eigen::ColMajor | detail::plainStorage<S, N, 1>()>;
 
@@ -39,8 +41,8 @@ concept ContiguousVector = bool(D::IsVectorAtCompileTime) && (D::InnerStrideAtCo
                            bool(D::Flags & Eigen::DirectAccessBit);
 }  // namespace detail
 
-/// `vectview<const double, 3>` reads, `vectview<double, 3>` writes; made from a pointer, or implicitly from
-/// any Eigen vector whose entries are contiguous. N may be Dynamic. It owns nothing.
+/// A view that owns nothing: `vectview<const double, 3>` reads, `vectview<double, 3>` writes. It is made from a
+/// pointer, or implicitly from any Eigen vector with contiguous entries. N may be Dynamic.
 template <class S, int N>
 class vectview : public Eigen::Map<detail::MappedVector<S, N>> {
   using Value = std::remove_const_t<S>;
@@ -48,7 +50,7 @@ class vectview : public Eigen::Map<detail::MappedVector<S, N>> {
  public:
   using Base = Eigen::Map<detail::MappedVector<S, N>>;
 
-  /// A view of N numbers, N fixed; the owner keeps them alive.
+  /// Creates a view of N numbers, N fixed. The owner must keep them alive.
   explicit vectview(S* data)
     requires(N != Dynamic)
       : Base(data) {}

@@ -1,6 +1,7 @@
-/// Saves a problem into a text file and loads it again: values, data, noise, losses, names, and what is fixed or bounded.
+/// Archive: saves a problem to a text file and loads it again. The file holds values, data, noise, losses, names, and
+/// what is fixed or bounded.
 ///
-///     slom::Archive archive;  // knows the types that are registered with it
+///     slom::Archive archive;  // handles the types that are registered with it
 ///     archive.measurement<slom::RelativePose, slom::VarID<Pose>, slom::VarID<Pose>, slom::Measured<Pose>>();
 ///     archive.measurement<Observation>();  // declared by SLOM_BUILD_MEASUREMENT
 ///     archive.measurement<slom::GaussianPrior>();
@@ -9,9 +10,13 @@
 ///     slom::StoredProblem problem = archive.load(file);
 ///     std::cout << problem.estimator.optimize().report() << *problem.variable<Pose>("start");
 ///
-/// The types of a callable's arguments are those of the call of insertMeasurement: VarID<T> for variables, Measured<Z> for
-/// measured(z), the type itself for other data; std::vector<AnyVarID> first for a list of variables. Values and data go through their stream operators, with 17 digits, so that a
-/// loaded problem is the saved one but for rounding in the last digit. docs/replay.md describes the format.
+/// The types of a callable's arguments are those of the call of insertMeasurement:
+///   variable               VarID<T>
+///   measured(z)            Measured<Z>
+///   other data             the type itself
+///   list of variables      std::vector<AnyVarID>, first
+/// Values and data are written and read by their stream operators, with 17 digits. So a loaded problem equals the saved
+/// one except for rounding in the last digit. docs/replay.md describes the format.
 #pragma once
 
 #include <concepts>
@@ -32,20 +37,22 @@ namespace slom {
 
 class Archive {
  public:
-  /// Measurements of a type declared by SLOM_BUILD_MEASUREMENT, or of a callable with these arguments. It must be a function
-  /// object without captures or members. `name` is what the file calls them; without one it is made of the names of the types,
-  /// which suffices where these differ. A function whose meaning is not that of earlier files has a member `archive_suffix`, which
-  /// is appended to the name, as slom::RelativePose has. Throws [slom.archive-name] for a name that has another meaning already.
+  /// Registers measurements of a type declared by SLOM_BUILD_MEASUREMENT, or of a callable with these arguments. A
+  /// callable must be a function object without captures or members. `name` is the kind's name in the file. Without a
+  /// name, it is made of the names of the types, which suffices if these differ. If a function's meaning differs from
+  /// that in earlier files, give it a member `archive_suffix`, which is appended to the name, as slom::RelativePose
+  /// has. Throws [slom.archive-name] if the name already has another meaning.
   template <class F, class... Args>
   void measurement(std::string name = "");
-  /// Another name than its type's for a variable type, as the file calls it; before measurements of such variables.
+  /// Sets the name of a variable type in the file, in place of the type's own name. Call it before registering
+  /// measurements of such variables.
   template <class T>
   void variable(std::string name);
 
-  /// Throws [slom.not-in-archive] for measurements that were not named, [slom.not-savable] for values and data that cannot be
-  /// read again, such as NaN.
+  /// Writes a problem. Throws [slom.not-in-archive] for measurements that are not registered, and [slom.not-savable]
+  /// for values and data that cannot be read again, such as NaN.
   void save(const Estimator& estimator, std::ostream& os) const;
-  /// `source` is what messages call the stream. Throws [slom.bad-archive] with the line.
+  /// Reads a problem. `source` is the name of the stream in messages. Throws [slom.bad-archive] with the line.
   StoredProblem load(std::istream& is, const std::string& source = "the problem") const;
 
  private:
@@ -104,14 +111,14 @@ void Archive::knowVariable(std::string name) {
       is_named);
 }
 
-/// A callable: its stored arguments are the data.
+/// Reads and writes a callable: its stored arguments are the data.
 template <class F, class... Args>
 struct Archive::Kind {
   using M = CallableMeasurement<F, Args...>;
   static_assert(
       std::is_empty_v<F> && std::is_default_constructible_v<F>,
-      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
-      "arguments of insertMeasurement, and put a function into a lambda");
+      "slom: only function objects without captures or members can be loaded: pass captured values as "
+      "further arguments of insertMeasurement, and wrap a function in a lambda");
 
   template <class A>
   struct Argument {
@@ -175,7 +182,7 @@ struct Archive::Kind {
     if (good && problem != nullptr) {
       std::apply(
           [&](auto&... argument) {
-            // in braces: from left to right, as the variables come
+            // braces evaluate from left to right, the order of the variables
             const std::tuple<Args...> all{argument.take(variables)...};
             problem->insertMeasurement(std::apply([](const Args&... a) { return M(F(), a...); }, all),
                                        options.noise, options.label, options.loss);
@@ -186,14 +193,14 @@ struct Archive::Kind {
   }
 };
 
-/// A callable over a list of variables.
+/// Reads and writes a callable over a list of variables.
 template <class F, class... Data>
 struct Archive::ListKind {
   using M = ListMeasurement<F, Data...>;
   static_assert(
       std::is_empty_v<F> && std::is_default_constructible_v<F>,
-      "slom: only function objects without captures or members can be loaded: pass what they hold as further "
-      "arguments of insertMeasurement, and put a function into a lambda");
+      "slom: only function objects without captures or members can be loaded: pass captured values as "
+      "further arguments of insertMeasurement, and wrap a function in a lambda");
 
   static std::string name() {
     return typeName<F>() + "(variables" + (std::string() + ... + (", datum " + typeName<Data>())) + ")";
@@ -216,7 +223,7 @@ struct Archive::ListKind {
   }
 };
 
-/// A type declared by SLOM_BUILD_MEASUREMENT.
+/// Reads and writes a type declared by SLOM_BUILD_MEASUREMENT.
 template <class M>
 struct Archive::DeclaredKind {
   using Variables = decltype(std::declval<M&>().variableArgs());
@@ -268,7 +275,8 @@ void Archive::measurement(std::string name) {
   if constexpr (std::derived_from<F, RuntimeMeasurement>) {
     static_assert(
         std::is_same_v<F, GaussianPrior> && sizeof...(Args) == 0,
-        "slom: of the kinds that are classes over a list of variables, only slom::GaussianPrior can be saved, and without further types");
+        "slom: among classes over a list of variables, only slom::GaussianPrior can be saved; register it "
+        "without further types");
     addList(std::type_identity<StoredPrior>{}, typeid(F));
   } else if constexpr (detail::begins_with_list<Args...>) {
     [&]<class... Data>(std::type_identity<std::tuple<std::vector<AnyVarID>, Data...>>) {
@@ -276,11 +284,13 @@ void Archive::measurement(std::string name) {
       addList(std::type_identity<ListKind<Function, Data...>>{}, typeid(ListMeasurement<Function, Data...>));
     }(std::type_identity<std::tuple<Args...>>{});
   } else if constexpr (Measurement<F>) {
-    static_assert(sizeof...(Args) == 0,
-                  "slom: a type declared by SLOM_BUILD_MEASUREMENT knows its variables and data itself");
+    static_assert(
+        sizeof...(Args) == 0,
+        "slom: a type declared by SLOM_BUILD_MEASUREMENT already lists its variables and data; register "
+        "it without further types");
     addKind(std::type_identity<DeclaredKind<F>>{}, typeid(F));
   } else {
-    using Function = std::remove_const_t<F>;  // that of a constexpr lambda is const
+    using Function = std::remove_const_t<F>;  // the type of a constexpr lambda is const
     addKind(std::type_identity<Kind<Function, Args...>>{}, typeid(CallableMeasurement<Function, Args...>));
   }
 }

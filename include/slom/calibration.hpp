@@ -1,18 +1,20 @@
-/// Calibration of cameras, and of an IMU on their rig, from corners of a flat board: data in memory -> start values -> fit ->
-/// result with uncertainty, quality and verdict. docs/calibration_library.md shows it at work. Library slom::calibration.
-///   dataset.hpp     what was measured
-///   options.hpp     what is assumed and fixed, and when to give up; models.hpp: the camera models
-///   calibrate.hpp   the fit: calibrate(data, settings)
-///   result.hpp      what it found, with standard deviations
-///   assess.hpp      how far it can be trusted, assess(data, settings, result), in figures (quality.hpp) and in a sentence
-///   patterns.hpp    what residuals have in common, and why
-///   pixel_uncertainty.hpp  how sure it is where a point is projected to, asked pixel by pixel
-///   board_shape.hpp  a board that is not flat, found with the rest
-///   corner_noise.hpp  corners that are less precise than others
-///   readout.hpp     rolling shutters
-///   comparison.hpp  which camera model the data carry
-///   files.hpp       corners and readings from and to files
-///   error.hpp       what is thrown for data and settings that make no sense
+/// Calibration of cameras, and of an IMU on their rig, from corners of a flat board. Data in memory give start values,
+/// a fit, and a result with uncertainty, quality and verdict. docs/calibration_library.md shows an example. Link
+/// slom::calibration.
+///   dataset.hpp            the measured data
+///   options.hpp            what is assumed and fixed, and when to give up
+///   models.hpp             the camera models
+///   calibrate.hpp          the fit: calibrate(data, settings)
+///   result.hpp             the result with standard deviations
+///   assess.hpp             assess(data, settings, result): trust in the result, in figures (quality.hpp) and words
+///   patterns.hpp           patterns in the residuals and their causes
+///   pixel_uncertainty.hpp  the uncertainty of a projected point, for each pixel
+///   board_shape.hpp        a board that is not flat, estimated in the fit
+///   corner_noise.hpp       corners that are less precise than others
+///   readout.hpp            rolling shutters
+///   comparison.hpp         which camera model the data support
+///   files.hpp              corners and readings from and to files
+///   error.hpp              exceptions for invalid data and settings
 #pragma once
 
 #include "slom/calibration/assess.hpp"

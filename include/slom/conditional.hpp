@@ -1,4 +1,5 @@
-/// What the measurements of some variables say about the others: the Schur complement of a chosen set, for joining maps and for submaps.
+/// What the measurements of some variables say about the other variables: the Schur complement of a chosen set. It
+/// serves to join maps and for submaps.
 ///
 ///     for (const slom::GaussianPrior& prior : slom::conditional(submap, inner_poses)) {
 ///       std::vector<slom::AnyVarID> same;  // of the joined map
@@ -14,9 +15,10 @@
 
 namespace slom {
 
-/// The minimum over the tangent vectors of `ids` of all measurements that depend on them, as a function of the variables that these
-/// measurements share with the rest: one prior for each set of them that remains in touch, linearised at the current values. Changes
-/// nothing; Estimator::marginalize puts these priors in the place of the variables and measurements. Throws what that throws.
+/// Returns the minimum, over the tangent vectors of `ids`, of all measurements that depend on `ids`. It is a function
+/// of the variables that these measurements share with the rest: one prior for each set of them that the elimination
+/// couples, linearised at the current values. Changes nothing; Estimator::marginalize replaces the variables and
+/// measurements by these priors. Throws as Estimator::marginalize does.
 std::vector<GaussianPrior> conditional(const Estimator& est, const std::vector<AnyVarID>& ids);
 
 }  // namespace slom

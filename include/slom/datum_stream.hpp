@@ -1,9 +1,10 @@
-/// How the data of measurements are written to text and read from it: as manifolds are (mtk/stream.hpp), and besides
-///   numbers, bool, enumerations   the number           strings       in quotes
-///   Eigen's matrices              the entries row by row, for run-time sizes rows and columns before them
+/// Text format of the data of measurements. Manifolds are written and read by mtk/stream.hpp, other types so:
+///   numbers, bool, enumerations   the number
+///   strings                       in quotes
+///   Eigen's matrices              the entries row by row; sizes known at run time only: rows and columns first
 ///   std::vector                   the size, then the elements
 ///   other types                   by their operators << and >>
-/// Each value is followed by a space.
+/// A space follows each value.
 #pragma once
 
 #include <iomanip>
@@ -27,7 +28,7 @@ concept PlainMatrix = requires {
   requires std::is_same_v<typename D::PlainObject, D>;
 };
 
-/// Sizes that no file means.
+/// Limit for sizes; a larger one in a file is an error.
 inline constexpr long kLargestSize = 100'000'000;
 
 template <class D>
@@ -57,7 +58,7 @@ void writeDatum(std::ostream& os, const D& x) {
   }
 }
 
-/// False where the text is not such a value.
+/// Reads a value. Returns false if the text is not such a value.
 template <class D>
 bool readDatum(std::istream& is, D& x) {
   if constexpr (std::is_enum_v<D>) {
@@ -78,7 +79,7 @@ bool readDatum(std::istream& is, D& x) {
       if (D::RowsAtCompileTime != Eigen::Dynamic && rows != D::RowsAtCompileTime) return false;
       if (D::ColsAtCompileTime != Eigen::Dynamic && cols != D::ColsAtCompileTime) return false;
     }
-    std::vector<typename D::Scalar> numbers;  // as many as there are, whatever the sizes announce
+    std::vector<typename D::Scalar> numbers;  // grows with the numbers present, whatever the announced sizes
     for (long i = 0; i < rows * cols; ++i) {
       numbers.emplace_back();
       if (!readDatum(is, numbers.back())) return false;

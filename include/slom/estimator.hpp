@@ -1,16 +1,19 @@
-/// The estimator: takes variables and measurements, finds the values that fit best, says how sure they are.
+/// The estimator: takes variables and measurements, finds the values that fit best, and computes their uncertainty.
 ///
 ///     slom::Estimator est;
 ///     auto circle = est.insertRV(mtk::vect<3>(0, 0, 1), "circle");
 ///     for (const auto& p : points) est.insertMeasurement(OnCircle(circle, p), slom::StandardDeviation(0.1));
 ///     std::cout << est.optimize() << *circle << "\n";
 ///
-/// It minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. A measurement with a
-/// robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to it instead of |W r|^2: every RSS below is this robust cost,
-/// while residual, whitenedResidual and residuals know nothing of losses. Measurement functions are called from several
-/// threads at once (setThreads changes that), so they must not write to shared data.
-/// Faults of the caller are exceptions (mtk::Error, with a stable id); after any exception the estimator is as it was
-/// before the call, but for steps of an optimisation that had been completed.
+/// The estimator minimises the RSS, the sum of squared residuals, each whitened by its stated uncertainty. A
+/// measurement with a robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to the RSS instead of |W r|^2. Every RSS
+/// below is this robust cost. The functions residual, whitenedResidual and residuals ignore losses.
+///
+/// Several threads call measurement functions at once (setThreads changes that), so these must not write to shared
+/// data.
+///
+/// Mistakes of the caller throw mtk::Error with a stable id. After any exception the estimator is as it was before the
+/// call, except that completed steps of an optimisation remain.
 #pragma once
 
 #include <concepts>
@@ -61,30 +64,31 @@ using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValu
 
 }  // namespace detail
 
-/// What Estimator::marginalize leaves.
+/// How Estimator::marginalize linearises from then on.
 struct MarginalizeOptions {
-  /// Whether the priors keep the linearisation points of their variables for all measurements of them: first-estimate Jacobians, so that
-  /// motions that no measurement sees stay free (docs/online.md, windows).
+  /// If true, the priors keep the linearisation points of their variables for all measurements of these variables
+  /// (first-estimate Jacobians). Motions that no measurement observes then stay free (docs/online.md, windows).
   bool first_estimates = false;
 };
 
-/// Variables, measurements and the fit of the former to the latter. Movable; copied by clone() alone.
+/// Variables, measurements and the fit of the variables to the measurements. Movable; only clone() copies it.
 class Estimator {
  public:
   Estimator();
   ~Estimator();
-  /// What was moved from holds nothing: all its functions throw [slom.moved-from] until another estimator is assigned to it.
+  /// A moved-from estimator is empty: all its functions throw [slom.moved-from] until another estimator is assigned to
+  /// it.
   Estimator(Estimator&&) noexcept;
   Estimator& operator=(Estimator&&) noexcept;
 
-  /// A deep copy: variables, measurements, what is fixed or bounded, groups, losses, noise, algorithm, solver and settings. From then on the two
-  /// are independent, but for what functions of measurements hold by reference or by a pointer, std::shared_ptr included: that is
-  /// shared. The copy fits as the original would; its first update() begins anew. It accepts the handles that the original had
-  /// when it was copied; `*id` of them still reads the original, `*copy.own(id)` the copy. Throws [slom.not-copyable] for
-  /// measurements or solvers that cannot be copied.
+  /// Returns a deep copy: variables, measurements, what is fixed or bounded, groups, losses, noise, algorithm, solver
+  /// and settings. Copy and original are then independent. They share only what measurement functions hold by
+  /// reference, pointer or std::shared_ptr. The copy fits as the original would; its first update() starts from
+  /// scratch. The copy accepts the handles that the original had at the time of the copy. `*id` still reads the
+  /// original, `*copy.own(id)` the copy. Throws [slom.not-copyable] for measurements or solvers that cannot be copied.
   Estimator clone() const;
-  /// The handle of this estimator for one of the estimator that it is a clone of; its own handles as they are. Throws [slom.stale-handle] and
-  /// [slom.foreign-handle].
+  /// Returns this estimator's handle for a handle of the estimator that it was cloned from. Returns its own handles
+  /// unchanged. Throws [slom.stale-handle] and [slom.foreign-handle].
   template <class T>
   VarID<T> own(const VarID<T>& id) const {
     return problem().own(id);
@@ -97,7 +101,8 @@ class Estimator {
 
   // Variables.
 
-  /// Adds a variable with its start value. `optimize` false: it keeps that value. `name` is for messages.
+  /// Adds a variable with its start value. If `optimize` is false, the variable keeps that value. `name` is for
+  /// messages.
   template <class T>
   auto insertRV(const T& value) {
     return insertVariable(value, true, {});
@@ -110,12 +115,12 @@ class Estimator {
   auto insertRV(const T& value, std::string_view name) {
     return insertVariable(value, true, name);
   }
-  /// The name that the paper's outlook gives to insertRV.
+  /// Calls insertRV; the paper's outlook uses this name.
   template <class T, class... More>
   auto registerRV(const T& value, More&&... more) {
     return insertRV(value, std::forward<More>(more)...);
   }
-  /// Gives a variable another value, as a new start or when it is fixed.
+  /// Sets the value of a variable: a new start value or, if the variable is fixed, its constant.
   template <class T>
   void reinitRV(const VarID<T>& id, const std::type_identity_t<T>& value) {
     problem().setValue(id, value);
@@ -125,32 +130,32 @@ class Estimator {
   void optimizeRV(const VarID<T>& id, bool optimize) {
     problem().setOptimized(problem().indexOf(id), optimize);
   }
-  // Parts of variables. A path names a component or all below it, as messages do: "pos.z", "pos". Paths that lead nowhere
-  // throw [slom.no-component], which lists those that there are.
+  // Parts of variables. A path names a component or all components below it, as messages do: "pos.z", "pos". An unknown
+  // path throws [slom.no-component], which lists the valid ones.
 
-  /// Fixes a variable, as optimizeRV(id, false) does.
+  /// Fixes a variable, like optimizeRV(id, false).
   template <class T>
   void fix(const VarID<T>& id) {
     optimizeRV(id, false);
   }
-  /// Fixes components at their current values. They are not unknowns and have covariance 0.
+  /// Fixes components at their current values. Fixed components are not unknowns and have covariance 0.
   template <class T>
   void fix(const VarID<T>& id, const std::string& path) {
     setFixed(id, path, true);
   }
-  /// The same with a name that the compiler checks: `est.fix(&Camera::k3, cam)`.
+  /// Fixes the components of a member, whose name the compiler checks: `est.fix(&Camera::k3, cam)`.
   template <class M, class C, std::derived_from<C> T>
   void fix(M C::*member, const VarID<T>& id) {
     setFixed(member, id, true);
   }
-  /// Releases a variable with all of its components.
+  /// Releases a variable and all its components.
   template <class T>
   void free(const VarID<T>& id) {
     const int variable = problem().indexOf(id);
     problem().setOptimized(variable, true);
     setFixed(variable, 0, problem().variables()[static_cast<std::size_t>(variable)].dof, false);
   }
-  /// Releases components that were fixed.
+  /// Releases fixed components.
   template <class T>
   void free(const VarID<T>& id, const std::string& path) {
     setFixed(id, path, false);
@@ -159,21 +164,21 @@ class Estimator {
   void free(M C::*member, const VarID<T>& id) {
     setFixed(member, id, false);
   }
-  /// Keeps the coordinates of components of vectors within [lower, upper]; infinite limits take the bound back. The fit holds
-  /// a component that wants to go beyond at the limit (an active set: Nocedal and Wright, "Numerical optimization", 2006,
-  /// section 16.7); the summary lists those, and covariances hold on the condition that they are there. Throws
-  /// [slom.bad-bound], or [slom.outside-bound] when the current value is.
+  /// Keeps the coordinates of components of vectors within [lower, upper]. Infinite limits remove the bound. The fit
+  /// holds a component at a limit if it would go beyond (active set method: Nocedal and Wright, "Numerical
+  /// optimization", 2006, section 16.7). The summary lists these components, and covariances are conditional on their
+  /// values. Throws [slom.bad-bound], or [slom.outside-bound] if the current value is outside.
   template <class T>
   void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
     bound(problem().indexOf(id), path, lower, upper);
   }
-  /// Bounds every component of a variable, each of which must be a coordinate of a vector.
+  /// Bounds every component of a variable. Each must be a coordinate of a vector.
   template <class T>
   void bound(const VarID<T>& id, double lower, double upper) {
     bound(problem().indexOf(id), "", lower, upper);
   }
-  /// Adds what is known of a variable beforehand: a measurement x [-] value, with a standard deviation or another
-  /// uncertainty; removeMeasurement takes it back.
+  /// Adds prior knowledge of a variable: a measurement x [-] value, with a standard deviation or another uncertainty.
+  /// removeMeasurement removes it.
   template <class T, class Noise>
   auto prior(const VarID<T>& id, const std::type_identity_t<T>& value, const Noise& uncertainty) {
     const auto insert = [&](const auto& noise) {
@@ -185,9 +190,10 @@ class Estimator {
       return insert(StandardDeviation(uncertainty));
     }
   }
-  /// The same of a component that is a coordinate, by its path: `est.prior(pose, "pos.z", 1.2, 0.05)`; or, with a vector, of all below a
-  /// path: `est.prior(pose, "pos", Eigen::Vector3d(0, 0, 1.2), 0.05)`. Throws [slom.no-component], which lists the paths that there are,
-  /// and for parts of rotations and the like, which have no coordinates; [slom.wrong-length] or [slom.prior-not-finite].
+  /// Adds a prior on one coordinate by its path: `est.prior(pose, "pos.z", 1.2, 0.05)`. With a vector, the prior is on
+  /// all coordinates below the path: `est.prior(pose, "pos", Eigen::Vector3d(0, 0, 1.2), 0.05)`. Throws
+  /// [slom.no-component], which lists the valid paths, for an unknown path and for parts without coordinates, such as
+  /// rotations. Throws [slom.wrong-length] or [slom.prior-not-finite].
   template <class T, class Noise>
   MeasID<ComponentPrior<T>> prior(const VarID<T>& id, const std::string& path, double value,
                                   const Noise& uncertainty) {
@@ -199,12 +205,12 @@ class Estimator {
     return insertComponentPrior(id, path, values.data(), static_cast<int>(values.size()), uncertainty);
   }
 
-  /// Removes a variable. Throws [slom.variable-in-use], saying by how many measurements, while there are any.
+  /// Removes a variable. Throws [slom.variable-in-use], with the number of measurements, if any depend on the variable.
   template <class T>
   void removeRV(const VarID<T>& id) {
     problem().removeVariable(problem().indexOf(id));
   }
-  /// The name given at insertion, or one made of type and running number.
+  /// Returns the name given at insertion, or one made of type and running number.
   template <class T>
   std::string nameOf(const VarID<T>& id) const {
     return problem().variableName(problem().indexOf(id));
@@ -212,17 +218,20 @@ class Estimator {
 
   // Measurements.
 
-  /// Adds a measurement declared by SLOM_BUILD_MEASUREMENT, or one of a kind that chooses its variables at run time, as
-  /// GaussianPrior. Options, in any order: its uncertainty (none: unit covariance), its loss (none: least squares),
-  /// slom::named("label"), and slom::group(key) for errors that measurements share (slom/model/group.hpp).
+  /// Adds a measurement whose type is declared by SLOM_BUILD_MEASUREMENT or chooses its variables at run time, such as
+  /// GaussianPrior. Options, in any order:
+  ///   uncertainty            none: unit covariance
+  ///   loss                   none: least squares
+  ///   slom::named("label")
+  ///   slom::group(key)       for errors that measurements share (slom/model/group.hpp)
   template <class M, class... Options>
     requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   MeasID<M> insertMeasurement(M measurement, const Options&... options) {
     static_assert(
         (detail::is_option<Options> && ...),
-        "slom: what follows the measurement says how uncertain it is (Covariance, StandardDeviation, "
-        "InvCovariance or InvStandardDeviation), which loss it has (Huber, ...) or how it is called "
-        "(slom::named)");
+        "slom: an argument after the measurement must be its uncertainty (Covariance, StandardDeviation, "
+        "InvCovariance or InvStandardDeviation), its loss (Huber, ...), its label (slom::named) or a "
+        "group (slom::group)");
     const detail::Values<const Options&...> all{{options}...};
     if constexpr (detail::group_count<Options...> > 0) {
       const auto groups = detail::groupsAmong<Options...>(all);
@@ -236,10 +245,12 @@ class Estimator {
                                          detail::lossAmong<Options...>(all));
     }
   }
-  /// Adds a measurement whose residual is what `f` returns. VarID arguments become variables (f gets a const T&),
-  /// everything else is data, stored by value; options as above. With slom::measured(z) among the arguments f predicts
-  /// the datum, and the residual is f(Y) [-] z. Derivatives are exact where f accepts numbers of other types (`const
-  /// auto&`), f's own where it has a member `jacobian`, and otherwise central differences.
+  /// Adds a measurement whose residual is the value of `f`. VarID arguments become variables (f gets a const T&); all
+  /// other arguments are data, stored by value. Options as above. If slom::measured(z) is among the arguments, f
+  /// predicts the datum z, and the residual is f(Y) [-] z. Derivatives:
+  ///   f accepts other number types (`const auto&`)   exact
+  ///   f has a member `jacobian`                      as that member gives them
+  ///   otherwise                                      central differences
   template <class F, class... Args>
     requires(!Measurement<F> && !std::derived_from<F, RuntimeMeasurement> && sizeof...(Args) > 0)
   auto insertMeasurement(F f, const Args&... args) {
@@ -256,8 +267,8 @@ class Estimator {
                             detail::lossAmong<Args...>(all));
     }
   }
-  /// Adds a measurement over a list of variables of any number and types: `f` gets a std::span<const VariableView>, the data and
-  /// options are as above. Derivatives are central differences.
+  /// Adds a measurement over a list of variables of any number and types. `f` gets a std::span<const VariableView>;
+  /// data and options are as above. Derivatives are central differences.
   template <class F, class... Args>
   auto insertMeasurement(F f, const std::vector<AnyVarID>& variables, const Args&... args) {
     const detail::Values<const Args&...> all{{args}...};
@@ -273,109 +284,116 @@ class Estimator {
                         detail::lossAmong<Args...>(all));
     }
   }
-  /// The name that the paper's outlook gives to insertMeasurement.
+  /// Calls insertMeasurement; the paper's outlook uses this name.
   template <class F, class... Args>
   auto registerMeasurement(F f, const Args&... args) {
     return insertMeasurement(std::move(f), args...);
   }
-  // The functions that take a MeasurementHandle take a MeasID or an AnyMeasID. They throw [slom.stale-handle].
+  // Functions that take a MeasurementHandle accept a MeasID or an AnyMeasID. They throw [slom.stale-handle].
 
-  /// Puts a measurement that is there already into a group, instead of one of the same dimension that it was in.
+  /// Puts an existing measurement into a group, in place of its group of the same dimension, if any.
   void setGroup(const MeasurementHandle& id, const Group& group);
   /// Removes a measurement: `est.removeMeasurement(est.outliers().ranking().front().id)`.
   void removeMeasurement(const MeasurementHandle& id);
-  /// The name that messages and reports give it: `Gravity #12`, its label or type and its running number there.
+  /// Returns the name used in messages and reports, such as `Gravity #12`: the label or type, and the running number
+  /// among measurements of that label or type.
   std::string nameOf(const MeasurementHandle& id) const;
 
-  /// Forgets variables without losing what their measurements say of others: these measurements, linearised at the current values, are
-  /// replaced by GaussianPriors on the variables that they share with the rest of the problem, and the variables are removed. Any set of
-  /// them will do; one prior for each set of variables that remains in touch. Steps of a linear problem do not notice; of others they
-  /// no longer notice what has changed since, so marginalise where the fit has converged. A handle that is there twice counts once.
-  /// Losses enter by their weights at the current values, fixed variables and components as known. The RSS falls by what no value
-  /// of the remaining variables could explain, and the number of residuals by those that it consisted of. Throws
-  /// [slom.stale-handle], [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw], with nothing changed. The priors are in a
-  /// group (slom::group) where all the measurements that this call replaces are in it.
-  /// With first estimates the Jacobians of all measurements of the remaining variables are from then on those at the values that these
-  /// have now, as long as a prior that this leaves depends on them.
+  /// Removes variables and keeps what their measurements say about other variables. The measurements of `ids` are
+  /// linearised at the current values. GaussianPriors on the remaining variables of these measurements replace them,
+  /// one prior for each set of variables that the elimination couples. `ids` may be any set of variables; duplicates
+  /// count once.
+  ///
+  /// In a linear problem later steps are the same as without marginalisation. In a nonlinear one they no longer follow
+  /// changes of the removed measurements, so marginalise after the fit has converged. Losses enter by their weights at
+  /// the current values. Fixed variables and components enter as known. The RSS loses the part that no value of the
+  /// remaining variables could explain. The number of residuals falls by the number of residuals in that part.
+  ///
+  /// If all replaced measurements of this call are in a group (slom::group), the priors are in that group too. With
+  /// first estimates, the Jacobians of all measurements of the remaining variables are from then on taken at their
+  /// present values. This ends when no prior from this call depends on the variable. Throws [slom.stale-handle],
+  /// [slom.foreign-handle], [slom.not-finite] or [slom.measurement-threw]; nothing is changed.
   ///   source   Sibley, Matthies, Sukhatme, "Sliding window filter with application to planetary landing", 2010
   std::vector<MeasID<GaussianPrior>> marginalize(const std::vector<AnyVarID>& ids,
                                                  const MarginalizeOptions& options = {});
 
   // Optimisation.
 
-  /// One step of the algorithm. What it returns converts to the relative gain (old RSS - new RSS) / old RSS; negative when a
-  /// Gauss-Newton step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or [slom.not-finite] with the values
-  /// unchanged.
+  /// Takes one step of the algorithm. The result converts to the relative gain (old RSS - new RSS) / old RSS, which is
+  /// negative if a Gauss-Newton step led uphill. Throws [slom.rank-deficient], [slom.unmeasured-variable] or
+  /// [slom.not-finite], with the values unchanged.
   StepRecord optimizeStep();
-  /// Steps until the fit has converged or cannot go on; the summary says what happened. Numerical failure is not an
-  /// exception: look at `converged`, `stop_reason` and `message`. Where the fit has not converged the values are the best that it has
-  /// seen; after `rank_deficient` they are those at which an unknown has no influence. Throws [slom.not-finite] or [slom.measurement-threw] where a
-  /// measurement has a residual but no finite derivative, at the values that it was given or a step has led to, which stay.
+  /// Takes steps until the fit has converged or cannot continue. A numerical failure is not an exception: check
+  /// `converged`, `stop_reason` and `message` of the summary. If the fit has not converged, the values are the best
+  /// found. After `rank_deficient` they are the values at which an unknown has no influence. Throws [slom.not-finite]
+  /// or [slom.measurement-threw] if a measurement has a residual but no finite derivative. The estimator then keeps the
+  /// values where that happened: the start values or those after a step.
   Summary optimize(const Options& options = {});
-  /// For problems that grow while they are fitted: brings the values to the optimum after insertions, removals and other changes, in
-  /// time in proportion to what these change. The optimum is that of optimize(), as long as the values do not lie in the valley of another
-  /// one. May be mixed with optimizeStep() and optimize(). Throws [slom.bad-option], and [slom.not-finite] or [slom.measurement-threw] for
-  /// measurements without a residual or a finite derivative at the values that they are inserted with, and without a derivative at those that a
-  /// step has led to.
+  /// Brings the values to the optimum after insertions, removals and other changes, for problems that grow while they
+  /// are fitted. The time is proportional to what the changes affect. The optimum is that of optimize(), unless the
+  /// values lie in the basin of another local minimum. May be mixed with optimizeStep() and optimize(). Throws
+  /// [slom.bad-option]. Throws [slom.not-finite] or [slom.measurement-threw] if a new measurement has no residual or no
+  /// finite derivative at the values of its insertion, or if a measurement has no derivative at the values after a
+  /// step.
   UpdateSummary update(const UpdateOptions& options = {});
 
-  /// Takes over `algorithm`: `est.changeAlgorithm(new SLOM::LevenbergMarquardt())`.
+  /// Sets the algorithm and takes ownership: `est.changeAlgorithm(new SLOM::LevenbergMarquardt())`.
   void changeAlgorithm(Algorithm* algorithm);
-  /// The same by value: `est.changeAlgorithm(slom::DogLeg())`.
+  /// Sets the algorithm by value: `est.changeAlgorithm(slom::DogLeg())`.
   template <std::derived_from<Algorithm> A>
   void changeAlgorithm(const A& algorithm) {
     changeAlgorithm(new A(algorithm));
   }
-  /// How linear systems are solved; the default is BlockSolver.
+  /// Sets the solver of the linear systems; the default is BlockSolver.
   void changeSolver(std::unique_ptr<LinearSolver> solver);
-  /// Most threads that work for this estimator; 0 (default): as many as the machine has. Results do not depend on it, to
-  /// the last bit.
+  /// Sets the maximum number of threads; 0 (default): all of the machine. Any number gives the same bits.
   void setThreads(int threads);
 
   // Uncertainty and diagnostics.
 
-  /// Sum of squared whitened residuals at the current values, for measurements with a loss of rho(|W r|^2).
+  /// Returns the sum of squared whitened residuals at the current values. A measurement with a loss adds rho(|W r|^2).
   double getRSS() const;
-  /// The RSS of all measurements of type M.
+  /// Returns the RSS of all measurements of type M.
   template <class M>
     requires(Measurement<M> || std::derived_from<M, RuntimeMeasurement>)
   double getRSS() const {
     return rssOfPools(problem().template poolsOf<M>());
   }
-  /// The RSS of one measurement.
+  /// Returns the RSS of one measurement.
   double getRSS(const MeasurementHandle& id) const;
-  /// The RSS of all measurements that depend on a variable.
+  /// Returns the RSS of all measurements that depend on a variable.
   template <class T>
   double getRSS(const VarID<T>& id) const {
     return rssOfVariable(problem().indexOf(id));
   }
-  /// The weight that its loss gives a measurement: the factor rho'(|W r|^2) of its square, from 1 (full weight, as without a loss) down to 0.
+  /// Returns the weight that a measurement has from its loss: the factor rho'(|W r|^2) of its square, between 1 (full
+  /// weight, also without a loss) and 0.
   double weight(const MeasurementHandle& id) const;
-  /// sqrt(RSS / M): near 1 when the stated uncertainties are right. 0 without measurements.
+  /// Returns sqrt(RSS / M), near 1 if the stated uncertainties are right; 0 without measurements.
   double getRMS() const;
-  /// Number of scalar residuals.
+  /// Returns M, the number of scalar residuals.
   int getM() const;
-  /// Number of unknowns: degrees of freedom of all optimised variables but for fixed components. A component at a bound counts;
-  /// Summary::unknowns leaves out those whose bound is active after a fit.
+  /// Returns N, the number of unknowns: degrees of freedom of all optimised variables, without fixed components.
+  /// Components at a bound count here. Summary::unknowns excludes components whose bound is active after a fit.
   int getN() const;
 
-  /// The residual of a measurement in its own units, f(Y) [-] z.
+  /// Returns the residual of a measurement in its own units, f(Y) [-] z.
   Eigen::VectorXd residual(const MeasurementHandle& id) const { return residualOf(id, false); }
-  /// The residual in units of its standard deviation.
+  /// Returns the residual in units of its standard deviation.
   Eigen::VectorXd whitenedResidual(const MeasurementHandle& id) const { return residualOf(id, true); }
-  /// All whitened residuals: type by type in order of their first insertion.
+  /// Returns all whitened residuals, type by type in the order of first insertion.
   Eigen::VectorXd residuals() const {
     Eigen::VectorXd r(getM());
     writeResiduals(r.data());
     return r;
   }
 
-  /// Covariance of a variable in its tangent space (dof x dof), or between two of them; it holds for the stated
-  /// uncertainties and the linearisation at the current values, which a fit that has not converged leaves anywhere: look at
-  /// Summary::converged first. With losses this is the linearisation that the fit
-  /// uses, in which measurements count by their weight: near the optimum the inverse curvature of the robust cost.
-  /// 0 for fixed variables. Throws [slom.free-gauge], which names the
-  /// motions that are free, [slom.rank-deficient] or [slom.unmeasured-variable].
+  /// Returns the covariance of a variable in its tangent space (dof x dof), or the cross-covariance of two variables
+  /// (dof_a x dof_b); 0 for fixed variables. It holds for the stated uncertainties and the linearisation at the current
+  /// values. Check Summary::converged first: a fit that has not converged leaves arbitrary values. With losses, the
+  /// linearisation is that of the fit, in which measurements have their weights. Near the optimum the covariance is
+  /// then the inverse curvature of the robust cost. Throws [slom.free-gauge], which names the free motions,
+  /// [slom.rank-deficient] or [slom.unmeasured-variable].
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
     return covariance(id, id);
@@ -387,7 +405,8 @@ class Estimator {
     writeCovariance(i, j, block.data());
     return block;
   }
-  /// Covariance of several variables together, in their order: n x n, n the sum of their degrees of freedom. Throws as covariance does.
+  /// Returns the joint covariance of several variables in the given order: n x n, n the sum of their degrees of
+  /// freedom. Throws as covariance does.
   template <class... T>
   Eigen::MatrixXd jointCovariance(const VarID<T>&... ids) const {
     const int variables[] = {problem().indexOf(ids)...};
@@ -397,7 +416,7 @@ class Estimator {
     writeJointCovariance(variables, static_cast<int>(sizeof...(T)), C.data());
     return C;
   }
-  /// Standard deviation of each component.
+  /// Returns the standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
     const int variable = problem().indexOf(id);
@@ -405,7 +424,8 @@ class Estimator {
     writeDeviations(variable, result.data());
     return result;
   }
-  /// The correlation of component i of a with component j of b, from -1 to 1; 0 where one is certain. dof_a x dof_b
+  /// Returns the correlations of the components of a with those of b, each from -1 to 1; dof_a x dof_b. An entry is 0
+  /// if one of the components has variance 0.
   template <class A, class B>
   Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
     const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
@@ -413,11 +433,11 @@ class Estimator {
                           scale_b = standardDeviation(b).unaryExpr(inverse);
     return scale_a.asDiagonal() * covariance(a, b) * scale_b.asDiagonal();
   }
-  /// The same between updates, in time proportional to the path from the variables to the root of the elimination tree: little for new
-  /// ones, however large the problem. Jacobians may be those of slightly earlier values, as they are in the factor of update(), so that
-  /// it agrees with covariance() to about a hundredth. With Sigma::estimated the variance factor
-  /// takes a linearisation of everything. Throws [slom.not-updated] where something has changed since the last update(),
-  /// or optimize() took over in it, and [slom.rank-deficient].
+  /// Returns covariances between updates, from the factor of update(). The time is proportional to the path from the
+  /// variables to the root of the elimination tree. For new variables it is short, however large the problem. Jacobians
+  /// in the factor may be those of slightly earlier values, so the result agrees with covariance() to about 1 %. With
+  /// Sigma::estimated, the variance factor needs a linearisation of everything. Throws [slom.rank-deficient]. Throws
+  /// [slom.not-updated] if something has changed since the last update(), or if optimize() took over in that call.
   template <class T>
   Eigen::MatrixXd updatedCovariance(const VarID<T>& id) const {
     return updatedCovariance(id, id);
@@ -429,26 +449,28 @@ class Estimator {
     writeUpdatedCovariance(i, j, block.data());
     return block;
   }
-  /// Covariances of all variables at once, by selected inversion of the factor: for many of them it is much faster than
-  /// to ask for one after the other.
+  /// Returns the covariances of all variables at once, by selected inversion of the factor. For many variables this is
+  /// much faster than one call for each.
   Marginals marginals() const;
-  /// The same between updates, from the factor of update(), like updatedCovariance(). What has certainly changed by no more than the share
-  /// `tolerance` of itself since the last call is not computed again: each covariance C is returned with an error between
-  /// -tolerance C and tolerance C, in the order of positive semidefinite matrices, so that no standard deviation is off by more than about
-  /// tolerance / 2 of it. 0: each is computed that has changed. Throws [slom.not-updated] and [slom.rank-deficient]. Not const: it keeps parts of
-  /// the inverse for the next call.
+  /// Returns the covariances of all variables between updates, from the factor of update(), like updatedCovariance(). A
+  /// covariance is computed again unless its relative change since the last call is certainly at most `tolerance`. Each
+  /// returned covariance C has an error between -tolerance C and tolerance C in the order of positive semidefinite
+  /// matrices. So no standard deviation is off by more than about tolerance / 2, relative to itself. With 0, every
+  /// changed covariance is computed again. Throws [slom.not-updated] and [slom.rank-deficient]. Not const: it keeps
+  /// parts of the inverse for the next call.
   Marginals updatedMarginals(double tolerance = 1e-3);
-  /// Fills in the table of parameters of a fit with more than Options::most_parameters unknowns, so that report() and json() show all of
-  /// them; without correlations. The values are the current ones, the summary that of the last fit. Does nothing where the table is
-  /// there. Throws [slom.no-parameters] for a summary of another number of unknowns, and what covariance throws.
+  /// Adds the table of parameters to the summary of a fit with more than Options::most_parameters unknowns. report()
+  /// and json() then show all parameters, without correlations. The values are the current ones; the summary must be
+  /// that of the last fit. Does nothing if the table is there. Throws [slom.no-parameters] for a summary with another
+  /// number of unknowns, and as covariance does.
   void addParametersTo(Summary& summary) const;
-  /// f(values of the variables) and its covariance to first order. f gets a const T& for each and returns a number, an
-  /// Eigen vector or a manifold; its derivatives are found as those of measurements are.
+  /// Returns f(values of the variables) and its covariance to first order. f gets a const T& for each variable and
+  /// returns a number, an Eigen vector or a manifold. Its derivatives are found as for measurements.
   template <class F, class... T>
   auto propagate(const F& f, const VarID<T>&... ids) const {
     return propagate(f, jointCovariance(ids...), ids...);
   }
-  /// The same for another joint covariance of these variables, such as that of Clustered::jointCovariance.
+  /// Propagates another joint covariance of these variables, such as Clustered::jointCovariance.
   template <class F, class... T>
   auto propagate(const F& f, const Eigen::MatrixXd& C, const VarID<T>&... ids) const {
     auto value = detail::plainValue(f(*own(ids)...));
@@ -464,91 +486,100 @@ class Estimator {
                       result.covariance.data());
     return result;
   }
-  /// Whether covariances and standard deviations trust the stated uncertainties (Sigma::known, the default) or only their
-  /// ratios. Then they throw [slom.no-redundancy] without more residuals than unknowns.
+  /// Chooses what covariances and standard deviations trust: the stated uncertainties (Sigma::known, the default) or
+  /// only their ratios (Sigma::estimated). With Sigma::estimated they throw [slom.no-redundancy] unless there are more
+  /// residuals than unknowns.
   void setSigma(Sigma sigma);
-  /// What setSigma has set.
+  /// Returns the value set by setSigma.
   Sigma sigma() const;
-  /// What fits and covariances are when a rigid motion or a scale of everything is free, or a shift of all of some numbers, as of heights:
-  /// FreeGauge::inner_constraints fits a free network.
+  /// Chooses how fits and covariances treat a free gauge: a rigid motion or scale of everything, or a common shift of
+  /// some numbers, such as heights. FreeGauge::inner_constraints fits a free network.
   void setFreeGauge(FreeGauge gauge);
-  /// What setFreeGauge has set.
+  /// Returns the value set by setFreeGauge.
   FreeGauge freeGauge() const;
 
-  /// The variable and measurement table: what there is, in which revision, and what has changed or moved since another one.
+  /// Returns the table of variables and measurements: its content, its revision, and what has changed or moved since
+  /// another revision.
   const Problem& table() const { return problem(); }
 
-  /// Names of the components, as messages give them.
+  /// Returns the names of the components, as in messages.
   template <class T>
   std::vector<std::string> componentNames(const VarID<T>& id) const {
     return problem().componentNames(problem().indexOf(id));
   }
 
-  /// Looks the problem over at the current values: its rank, and in the user's names what is not determined, what hardly,
-  /// and what to do about it. Takes as long as 10 to 30 iterations of the fit (bench_growth) where all is determined, more where much is
-  /// hardly so.
+  /// Examines the problem at the current values: its rank, the unknowns that are not or hardly determined, by the
+  /// user's names, and what to do about them. If all unknowns are well determined, this takes as long as 10 to 30
+  /// iterations of the fit (bench_growth); if many are hardly determined, longer.
   Diagnosis diagnose() const;
 
-  /// Before solving: evaluates every measurement once at the current values, compares derivatives of some of each group, counts
-  /// residuals, and diagnoses the rest. Throws nothing for what it finds.
+  /// Checks the problem before solving. Evaluates every measurement once at the current values, compares derivatives of
+  /// some of each group, counts residuals, and diagnoses the rest. Throws nothing for what it finds.
   Preflight preflight() const;
-  /// The interval in which a component lies with this probability, by profile likelihood: at its ends the best fit of everything
-  /// else is worse by the quantile of chi-square; with Sigma::estimated by the square of Student's quantile for the redundancy, times
-  /// the variance factor (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988, section 6.1). Where the RSS is not
-  /// quadratic it says more than the standard deviation does. For coordinates of vectors; at the values of a fit, which come back afterwards. An end that is not reached within
-  /// 1000 standard deviations is infinite. The interval ends at the component's bound, where the quantile is not reached before; of
-  /// a component at its bound it is one-sided, from the bound inwards. A fixed component has no width. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and
-  /// what covariance throws.
+  /// Returns the interval in which a component lies with this probability, by profile likelihood. At the ends of the
+  /// interval, the best fit of everything else has an RSS that is larger by the quantile of chi-square. With
+  /// Sigma::estimated, it is larger by the square of Student's quantile for the redundancy, times the variance factor
+  /// (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988, section 6.1). If the RSS is not
+  /// quadratic, the interval says more than the standard deviation.
+  ///
+  /// Works for coordinates of vectors, at the values of a fit, which are restored afterwards. An end that is not
+  /// reached within 1000 standard deviations is infinite. If the component's bound is reached first, the interval ends
+  /// there. If the component is at its bound, the interval is one-sided, from the bound inwards. A fixed component has
+  /// width 0. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and as covariance does.
   ///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
   template <class T>
   ProfileInterval profile(const VarID<T>& id, const std::string& path, double probability = 0.95) {
     return profile(problem().indexOf(id), path, probability, nullptr);
   }
 
-  /// The interval of a variable with one component.
+  /// Returns the interval of a variable that has one component.
   template <class T>
   ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
     return profile(problem().indexOf(id), "", probability, nullptr);
   }
-  /// The same for errors that measurements share: at the ends the best fit of everything else is worse by (t s / s_stated)^2, with the
-  /// clustered standard deviation s, the stated one and Student's quantile t for the degrees of freedom of the former. Where the RSS is
-  /// quadratic, that is Clustered::interval. As the values move, `clustered` answers no more afterwards, like all that was computed of them. Throws
-  /// [slom.stale-clustered], [slom.no-clustered-deviation] and what profile throws.
+  /// Returns the interval for errors that measurements share. At its ends the best fit of everything else is worse by
+  /// (t s / s_stated)^2. Here s is the clustered standard deviation, s_stated the stated one, and t Student's quantile
+  /// for the degrees of freedom of s. If the RSS is quadratic, the interval equals Clustered::interval. The values move
+  /// meanwhile, so `clustered` and other results computed from them are stale afterwards. Throws
+  /// [slom.stale-clustered], [slom.no-clustered-deviation] and as profile does.
   template <class T>
   ProfileInterval profile(const VarID<T>& id, const std::string& path, const Clustered& clustered,
                           double probability = 0.95) {
     return profile(problem().indexOf(id), path, probability, &clustered);
   }
 
-  /// The intervals of all unknowns, each as profile gives it; of components that are no coordinates, from their standard deviations.
-  /// Throws what profile throws.
+  /// Returns the intervals of all unknowns, each as from profile. Intervals of components that are not coordinates come
+  /// from their standard deviations. Throws as profile does.
   IntervalTable intervals(double probability = 0.95);
-  /// The same for errors that measurements share, as profile with `clustered` gives them.
+  /// Returns the intervals of all unknowns for errors that measurements share, as from profile with `clustered`.
   IntervalTable intervals(const Clustered& clustered, double probability = 0.95);
 
-  /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, the probability of
-  /// such a residual, and how far the fit would move without it. Throws as covariance does.
+  /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, p-value of
+  /// the residual, and how far the fit would move without the measurement. Throws as covariance does.
   OutlierReport outliers(const OutlierOptions& options = {}) const;
 
-  /// Covariances for errors that measurements share within groups (slom::group, and other ways), at the values of the fit;
-  /// slom/analyze/clustered.hpp. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups], [slom.not-a-minimum] and what covariance throws.
+  /// Returns covariances for errors that measurements share within groups (slom::group and other ways), at the values
+  /// of the fit; see slom/analyze/clustered.hpp. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups],
+  /// [slom.not-a-minimum] and as covariance does.
   Clustered clustered() const;
   Clustered clustered(const ClusterOptions& options) const;
 
-  /// How large the errors of each kind of measurement are, over what is stated, and those that groups of them share; at the values of the
-  /// fit, which stay. slom/analyze/variance_components.hpp. Throws [slom.not-a-minimum], [slom.no-component], [slom.components-with-loss],
-  /// [slom.no-groups], [slom.bad-group], [slom.bad-option] and what covariance throws.
+  /// Estimates the size of the errors of each kind of measurement, relative to the stated ones, and of the errors that
+  /// groups share. Works at the values of the fit and keeps them; see slom/analyze/variance_components.hpp. Throws
+  /// [slom.not-a-minimum], [slom.no-component], [slom.components-with-loss], [slom.no-groups], [slom.bad-group],
+  /// [slom.bad-option] and as covariance does.
   VarianceComponents varianceComponents() const;
   VarianceComponents varianceComponents(const VarianceOptions& options) const;
-  /// Multiplies the stated standard deviations of each kind by its factor, for what is computed from here on; optimize() afterwards. Shared errors
-  /// are left alone: a variable for each group, with a prior, takes them into the fit. Throws [slom.stale-components].
+  /// Multiplies the stated standard deviations of each kind by its factor, for all later computations. Call optimize()
+  /// afterwards. Shared errors are not changed. To include them in the fit, add a variable with a prior for each group.
+  /// Throws [slom.stale-components].
   void apply(const VarianceComponents& components);
 
-  /// Compares the derivatives of all measurements, at the current values, with differences: for each group the worst
-  /// entry by name, and a guess at the cause where it is wrong. Slow: for development.
+  /// Compares the derivatives of all measurements at the current values with differences. Reports the worst entry of
+  /// each group by name and, if it is wrong, a guess at the cause. Slow; meant for development.
   DerivativeCheck checkDerivatives() const;
 
-  /// Optimised variables that no measurement depends on, a sentence for each.
+  /// Returns one sentence for each optimised variable that no measurement depends on.
   std::vector<std::string> warnings() const;
 
  private:
@@ -632,13 +663,13 @@ class Estimator {
     writeResidual(*pool, i, whitened, r.data());
     return r;
   }
-  // Results pass the boundary of the compiled library as plain numbers: what Eigen's dynamic types allocate depends on the
-  // compiler's options, which may be others there.
+  // Results cross the boundary of the compiled library as plain numbers. How Eigen's dynamic types allocate depends on
+  // compiler options, and the library may have been compiled with others.
   void writeResidual(MeasurementPool& pool, int i, bool whitened, double* r) const;
   void writeResiduals(double* r) const;
   void writeJacobian(double* J) const;
   void writeUpdatedCovariance(int variable_a, int variable_b, double* block) const;
-  /// The joint covariance of these variables.
+  /// Writes the joint covariance of these variables.
   void writeJointCovariance(const int* variables, int count, double* out) const;
   void writeCovariance(int variable_a, int variable_b, double* block) const;
   void writeDeviations(int variable, double* deviations) const;

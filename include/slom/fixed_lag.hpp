@@ -1,4 +1,4 @@
-/// A window over the newest variables of an estimator.
+/// FixedLag: a window over the newest variables of an estimator.
 ///
 ///     slom::FixedLag window({.variables = 50});
 ///     for (const Reading& reading : readings) {
@@ -9,8 +9,8 @@
 ///       window.forget(est);
 ///     }
 ///
-/// What leaves the window is marginalised (Estimator::marginalize), so that the number of unknowns stays bounded and nothing is lost of what is
-/// known of the others.
+/// Variables that leave the window are marginalised (Estimator::marginalize). So the number of unknowns stays bounded,
+/// and what is known of the other variables is kept.
 #pragma once
 
 #include <algorithm>
@@ -24,19 +24,19 @@
 
 namespace slom {
 
-/// How much stays in the window: a variable leaves when either limit is exceeded.
+/// Limits of the window. A variable leaves if it exceeds either limit.
 struct FixedLagOptions {
-  int variables = std::numeric_limits<int>::max();  ///< the most that stay
-  double duration = std::numeric_limits<
-      double>::infinity();  ///< how much older than the newest one they may be, in units of their times
-  /// Whether the priors of what leaves keep the linearisation points of their variables (MarginalizeOptions::first_estimates).
+  int variables = std::numeric_limits<int>::max();  ///< maximum number of variables in the window
+  /// Maximum age relative to the newest variable, in units of their times.
+  double duration = std::numeric_limits<double>::infinity();
+  /// If true, the priors keep the linearisation points of their variables (MarginalizeOptions::first_estimates).
   bool first_estimates = false;
 };
 
 /// The variables in a window, by their times.
 class FixedLag {
  public:
-  /// Throws [slom.bad-option].
+  /// Checks the options. Throws [slom.bad-option].
   explicit FixedLag(const FixedLagOptions& options) : options_(options) {
     if (options.variables < 1) {
       throw Error("slom.bad-option",
@@ -52,9 +52,9 @@ class FixedLag {
     }
   }
 
-  /// Takes a variable into the window, with the time that it belongs to, in any order; of a variable that is there already, such as a
-  /// landmark that is seen again, the time becomes the later one of both. One that is older than the window serves the next fit and leaves
-  /// with the next `forget`, so that late measurements count. Throws [slom.bad-time].
+  /// Adds a variable with its time, in any order. If the variable is in the window already, such as a landmark seen
+  /// again, its time becomes the later of the two. A variable older than the window takes part in the next fit and
+  /// leaves with the next `forget`, so late measurements count. Throws [slom.bad-time].
   void add(const AnyVarID& id, double time) {
     if (!std::isfinite(time)) {
       throw Error(
@@ -69,11 +69,12 @@ class FixedLag {
     }
     entries_.push_back({id, time});
   }
-  /// The same at the time 1 later than that of the newest one, 0 for the first: for windows that count variables.
+  /// Adds a variable 1 later than the newest one, or at 0 if it is the first. For windows that count variables.
   void add(const AnyVarID& id) { add(id, entries_.empty() ? 0 : newest() + 1); }
 
-  /// Marginalises what is too old; of equally old variables those that were added first. Returns how many have gone. Variables that have been
-  /// removed otherwise are no longer in the window. Throws what Estimator::marginalize throws, with nothing changed.
+  /// Marginalises the variables that are too old; among equally old ones, those added first. Returns the number of
+  /// removed variables. Variables that were removed otherwise are no longer in the window. Throws as
+  /// Estimator::marginalize does, with nothing changed.
   int forget(Estimator& est) {
     std::erase_if(entries_, [](const Entry& entry) { return !entry.id.isValid(); });
     if (entries_.empty()) return 0;
@@ -91,7 +92,7 @@ class FixedLag {
     return static_cast<int>(gone);
   }
 
-  /// Number of variables in the window.
+  /// Returns the number of variables in the window.
   int size() const { return static_cast<int>(entries_.size()); }
 
  private:

@@ -1,4 +1,4 @@
-/// Files of other programs, and what they hold in an estimator. An include and a library of its own: link slom::io.
+/// Files of other programs, and their content in an estimator. Include this header and link slom::io.
 #pragma once
 
 #include "slom/io/bal.hpp"

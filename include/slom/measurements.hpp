@@ -1,7 +1,7 @@
-/// Measurement kinds that come with the library: functions without state that predict a datum, marked by
-/// slom::measured, and are evaluated several at a time wherever their arguments allow it.
+/// Ready measurement functions. They have no state and predict a datum, marked by slom::measured. If the arguments
+/// allow it, several measurements are evaluated at a time.
 ///     est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(odometry), slom::Covariance(sigma));
-/// Each variable may be a constant instead: pass the value in place of the VarID.
+/// To make a variable a constant, pass the value in place of the VarID.
 #pragma once
 
 #include "slom/measurements/bearing.hpp"

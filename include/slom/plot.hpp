@@ -1,4 +1,4 @@
-/// Pictures of fits, as SVG: data with the fitted curve, and residuals.
+/// Pictures of fits as SVG: data with the fitted curve, and residuals.
 ///
 ///     const auto decay = [](const auto& a, const auto& rate, double t) { return a * exp(-rate * t); };
 ///     ...                                                               // insert, measure, optimize
@@ -17,34 +17,37 @@ namespace slom {
 
 /// A picture.
 struct Plot {
-  std::string svg;  ///< the file's text; browsers show it, and Markdown and HTML include it
+  std::string svg;  ///< text of the SVG file; browsers show it, Markdown and HTML include it
 
-  /// Writes it. Throws [slom.cannot-write] where that fails.
+  /// Writes the file. Throws [slom.cannot-write].
   void save(const std::string& file) const;
 };
 
-/// What is written at a plot of data.
+/// Title and axis labels of a plot of data.
 struct PlotText {
   std::string title = "", x = "x", y = "y";
 };
 
-/// A point of a curve, with the standard deviation that the fit leaves it.
+/// A point of a curve with its standard deviation from the fit.
 struct CurvePoint {
   double y = 0, standard_deviation = 0;
 };
 
 namespace detail {
-/// What stated standard deviations are multiplied by: 1, or with Sigma::estimated what the residuals show.
+/// Returns the factor of the stated standard deviations: 1, or with Sigma::estimated the factor that the residuals
+/// show.
 double sigmaFactor(const Estimator& est);
-/// `sigma`: one for each y, or one for all; none: no bars, and residuals in units of y.
+/// Draws data and curve. `sigma` has one number for each y, or one for all. If `sigma` is empty, there are no bars, and
+/// the residuals are in units of y.
 Plot plotData(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& sigma,
               const std::function<CurvePoint(double)>& curve, const PlotText& text);
 }  // namespace detail
 
-/// Data y at x with their standard deviations, the curve f(variables, x) with the band that holds it with 95 % at each x, and below the
-/// residuals y - f. `sigma` has one number for each y, or one for all, or none; with Sigma::estimated the bars are as
-/// the residuals show. f returns a number for values as measurement functions get them and
-/// a double; its derivatives are found as those of measurements are, by differences for a function of doubles. Throws [slom.bad-plot] for other numbers of them and for data that are not finite, and what covariance throws.
+/// Draws data y at x with their standard deviations, the curve f(variables, x) with its 95 % band at each x, and below
+/// the residuals y - f. `sigma` has one number for each y, or one for all, or none. With Sigma::estimated, the bars are
+/// scaled as the residuals show. f takes the values, as measurement functions get them, and a double, and returns a
+/// number. Its derivatives are found as for measurements, by differences for a function of doubles. Throws
+/// [slom.bad-plot] for vectors of other lengths and for data that are not finite, and as covariance does.
 template <class F, class... T>
 Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<double>& y,
           const std::vector<double>& sigma, const F& f, const VarID<T>&... ids) {
@@ -74,7 +77,7 @@ Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>&
   for (double& bar : bars) bar *= factor;
   return detail::plotData(x, y, bars, point, text);
 }
-/// The same with one standard deviation for all data, and without a text.
+/// Draws data that have one common standard deviation, with or without a text.
 template <class F, class... T>
 Plot plot(const Estimator& est, const PlotText& text, const std::vector<double>& x,
           const std::vector<double>& y, double sigma, const F& f, const VarID<T>&... ids) {
@@ -86,8 +89,9 @@ Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<
   return plot(est, PlotText{}, x, y, std::vector<double>{sigma}, f, ids...);
 }
 
-/// The residuals of all measurements in units of their standard deviations: a panel for each label or type, in the order of insertion, with the
-/// band that holds 95 % of good ones; suspects of Estimator::outliers() by name. Without covariances, as at a free gauge, no suspects are marked.
+/// Draws the residuals of all measurements in units of their standard deviations. Each label or type has a panel, in
+/// the order of insertion, with the band that contains 95 % of good residuals. Suspects of Estimator::outliers() are
+/// marked by name. Without covariances, as with a free gauge, no suspects are marked.
 Plot plotResiduals(const Estimator& est);
 
 }  // namespace slom

@@ -1,13 +1,14 @@
-/// The posterior of some variables, without the measurements that it comes from: the place to try measurements that have not been
-/// made yet.
+/// The posterior of some variables without the measurements that it comes from. It shows what measurements would bring
+/// before they are made.
 ///
 ///     auto [what_if, ids] = slom::posterior(est, tower, oak);
 ///     const auto [t, o] = ids;
 ///     what_if.insertMeasurement(slom::Range(), t, o, slom::measured((*t - *o).norm()), slom::StandardDeviation(0.01));
 ///     std::cout << est.standardDeviation(tower).transpose() << " would become " << what_if.standardDeviation(t).transpose();
 ///
-/// Only functions, values and noise of such measurements matter, not their data; pass what the function predicts. They may bring
-/// variables of their own, such as the pose of a further photograph, which count as unknown unless there is a prior.
+/// Only functions, values and noise of such measurements matter, not their data; as data, pass what the function
+/// predicts. The measurements may bring variables of their own, such as the pose of a further photograph. These count
+/// as unknown unless they have a prior.
 #pragma once
 
 #include <tuple>
@@ -20,7 +21,8 @@
 
 namespace slom {
 
-/// An estimator of copies of variables; a GaussianPrior with their joint covariance stands for all that is known of them.
+/// An estimator with copies of variables. A GaussianPrior with their joint covariance stands for all that is known of
+/// them.
 template <class... T>
 struct Posterior {
   Estimator estimator;
@@ -28,17 +30,17 @@ struct Posterior {
 };
 
 namespace detail {
-/// Writes R (n x n, column-major) with R^T R = C^-1, 0 in the rows and columns of components with variance 0.
+/// Writes R (n x n, column-major) with R^T R = C^-1; rows and columns of components with variance 0 are 0.
 void writeSquareRootInformation(const double* C, int n, double* R);
 double halfLogOfDeterminants(const double* before, const double* after, int n);
 [[noreturn]] void raiseOtherSizes(Eigen::Index before, Eigen::Index after);
 }  // namespace detail
 
-/// Components that are fixed in `est` are fixed. Throws what Estimator::covariance throws, and [slom.singular-covariance] where a
-/// combination of the variables is certain.
+/// Returns the posterior of the variables. Components that are fixed in `est` are fixed. Throws as
+/// Estimator::covariance does, and [slom.singular-covariance] if a combination of the variables has variance 0.
 template <class... T>
 Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
-  static_assert(sizeof...(T) > 0, "slom: posterior takes the variables that it is about after the estimator");
+  static_assert(sizeof...(T) > 0, "slom: pass the variables of the posterior after the estimator");
   const Eigen::MatrixXd C = est.jointCovariance(ids...);
   Eigen::MatrixXd R(C.rows(), C.cols());
   detail::writeSquareRootInformation(C.data(), static_cast<int>(C.rows()), R.data());
@@ -62,10 +64,10 @@ Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
   return result;
 }
 
-/// The information that measurements bring about variables whose covariance was `before` and is `after`: half the logarithm of the ratio of the
-/// determinants [nats]; components with variance 0 in both do not count. Where no single direction matters more than others, the measurements with
-/// the largest gain are the best ones (D-optimality). Throws [slom.singular-covariance], or [slom.other-sizes] for matrices that are not of
-/// one size.
+/// Returns the information that measurements bring about variables whose covariance changes from `before` to `after`:
+/// half the logarithm of the ratio of the determinants [nats]. Components with variance 0 in both matrices do not
+/// count. If no single direction matters more than others, the measurements with the largest gain are the best ones
+/// (D-optimality). Throws [slom.singular-covariance], and [slom.other-sizes] if the matrices differ in size.
 ///   source   Lindley, "On a measure of the information provided by an experiment", 1956
 inline double informationGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
   if (before.rows() != after.rows() || before.cols() != after.cols() || before.rows() != before.cols())

@@ -1,4 +1,5 @@
-/// A problem that an archive has loaded, and how an archive writes and reads each type; see slom/archive.hpp.
+/// StoredProblem: a problem loaded from an archive; and how an archive writes and reads each type. See
+/// slom/archive.hpp.
 #pragma once
 
 #include <iosfwd>
@@ -12,17 +13,17 @@ namespace slom {
 
 class ArchiveReader;
 
-/// A problem that was loaded.
+/// A loaded problem.
 class StoredProblem {
  public:
   Estimator estimator;
 
-  /// The first variable of this name. Throws [slom.no-variable], also when it is of another type.
+  /// Returns the first variable of this name. Throws [slom.no-variable] if there is none or if it has another type.
   template <class T>
   VarID<T> variable(const std::string& name) const {
     return VarID<T>(handle(name, typeid(VariableStore<T>), &typeName<T>));
   }
-  /// All variables of a type, in the order of their insertion.
+  /// Returns all variables of a type, in the order of insertion.
   template <class T>
   std::vector<VarID<T>> variables() const {
     std::vector<VarID<T>> ids;
@@ -44,44 +45,46 @@ class StoredProblem {
   void sortNames();
 
   std::vector<Entry> entries_;
-  std::vector<int> by_name_;  // numbers of entries, those of the same name in the order of insertion
+  std::vector<int> by_name_;  // numbers of entries, sorted by name; equal names in the order of insertion
 };
 
 namespace detail {
 
-/// How variables of one type are written and read.
+/// Functions that write and read variables of one type.
 struct StoredVariable {
   std::string name;
   std::type_index type;  ///< type of their store
   void (*write)(std::ostream&, const void* value);
-  /// Whether the stream has a value, which is inserted unless there is no problem.
+  /// Reads a value and returns whether the stream has one. Inserts the value if there is a problem.
   bool (*read)(std::istream&, Problem*, bool optimize, const std::string& name, VariableHandle& id);
-  /// Whether the stream has a value, with which take(context, value, its degrees of freedom) is called.
+  /// Reads a value and returns whether the stream has one. Calls take(context, value, its degrees of freedom).
   bool (*read_value)(std::istream&, void* context, void (*take)(void*, const void*, int));
 };
 
-/// The variables of a measurement that is written or read.
+/// The variables of a measurement to be written or read.
 struct StoredArguments {
   const VariableHandle* handles = nullptr;       ///< null while a text is checked
-  const StoredVariable* const* kinds = nullptr;  ///< only for measurements over a list of variables
+  const StoredVariable* const* kinds = nullptr;  ///< set only for measurements over a list of variables
   int count = 0;
 };
 
-/// What stands beside the data of a measurement.
+/// The options of a measurement, stored beside its data.
 struct StoredOptions {
   NoiseView noise;
   std::string label;
   Loss loss;
 };
 
-/// How measurements of one type are written and read.
+/// Functions that write and read measurements of one type.
 struct StoredMeasurement {
   std::string name;
   std::type_index type;
   std::vector<std::type_index> variables;  ///< their stores
-  bool is_list;                            ///< any number of variables of any types in place of these
+  /// If true, the measurement takes any number of variables of any types instead of `variables`.
+  bool is_list;
   void (*write)(std::ostream&, const StoredArguments&, const MeasurementPool&, int i);
-  /// Whether the stream has data, of which a measurement is made unless there is no problem.
+  /// Reads the data of a measurement and returns whether the stream has them. Inserts the measurement if there is a
+  /// problem.
   bool (*read)(std::istream&, Problem*, const StoredArguments&, const StoredOptions&);
 };
 
@@ -92,14 +95,14 @@ inline constexpr bool begins_with_list<std::vector<AnyVarID>, Data...> = true;
 
 }  // namespace detail
 
-/// How GaussianPriors are written and read.
+/// Functions that write and read GaussianPriors.
 class StoredPrior {
  public:
-  /// The name of the kind in archives.
+  /// Returns the name of the kind in archives.
   static std::string name() { return "GaussianPrior"; }
   /// Writes prior i of the pool.
   static void write(std::ostream&, const detail::StoredArguments&, const MeasurementPool&, int i);
-  /// Whether the stream has a prior, which is inserted unless there is no problem.
+  /// Reads a prior and returns whether the stream has one. Inserts the prior if there is a problem.
   static bool read(std::istream&, Problem*, const detail::StoredArguments&, const detail::StoredOptions&);
 };
 

@@ -1,5 +1,6 @@
-/// The version of the library. Versions are semantic (semver.org): programs for one version compile with later ones that have the
-/// same major number or, while that is 0, the same minor number. CHANGELOG.md says what an upgrade breaks.
+/// The version of the library. Versions are semantic (semver.org). A program for one version compiles with later
+/// versions of the same major number or, while the major number is 0, of the same minor number. CHANGELOG.md lists what
+/// an upgrade breaks.
 #pragma once
 
 // The build takes the project's version from these lines.

@@ -1,4 +1,4 @@
-// expect: mtk: this struct has a member T\[N\], which is not a manifold: take std::array<T, N> or, for numbers, mtk::vect<N>
+// expect: mtk: this struct has a member T\[N\], which is not a manifold: use std::array<T, N> or, for numbers, mtk::vect<N>
 #include <slom/slom.hpp>
 
 struct Camera {

@@ -1,4 +1,4 @@
-// expect: mtk: arrays T\[N\] and pointers are not manifolds: take std::array<T, N> or, for numbers, mtk::vect<N>
+// expect: mtk: arrays T\[N\] and pointers are not manifolds: use std::array<T, N> or, for numbers, mtk::vect<N>
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est) {

@@ -1,4 +1,4 @@
-// expect: mtk: `component_names` has one name for each degree of freedom
+// expect: mtk: `component_names` must have one name for each degree of freedom
 #include <array>
 #include <string_view>
 

@@ -1,4 +1,4 @@
-// expect: slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries that are gone; return its value, as eval of Eigen gives it, or give the function a return type
+// expect: slom: the measurement function returns an unevaluated Eigen expression, which may refer to destroyed temporaries; return its value by .eval\(\), or give the function a return type
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<Eigen::Vector2d> x) {

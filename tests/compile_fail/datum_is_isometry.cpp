@@ -1,4 +1,4 @@
-// expect: mtk: Eigen's transforms are not manifolds: take mtk::trafo<mtk::SO3<>>\(mtk::SO3<>\(T.linear\(\)\), T.translation\(\)\) for an Eigen::Isometry3d, mtk::SO2<> for one in the plane
+// expect: mtk: Eigen's transforms are not manifolds: use mtk::trafo<mtk::SO3<>>\(mtk::SO3<>\(T.linear\(\)\), T.translation\(\)\) for an Eigen::Isometry3d, and mtk::SO2<> in the plane
 #include <Eigen/Geometry>
 
 #include <slom/slom.hpp>

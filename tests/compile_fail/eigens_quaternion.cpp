@@ -1,4 +1,4 @@
-// expect: mtk: Eigen's rotations are not manifolds: take mtk::SO3<>\(q\) for an Eigen::Quaterniond or Eigen::AngleAxisd, mtk::SO2<>\(r.angle\(\)\) for an Eigen::Rotation2Dd
+// expect: mtk: Eigen's rotations are not manifolds: use mtk::SO3<>\(q\) for an Eigen::Quaterniond or Eigen::AngleAxisd, mtk::SO2<>\(r.angle\(\)\) for an Eigen::Rotation2Dd
 #include <Eigen/Geometry>
 
 #include <slom/slom.hpp>

@@ -1,4 +1,4 @@
-// expect: slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which round the residual so that it has no derivatives
+// expect: slom: the datum of slom::measured must consist of doubles; this one consists of float, integers or other numbers, which round the residual so that it has no derivatives
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<mtk::vect<2>> x) {

@@ -1,4 +1,4 @@
-// expect: slom: the measurement function takes fewer data than it gets: mark the datum that it predicts by slom::measured\(z\), and write an uncertainty as slom::StandardDeviation\(s\) or slom::Covariance\(c\)
+// expect: slom: the measurement function has too few parameters for its data: mark the datum that it predicts by slom::measured\(z\), and write an uncertainty as slom::StandardDeviation\(s\) or slom::Covariance\(c\)
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x) {

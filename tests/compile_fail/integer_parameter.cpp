@@ -1,4 +1,4 @@
-// expect: slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds its value so that there are no derivatives: declare it as double or const auto&
+// expect: slom: a parameter of the measurement function is float, an integer or bool, but the variable is a double; rounding its value removes the derivatives: declare the parameter as double or const auto&
 #include <slom/slom.hpp>
 
 double doubled(int x) { return 2.0 * x; }

@@ -1,4 +1,4 @@
-// expect: slom: all variables of a measurement over a list are in the list: put this VarID into it
+// expect: slom: a measurement over a list takes its variables only from the list: put this VarID into the list
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x, slom::VarID<double> y) {

@@ -1,4 +1,4 @@
-// expect: slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or write `const` after the parameters of operator
+// expect: slom: the measurement function must be const, because several threads call it at once: remove `mutable`, or write `const` after the parameters of operator
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x) {

@@ -1,4 +1,4 @@
-// expect: slom: the measurement function does not take the last argument, which is taken for data: write an uncertainty as slom::StandardDeviation\(s\) or slom::Covariance\(c\)
+// expect: slom: the measurement function does not accept the last argument, which counts as data: write an uncertainty as slom::StandardDeviation\(s\) or slom::Covariance\(c\)
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x) {

@@ -1,4 +1,4 @@
-// expect: slom: what follows the measurement says how uncertain it is \(Covariance, StandardDeviation, InvCovariance or InvStandardDeviation\), which loss it has \(Huber, ...\) or how it is called
+// expect: slom: an argument after the measurement must be its uncertainty \(Covariance, StandardDeviation, InvCovariance or InvStandardDeviation\), its loss \(Huber, ...\), its label \(slom::named\) or a group \(slom::group\)
 #include <slom/slom.hpp>
 
 SLOM_BUILD_MEASUREMENT(Prior, 1, ((double, x)), ((double, z)))

@@ -1,4 +1,4 @@
-// expect: slom: posterior takes the variables that it is about after the estimator
+// expect: slom: pass the variables of the posterior after the estimator
 #include <slom/posterior.hpp>
 
 void f(const slom::Estimator& est, slom::VarID<double> x) {

@@ -1,4 +1,4 @@
-// expect: slom: of the kinds that are classes over a list of variables, only slom::GaussianPrior can be saved, and without further types
+// expect: slom: among classes over a list of variables, only slom::GaussianPrior can be saved; register it without further types
 #include <slom/archive.hpp>
 
 void f(slom::Archive& archive) {

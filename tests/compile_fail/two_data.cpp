@@ -1,4 +1,4 @@
-// expect: slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are
+// expect: slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others without it
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x) {

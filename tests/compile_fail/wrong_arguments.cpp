@@ -1,4 +1,4 @@
-// expect: slom: argument 1 of the measurement function is not of the type that it takes
+// expect: slom: argument 1 of the measurement function does not convert to the type of its parameter
 #include <slom/slom.hpp>
 
 double residual(const mtk::vect<2>& x, double z) { return x[0] - z; }

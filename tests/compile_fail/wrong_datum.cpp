@@ -1,4 +1,4 @@
-// expect: slom: argument 2 of the measurement function is not of the type that it takes
+// expect: slom: argument 2 of the measurement function does not convert to the type of its parameter
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<mtk::vect<2>> x) {

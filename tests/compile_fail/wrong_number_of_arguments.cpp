@@ -1,4 +1,4 @@
-// expect: slom: the measurement function takes another number of arguments: it gets one for each VarID and each datum, none for noise, loss, name and slom::measured
+// expect: slom: the measurement function has the wrong number of parameters: it gets one argument for each VarID and each datum, none for noise, loss, name and slom::measured
 #include <slom/slom.hpp>
 
 double residual(const mtk::vect<2>& x, double z) { return x[0] - z; }

@@ -1,4 +1,4 @@
-/// Members of a plain aggregate: how many, references to them and, where the compiler reports them, their names.
+/// Members of a plain aggregate: their number, references to them and, if the compiler reports them, their names.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace mtk::detail {
 
 inline constexpr std::size_t kMaxAggregateMembers = 20;
 
-/// Converts to anything but T itself and its bases, so that `T{AnyMember<T>{}, ...}` counts members.
+/// A type that converts to anything except T and its bases, so that `T{AnyMember<T>{}, ...}` counts members.
 template <class T>
 struct AnyMember {
   template <class U>
@@ -27,7 +27,7 @@ constexpr bool bracesAccept(std::index_sequence<I...>) {
   return requires { T{(static_cast<void>(I), AnyMember<T>{})...}; };
 }
 
-/// Number of members of the aggregate T (0: empty, or not to be decomposed).
+/// Returns the number of members of the aggregate T; 0 if T is empty or cannot be decomposed.
 template <class T, std::size_t N = kMaxAggregateMembers>
 constexpr std::size_t memberCount() {
   if constexpr (N == 0) {
@@ -39,14 +39,15 @@ constexpr std::size_t memberCount() {
   }
 }
 
-/// Whether T{Before members, {}, Behind members} compiles.
+/// Returns whether T{Before members, {}, Behind members} compiles.
 template <class T, std::size_t... Before, std::size_t... Behind>
 constexpr bool emptyBracesFit(std::index_sequence<Before...>, std::index_sequence<Behind...>) {
   return requires {
     T{(static_cast<void>(Before), AnyMember<T>{})..., {}, (static_cast<void>(Behind), AnyMember<T>{})...};
   };
 }
-/// Whether a member of the aggregate is an array T[N], N > 1, whose entries count as members: empty braces take the place of all of them.
+/// Returns whether the aggregate has an array member T[N], N > 1. The entries of such an array count as members, and
+/// one pair of empty braces initialises all of them.
 template <class T>
 constexpr bool hasArrayMember() {
   constexpr std::size_t n = memberCount<T>();
@@ -57,7 +58,7 @@ constexpr bool hasArrayMember() {
   }(std::make_index_sequence<n>{});
 }
 
-/// References to the members of `x`, in order of declaration. T may be const.
+/// Returns references to the members of `x`, in order of declaration. T may be const.
 template <class T>
 constexpr auto tieMembers(T& x) {
   constexpr std::size_t n = memberCount<std::remove_const_t<T>>();
@@ -94,7 +95,7 @@ constexpr auto tieMembers(T& x) {
 template <class T>
 using MemberTuple = decltype(tieMembers(std::declval<T&>()));
 
-// Names: a compiler that prints the address of a subobject of an external object prints the member's name.
+// Names of members. Some compilers print the address of a subobject of an external object with the member's name.
 #if defined(__GNUC__) && !defined(__clang__)
 #define MTK_HAS_MEMBER_NAMES 1
 #else
@@ -124,7 +125,7 @@ constexpr std::string_view addressName() {
 }
 #endif
 
-/// Names of the members of the aggregate T; "0", "1", ... with compilers that do not report them.
+/// Returns the names of the members of the aggregate T; "0", "1", ... with compilers that do not report them.
 template <class T>
 constexpr auto memberNames() {
   return []<std::size_t... I>(std::index_sequence<I...>) {

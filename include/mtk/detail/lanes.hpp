@@ -8,8 +8,8 @@
 
 #include "mtk/detail/cpp20.hpp"
 
-/// The statement for i = 0, ..., count - 1, written out. There are at most two in packs and most dual numbers, whose operations are done this way:
-/// they are thousands in a measurement function, and compilers take long over as many loops or functions.
+/// Repeats the statement for i = 0, ..., count - 1, written out. Packs and most dual numbers have at most two vectors.
+/// A measurement function has thousands of such operations, and compilers take long over as many loops or functions.
 #define MTK_EACH_VECTOR(count, i, statement)                       \
   do {                                                             \
     if constexpr ((count) <= 2) {                                  \
@@ -28,10 +28,10 @@
 
 namespace mtk::detail {
 
-/// f(First), ..., f(First + N - 1), written out: arrays whose indices are constants can live in registers.
+/// Calls f(First), ..., f(First + N - 1), written out: arrays with constant indices can stay in registers.
 template <int N, int First = 0, class F>
 void unrolled(const F& f) {
-  if constexpr (N <= 3) {  // most are; without another function
+  if constexpr (N <= 3) {  // the most frequent sizes, without another function
     if constexpr (N > 0) f(First);
     if constexpr (N > 1) f(First + 1);
     if constexpr (N > 2) f(First + 2);
@@ -44,7 +44,8 @@ void unrolled(const F& f) {
   }
 }
 
-/// f(i) for the entries of a vector of `size`, known to the type as Size; written out unless they are many.
+/// Calls f(i) for the entries of a vector of `size`; Size is the size in the type. Written out unless there are many
+/// entries.
 template <int Size, class F>
 void forEachEntry(Eigen::Index size, const F& f) {
   if constexpr (Size > 0 && Size <= 16) {
@@ -54,7 +55,7 @@ void forEachEntry(Eigen::Index size, const F& f) {
   }
 }
 
-/// `count` vectors of `lanes` numbers hold N numbers of type S; what is left over in the last one is zero.
+/// The layout of N numbers of type S: `count` vectors of `lanes` numbers. Unused lanes of the last vector are 0.
 template <class S, int N>
 struct LaneLayout {
   using Vector = S;
@@ -66,7 +67,7 @@ struct LaneLayout {
 #define MTK_HAS_VECTORS 1
 inline constexpr int kNativeLanes = EIGEN_MAX_STATIC_ALIGN_BYTES / 8;
 
-/// The narrowest registers that hold N numbers at once, or the widest there are.
+/// Returns the lanes of the narrowest registers that hold n numbers at once, or else of the widest registers.
 constexpr int lanesFor(int n) {
   int lanes = 2;
   while (lanes < kNativeLanes && lanes < n) lanes *= 2;
@@ -87,7 +88,7 @@ struct LaneLayout<double, N> {
 inline constexpr int kNativeLanes = 1;
 #endif
 
-/// N numbers as an array of vectors. Elementwise work is a loop over `v`.
+/// N numbers as an array of vectors. An elementwise operation is a loop over `v`.
 template <class S, int N>
 struct Lanes {
   using Vector = typename LaneLayout<S, N>::Vector;
@@ -96,7 +97,7 @@ struct Lanes {
 
   Vector v[std::size_t{count}];
 
-  // Copied one by one, which lets the compiler keep them in registers; of whole arrays it makes calls of memcpy.
+  // Vectors are copied one by one, so the compiler keeps them in registers; for whole arrays it calls memcpy.
   Lanes() = default;
   Lanes(const Lanes& x) { MTK_EACH_VECTOR(count, i, v[i] = x.v[i]); }
   Lanes& operator=(const Lanes& x) {
@@ -109,7 +110,7 @@ struct Lanes {
     MTK_EACH_VECTOR(count, i, x.v[i] = Vector{});
     return x;
   }
-  /// number(i) for i = 0 ... N - 1, put together in registers.
+  /// Returns number(i) for i = 0 ... N - 1, assembled in registers.
   template <class F>
   static Lanes generate(const F& number) {
     Lanes x;

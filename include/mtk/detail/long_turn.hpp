@@ -1,4 +1,4 @@
-/// Turns so long that their squares overflow.
+/// Rotation vectors so long that their squares overflow.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,8 @@
 
 namespace mtk::detail {
 
-/// Longest turn about an axis [rad] whose square is a number; longer ones are shortened to it. Their sines are rounding errors anyway.
+/// Longest rotation vector [rad] whose square is finite. Longer ones are shortened to it; their sines are rounding
+/// errors anyway.
 template <class S>
 inline constexpr built_in_t<S> kLongestTurn = std::numeric_limits<built_in_t<S>>::max_exponent > 200
                                                   ? built_in_t<S>(1e150)

@@ -1,5 +1,5 @@
-/// Variables over another number type, made part by part: values lifted to it, seeded with derivatives by their degrees of freedom, or
-/// gathered from several measurements into packs.
+/// Variables over another number type, made part by part. Values are lifted to that type, seeded with derivatives by
+/// their degrees of freedom, or gathered from several measurements into packs.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ concept Compound = NamedCompound<M> || AggregateOfManifolds<M>;
 template <class T>
 concept StdArray = is_std_array<T>;
 
-/// References to the members of a compound.
+/// Returns references to the members of a compound.
 template <class M>
 auto membersOf(M& x) {
   if constexpr (NamedCompound<std::remove_const_t<M>>) {
@@ -59,7 +59,7 @@ void forEachBasicPart(Y& y, const X& x, int offset, const F& f) {
   }
 }
 
-/// y := x for a basic part over a type that loses nothing.
+/// Sets y := x for a basic part whose type holds x without loss.
 template <class Y, class X>
 void liftPart(Y& y, const X& x) {
   if constexpr (requires { y = Y(x); }) {
@@ -77,7 +77,8 @@ void liftPart(Y& y, const X& x) {
   }
 }
 
-/// y := x, moved by the unknowns `offset` ... of a window of `width` columns; those outside the window stay fixed.
+/// Sets y := x, moved by the unknowns `offset` ... of a window of `width` columns. Degrees of freedom outside the
+/// window stay fixed.
 template <class Y, class X>
 void seedPart(Y& y, const X& x, int offset, int width) {
   const auto column = [&](int i) { return offset + i < width ? offset + i : -1; };
@@ -98,7 +99,7 @@ void seedPart(Y& y, const X& x, int offset, int width) {
     } else {
       state.seed(value, column(0));
     }
-  } else {  // any other: the user's own, by its [+]
+  } else {  // any other type, such as the user's own: by its [+]
     liftPart(y, x);
     PlainVector<scalar_t<Y>, DOF_v<X>> d(dof(x));
     for (int i = 0; i < dof(x); ++i) d[i].seed(0.0, column(i));
@@ -106,8 +107,8 @@ void seedPart(Y& y, const X& x, int offset, int width) {
   }
 }
 
-/// x as a Y whose degrees of freedom are the unknowns offset, offset + 1, ... of a window of `width` columns. Made in place:
-/// nothing is set twice.
+/// Returns x as a Y whose degrees of freedom are the unknowns offset, offset + 1, ... of a window of `width` columns.
+/// Constructs the result in place, so nothing is set twice.
 template <class Y, class X>
 Y seededAs(const X& x, int offset, int width) {
   if constexpr (is_seed_rotation<Y> || requires { Y(x).values(); }) {
@@ -137,7 +138,7 @@ Y seededAs(const X& x, int offset, int width) {
   }
 }
 
-// Written out for each lane.
+// Code written out for each lane.
 template <class X, std::size_t W, std::size_t... Lane>
 std::array<const double*, W> dataOf(const std::array<const X*, W>& x, std::index_sequence<Lane...>) {
   return {stateOf(*x[Lane]).data()...};
@@ -147,7 +148,7 @@ std::array<const P*, W> membersAt(const std::array<const X*, W>& x, std::index_s
   return {&std::get<Member>(membersOf(*x[Lane]))...};
 }
 
-/// The basic part y over packs from one measurement's x per lane.
+/// Fills the basic part y over packs; lane k comes from x[k], one measurement for each lane.
 template <class Y, class X, std::size_t W>
 void gatherPart(Y& y, const std::array<const X*, W>& x) {
   auto& to = stateOf(y);

@@ -1,9 +1,9 @@
-/// What the library knows of a basic manifold besides [+] and [-]: a member MtkState of its class, with
-///   of(x)               the numbers that x is stored as, an Eigen vector or one number
-///   adds                true when [+] adds to these numbers, so that they are as many as degrees of freedom
-///   seed(y, x, column)  y := x, moved by the unknown column(i) in degree of freedom i; where another way is faster than [+]
-///   difference(x, z)    x [-] z, a number or a vector; where x and z may be of different number types
-/// None of it is needed: what has no MtkState is moved and compared by its [+] and [-].
+/// Optional knowledge about a basic manifold besides [+] and [-]: a member MtkState of its class with
+///   of(x)               the numbers that store x, an Eigen vector or one number
+///   adds                true if [+] adds to these numbers; then there are as many as degrees of freedom
+///   seed(y, x, column)  y := x, moved by the unknown column(i) in degree of freedom i; if this is faster than [+]
+///   difference(x, z)    x [-] z, a number or a vector; if x and z may have different number types
+/// Each of these is optional. A type without MtkState is moved and compared by its [+] and [-].
 #pragma once
 
 #include <Eigen/Core>
@@ -54,10 +54,10 @@ using state_t = typename StateOf<T>::type;
 
 template <class T>
 concept HasState = requires(T& x) { state_t<T>::of(x); };
-/// Where its [+] adds to its numbers.
+/// A type whose [+] adds to its numbers.
 template <class T>
 concept AddsToState = HasState<T> && bool(state_t<T>::adds);
-/// Stored as a vector.
+/// A type stored as an Eigen vector.
 template <class T>
 concept EigenState = requires(T& x) { state_t<T>::of(x).size(); };
 

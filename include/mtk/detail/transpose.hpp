@@ -1,4 +1,4 @@
-/// Between arrays of numbers and packs of them: small matrices transposed in registers.
+/// Conversion between arrays of numbers and packs: small matrices transposed in registers.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ template <int Lanes, class V>
 void storeUnaligned(double* x, const V& v) {
   *reinterpret_cast<typename UnalignedVector<Lanes>::type*>(x) = v;
 }
-/// x[0][i], x[0][i + 1], x[2][i], x[2][i + 1], x[4][i], ...
+/// Returns x[0][i], x[0][i + 1], x[2][i], x[2][i + 1], x[4][i], ...
 template <int Lanes>
 typename NativeVector<Lanes>::type loadPairs(const double* const* x, int i) {
   if constexpr (Lanes == 2) {
@@ -39,7 +39,7 @@ typename NativeVector<Lanes>::type loadPairs(const double* const* x, int i) {
     return __builtin_shufflevector(loadPairs<4>(x, i), loadPairs<4>(x + 4, i), 0, 1, 2, 3, 4, 5, 6, 7);
   }
 }
-/// (a0, b0, a2, b2, ...)
+/// Returns (a0, b0, a2, b2, ...).
 template <class V>
 V unpackLow(const V& a, const V& b) {
   if constexpr (sizeof(V) == 16) {
@@ -50,7 +50,7 @@ V unpackLow(const V& a, const V& b) {
     return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
   }
 }
-/// (a1, b1, a3, b3, ...)
+/// Returns (a1, b1, a3, b3, ...).
 template <class V>
 V unpackHigh(const V& a, const V& b) {
   if constexpr (sizeof(V) == 16) {
@@ -61,7 +61,7 @@ V unpackHigh(const V& a, const V& b) {
     return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
   }
 }
-/// Lanes 0, 2, 4, ... of two numbers, t = (a0, b0, a2, b2, ...), to out, out + 2 stride, ...
+/// Stores lanes 0, 2, 4, ... of two numbers, t = (a0, b0, a2, b2, ...), to out, out + 2 stride, ...
 template <class V>
 void storePairs(const V& t, double* out, std::ptrdiff_t stride) {
   if constexpr (sizeof(V) == 16) {
@@ -74,7 +74,7 @@ void storePairs(const V& t, double* out, std::ptrdiff_t stride) {
     storePairs(__builtin_shufflevector(t, t, 4, 5, 6, 7), out + 4 * stride, stride);
   }
 }
-/// The same of four numbers, s and t.
+/// Stores lanes 0, 2, 4, ... of four numbers; s and t hold two each.
 template <class V>
 void storeQuads(const V& s, const V& t, double* out, std::ptrdiff_t stride) {
   if constexpr (sizeof(V) == 16) {
@@ -96,7 +96,7 @@ void storeQuads(const V& s, const V& t, double* out, std::ptrdiff_t stride) {
 inline constexpr bool kCanShuffle = false;
 #endif
 
-/// out[i] := (x[0][i], ..., x[W - 1][i]) for i < N.
+/// Sets out[i] := (x[0][i], ..., x[W - 1][i]) for i < N.
 template <int N, std::size_t W>
 void interleave(const std::array<const double*, W>& x, Lanes<double, static_cast<int>(W)>* out) {
   using Packed = Lanes<double, static_cast<int>(W)>;
@@ -119,7 +119,7 @@ void interleave(const std::array<const double*, W>& x, Lanes<double, static_cast
 }
 
 #if defined(MTK_HAS_SHUFFLES)
-/// One half of a vector of 4 or 8.
+/// Returns one half of a vector of 4 or 8.
 template <bool High, class V>
 auto halfOf(const V& v) {
   constexpr int first = High ? static_cast<int>(sizeof(V) / 16) : 0;
@@ -129,7 +129,7 @@ auto halfOf(const V& v) {
     return __builtin_shufflevector(v, v, first, first + 1, first + 2, first + 3);
   }
 }
-/// out[lane * stride + i] := x(i)[lane] for i < N and the first Count lanes.
+/// Sets out[lane * stride + i] := x(i)[lane] for i < N and the first Count lanes.
 template <int N, int Count, class X>
 void storeLanes(const X& x, double* out, std::ptrdiff_t stride) {
   constexpr int lanes = static_cast<int>(sizeof(x(0)) / sizeof(double)), half = lanes / 2;
@@ -159,7 +159,7 @@ void storeLanes(const X& x, double* out, std::ptrdiff_t stride) {
 }
 #endif
 
-/// out[lane * stride + i] := x[i][lane] for i < N and all W lanes.
+/// Sets out[lane * stride + i] := x[i][lane] for i < N and all W lanes.
 template <int N, int W>
 void deinterleave(const Lanes<double, W>* x, double* out, std::ptrdiff_t stride) {
   constexpr int lanes = Lanes<double, W>::lanes, whole = W / lanes;

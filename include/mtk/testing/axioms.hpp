@@ -1,16 +1,17 @@
-/// A test harness for manifolds, for the types of this library and for yours. It depends on no test framework:
+/// A test harness for manifolds, both of this library and of users. It depends on no test framework:
 ///
 ///     const auto report = mtk::testing::checkAxioms(MyType());
 ///     EXPECT_TRUE(report.ok()) << report.text();
 ///
-/// Checked at many points x, y and tangent vectors d, d1, d2 (Hertzberg et al. 2013, definition 1, and the scale):
+/// checkAxioms checks at many points x, y and tangent vectors d, d1, d2 (Hertzberg et al. 2013, definition 1, and the
+/// scale):
 ///     x [+] 0 = x
-///     x [+] (y [-] x) = y                                   for every y, also where y is as far from x as it can be
+///     x [+] (y [-] x) = y                                   for every y, also for y as far from x as possible
 ///     (x [+] d) [-] x = d                                   for |d| < radius
 ///     |(x [+] d1) [-] (x [+] d2)| <= |d1 - d2|
 ///     boxplus(d, s) = boxplus(s d)
-/// Points are random and reached from the given one by [+]; tangent vectors are random and of the hard lengths: 0,
-/// tiny, just below, at and just above pi. A failing sample is printed with enough digits to repeat it.
+/// Points are random and reached from the given one by [+]. Tangent vectors are random and have hard lengths: 0, tiny,
+/// just below, at and just above pi. A failing sample is printed with enough digits to repeat it.
 #pragma once
 
 #include <cmath>
@@ -25,32 +26,32 @@
 
 namespace mtk::testing {
 
-/// Where and how strictly checkAxioms looks.
+/// Where and how strictly checkAxioms checks.
 struct AxiomOptions {
   unsigned seed = 1;
   int points = 40;  ///< random points x
-  /// (x [+] d) [-] x = d is demanded for |d| < radius: pi for rotations and directions, infinite for vectors. The default
-  /// suits both and every compound of them.
+  /// Limit of the check (x [+] d) [-] x = d, for |d| < radius: pi for rotations and directions, infinite for vectors.
+  /// The default suits both and every compound of them.
   double radius = 3.14159265358979;
   double spread = 2;  ///< standard deviation of the random steps that lead to the points
-  /// Allowed error in units of the scalar's epsilon, times 1 + the size of the numbers involved.
+  /// Allowed error in units of the scalar's epsilon, times (1 + the size of the numbers involved).
   double tolerance = 64;
 };
 
-/// How many checks were made, and which failed.
+/// Number of checks and the failed ones.
 class AxiomReport {
  public:
-  /// Whether no check failed.
+  /// Returns whether no check failed.
   bool ok() const { return failures_.empty(); }
-  /// The number of checks, failed ones included.
+  /// Returns the number of checks, including failed ones.
   int checks() const { return checks_; }
-  /// The first failures in words, empty when there are none.
+  /// Returns the first failures in words; empty if there are none.
   std::string text() const {
     std::string all;
     for (const std::string& failure : failures_) all += failure + "\n";
     return all;
   }
-  /// Counts a check. `describe` makes the text when it has failed.
+  /// Counts a check. If it has failed, `describe` makes the text.
   template <class Describe>
   void check(bool good, Describe&& describe) {
     ++checks_;
@@ -120,7 +121,7 @@ class AxiomCheck {
     expectSmall("x [+] (y [-] x) = y", difference(moved(x, way), y), limit, x, d);
     const double length = double(d.norm());
     if (length < options_.radius) {
-      // Where the radius ends the inverse is discontinuous; rounding of y counts for more the nearer it is.
+      // The inverse is discontinuous at the radius, so rounding of y counts more the nearer it is.
       const S nearness = S(1 / (1 - length / options_.radius));
       expectSmall("(x [+] d) [-] x = d", way - d, limit * std::max(S(1), S(nearness * S(0.01))), x, d);
     }
@@ -155,7 +156,7 @@ class AxiomCheck {
 
 }  // namespace detail
 
-/// Checks the axioms at points reached from `start`. Types that stream (operator<<) are printed when they fail.
+/// Checks the axioms at points reached from `start`. Failing values of types with operator<< are printed.
 template <class M>
 AxiomReport checkAxioms(const M& start, const AxiomOptions& options = {}) {
   requireManifold<M>();

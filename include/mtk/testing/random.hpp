@@ -1,5 +1,5 @@
-/// Random numbers for simulated measurements. Equal seeds give equal numbers on every machine, which the distributions of the
-/// standard library do not promise:
+/// Random numbers for simulated measurements. Equal seeds give equal numbers on every machine, unlike the distributions
+/// of the standard library:
 ///
 ///     mtk::testing::Random noise(42, 0);
 ///     const double measured = range + 0.1 * noise.normal();  // standard deviation 0.1
@@ -14,22 +14,22 @@
 
 namespace mtk::testing {
 
-/// Uniform and normal numbers from a 64-bit Mersenne twister, whose output the C++ standard fixes. Equal
-/// seeds give equal numbers with any compiler, but for the last digits of the machine's log and cos.
+/// Uniform and normal numbers from a 64-bit Mersenne twister, whose output the C++ standard fixes. Equal seeds give
+/// equal numbers with any compiler, except for the last digits of the machine's log and cos.
 class Random {
  public:
-  /// Each `stream` is a sequence of its own of the same seed, as for noise of cameras and noise of an IMU: more numbers
-  /// drawn from one leave the others as they were.
+  /// Seeds the generator. Each `stream` is a separate sequence of the same seed, such as one for noise of cameras and
+  /// one for noise of an IMU. Drawing more numbers from one stream does not change the others.
   explicit Random(std::uint64_t seed, std::uint32_t stream = 0) {
     std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), stream};
     engine_.seed(sequence);
   }
 
-  /// Uniform in [0, 1), a multiple of 2^-53.
+  /// Returns a uniform number in [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
-  /// Normal with mean 0 and standard deviation 1.
+  /// Returns a normal number with mean 0 and standard deviation 1.
   ///   source   Box and Muller, "A note on the generation of random normal deviates", 1958
   double normal() {
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));

@@ -2,8 +2,8 @@
 ///   state    v in R^3, |v| = 1 (kept to a few rounding errors)            [1]
 ///   tangent  (a, b): arc along two axes orthogonal to v, DOF = 2          [rad]
 ///   x [+] d  walks |d| along the great circle; injective for |d| < pi
-///   y [-] x  the shortest such d; for y = -x, where all are shortest, (pi, 0), with derivatives along that great circle, so that a fit
-///            which starts there leaves it
+///   y [-] x  the shortest such d; for y = -x, where all are shortest, (pi, 0)
+///            Derivatives there are along that great circle, so a fit that starts there leaves the point.
 ///   source   Hertzberg et al. 2013, appendix A.4; axes: Duff et al., "Building an orthonormal basis,
 ///            revisited", 2017, listing 3
 #pragma once
@@ -27,7 +27,7 @@ class S2 {
 
   /// The direction (1, 0, 0).
   S2() : v_(S(1), S(0), S(0)) {}
-  /// The direction of v, which need not be of length 1.
+  /// Creates the direction of v, which may have any positive length.
   template <class D>
   explicit S2(const Eigen::MatrixBase<D>& v) : v_(v) {
     using std::abs;
@@ -52,14 +52,14 @@ class S2 {
   }
   S2(const S& x, const S& y, const S& z) : S2(Vector(x, y, z)) {}
 
-  /// The unit vector.
+  /// Returns the unit vector.
   const Vector& vector() const { return v_; }
   operator const Vector&() const { return v_; }  // NOLINT(google-explicit-constructor): it is a unit vector
-  /// Its coordinate x; y() and z() likewise.
+  /// Returns the coordinate x.
   const S& x() const { return v_[0]; }
-  /// Its coordinate y.
+  /// Returns the coordinate y.
   const S& y() const { return v_[1]; }
-  /// Its coordinate z.
+  /// Returns the coordinate z.
   const S& z() const { return v_[2]; }
 
   void boxplus(vectview<const S, 2> d, S scale = S(1)) {

@@ -1,5 +1,5 @@
-/// A real number as a variable: converts to and from its scalar, streams as one number.
-///   tangent  x [+] d = x + d; its only component has the name of the variable itself
+/// A real number as a variable. It converts to and from its scalar and streams as one number.
+///   tangent  x [+] d = x + d; the only component has the name of the variable itself
 #pragma once
 
 #include "mtk/dual.hpp"
@@ -15,10 +15,10 @@ class Scalar {
   static constexpr std::array<std::string_view, 1> component_names{""};
 
   Scalar() = default;
-  /// From its number, implicitly.
+  /// Converts a number, implicitly.
   Scalar(const S& value) : value_(value) {}     // NOLINT(google-explicit-constructor): it is that number
   operator const S&() const { return value_; }  // NOLINT(google-explicit-constructor)
-  /// The number.
+  /// Returns the number.
   const S& value() const { return value_; }
 
   Scalar& operator+=(const S& d) { return value_ += d, *this; }
@@ -28,7 +28,7 @@ class Scalar {
 
   void boxplus(vectview<const S, 1> d, S scale = S(1)) { value_ += scale * d[0]; }
   void boxminus(vectview<S, 1> out, const Scalar& y) const { out[0] = value_ - y.value_; }
-  /// Writes |value|, to which step tolerances are relative.
+  /// Writes |value|; step tolerances are relative to it.
   void typicalSizes(vectview<S, 1> out) const { out[0] = value_ < S(0) ? -value_ : value_; }
 
   struct MtkState {
@@ -40,7 +40,7 @@ class Scalar {
   S value_ = S(0);
 };
 
-/// Among dual numbers: such a number, so that formulas find its operators.
+/// A Scalar over dual numbers. It is itself such a number, so that formulas find its operators.
 template <class S, std::uint64_t C>
 class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
  public:
@@ -48,9 +48,9 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   static constexpr int DOF = 1;
 
   Scalar() = default;
-  /// From the dual number that it is.
+  /// Converts a dual number, implicitly.
   Scalar(const scalar& x) : scalar(x) {}  // NOLINT(google-explicit-constructor): it is that number
-  /// The dual number.
+  /// Returns the dual number.
   const scalar& value() const { return *this; }
 
   struct MtkState {
@@ -64,7 +64,7 @@ class Scalar<SparseDual<S, C>> : public SparseDual<S, C> {
   void boxminus(vectview<scalar, 1> out, const Scalar& y) const { out[0] = value() - y.value(); }
 };
 
-// Scalars times vectors, which have no conversion to look for.
+// Products of vectors with a Scalar. Vector templates look for no conversions, so they need their own operators.
 template <int N, class S, class T>
 auto operator*(const vect<N, S>& v, const Scalar<T>& factor) {
   return v * static_cast<const T&>(factor);

@@ -1,5 +1,5 @@
-/// Unknowns: vectors and rotations whose derivatives are the identity, which their types say, so that products with it cost
-/// nothing. What cannot make use of that sees vectors and rotations of dual numbers.
+/// Unknowns: vectors and rotations whose derivatives are the identity. Their types say so, so products with the
+/// identity cost nothing. Other code sees them as vectors and rotations of dual numbers.
 ///   source   Sola, Deray, Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, appendix B
 #pragma once
 
@@ -13,7 +13,7 @@ namespace mtk {
 
 namespace detail {
 
-/// Entry i is values[i], the unknown of column Offset + i.
+/// The entries of a vector of unknowns: entry i is values[i], the unknown of column Offset + i.
 template <int N, class S, int Offset>
 struct SeedEntries {
   using Entry = SparseDual<S, lowColumns(N) << Offset>;
@@ -26,7 +26,7 @@ struct SeedEntries {
   }
 };
 
-/// N unknowns, which cannot be changed. Taken apart by a structured binding, each entry depends on itself alone.
+/// A constant vector of N unknowns. A structured binding gives entries that each depend on one unknown only.
 template <int N, class S, int Offset>
 class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>,
                                                 PlainVector<typename SeedEntries<N, S, Offset>::Entry, N>> {
@@ -49,14 +49,14 @@ class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>,
     entry.seed(values()[static_cast<Eigen::Index>(I)], Offset + static_cast<int>(I));
     return entry;
   }
-  /// A view of the entries, which are written to memory when one is asked for.
+  /// Returns a view of the entries, which are written to memory when the view is requested.
   operator vectview<const scalar, N>() const {  // NOLINT(google-explicit-constructor): as other vectors
     for (int i = 0; i < N; ++i) memory_.entries[i] = (*this)[i];
     return vectview<const scalar, N>(memory_.entries.data());
   }
 
  private:
-  /// Copies of the vector have their own.
+  /// Memory of the entries. Each copy of the vector has its own.
   struct Memory {
     vect<N, scalar> entries{Uninitialized()};
     Memory() = default;
@@ -65,15 +65,15 @@ class SeedVector : public Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>,
   };
   mutable Memory memory_;
 };
-/// Stands for the number type of a vector of unknowns: class templates over their number type that derive from
-/// vect<N, S> become such vectors with it.
+/// A stand-in for the number type of a vector of unknowns. With it, class templates over their number type that derive
+/// from vect<N, S> become such vectors.
 template <class S, int Offset>
 struct SeparateUnknowns {};
 
 template <int N, class S, int Offset, class V>
 inline constexpr bool is_seed_vector<Eigen::CwiseNullaryOp<SeedEntries<N, S, Offset>, V>> = true;
 
-/// The rows of M, as derivatives by three unknowns.
+/// Returns the rows of M as derivatives with respect to three unknowns.
 template <std::uint64_t C, class S>
 RowPartials<S, C> rowsOf(const Matrix3<S>& M) {
   static_assert(countColumns(C) == 3);
@@ -83,7 +83,7 @@ RowPartials<S, C> rowsOf(const Matrix3<S>& M) {
   });
   return rows;
 }
-/// [v]x
+/// Returns [v]x.
 template <class S>
 Matrix3<S> crossMatrix(const vect<3, S>& v) {
   const S zero(0.0);
@@ -93,7 +93,7 @@ Matrix3<S> crossMatrix(const vect<3, S>& v) {
       -v[1], v[0], zero;
   return M;
 }
-/// -M [p]x
+/// Returns -M [p]x.
 template <class S>
 Matrix3<S> minusTimesCross(const Matrix3<S>& M, const vect<3, S>& p) {
   Matrix3<S> result;
@@ -108,7 +108,7 @@ Matrix3<S> minusTimesCross(const Matrix3<S>& M, const vect<3, S>& p) {
 template <class S, std::uint64_t C>
 class InverseSeedRotation;
 
-/// A rotation that is unknown: R exp(e) for the unknowns e of the three columns C.
+/// An unknown rotation: R exp(e) for the unknowns e of the three columns C.
 template <class S, std::uint64_t C>
 class SeedRotation : public SO3<SparseDual<S, C>> {
  public:
@@ -116,17 +116,17 @@ class SeedRotation : public SO3<SparseDual<S, C>> {
   SeedRotation() : SeedRotation(SO3<S>()) {}
   explicit SeedRotation(const SO3<S>& R) : Base(R, rowsOf<C>(Matrix3<S>(Matrix3<S>::Identity()))) {}
   InverseSeedRotation<S, C> inverse() const { return InverseSeedRotation<S, C>(this->value().inverse()); }
-  /// d (R p) / d e, where M = R and v = R p.
+  /// Returns d (R p) / d e, for M = R and v = R p.
   static Matrix3<S> derivative(const Matrix3<S>& M, const vect<3, S>& p, const vect<3, S>&) {
     return minusTimesCross<S>(M, p);
   }
-  /// D, where R exp(e) B = R B exp(D e). product: R B.
+  /// Returns D in R exp(e) B = R B exp(D e). product: R B.
   static Matrix3<S> passedOn(const Matrix3<S>& B, const SO3<S>&) { return B.transpose(); }
 
   void boxplus(vectview<const SparseDual<S, C>, 3> d,
                const SparseDual<S, C>& scale = SparseDual<S, C>(1)) = delete;
 };
-/// The inverse of such a rotation: exp(-e) R.
+/// The inverse of a SeedRotation: exp(-e) R.
 template <class S, std::uint64_t C>
 class InverseSeedRotation : public SO3<SparseDual<S, C>> {
  public:
@@ -151,7 +151,7 @@ inline constexpr bool is_seed_rotation<SeedRotation<S, C>> = true;
 template <class S, std::uint64_t C>
 inline constexpr bool is_seed_rotation<InverseSeedRotation<S, C>> = true;
 
-/// The value of a vector of numbers or dual numbers.
+/// Returns the value of a vector of numbers or dual numbers.
 template <class S, class E>
 vect<3, S> pointValue(const Eigen::MatrixBase<E>& p) {
   if constexpr (is_seed_vector<E>) {
@@ -162,7 +162,7 @@ vect<3, S> pointValue(const Eigen::MatrixBase<E>& p) {
     return vect<3, S>(p);
   }
 }
-/// M dp
+/// Returns M dp.
 template <class S, class E>
 auto turnedPartials(const Matrix3<S>& M, const Eigen::MatrixBase<E>& p) {
   constexpr std::uint64_t columns = E::Scalar::columns;

@@ -11,17 +11,18 @@
 namespace mtk {
 
 namespace detail {
-/// Twice pi in two parts: the nearest number and what is missing to it.
+/// 2 pi as a sum of two numbers: the nearest number and the remainder.
 template <class S>
 inline constexpr built_in_t<S> two_pi = built_in_t<S>(6.283185307179586476925286766559005768L);
 template <class S>
 inline constexpr built_in_t<S> two_pi_rest =
     built_in_t<S>(6.283185307179586476925286766559005768L - static_cast<long double>(two_pi<S>));
 
-/// Angles beyond are reduced by the C library's sine and cosine, as products of whole turns lose digits.
+/// Limit beyond which the C library's sine and cosine reduce an angle, because products of whole turns lose digits.
 inline constexpr double kFarAngle = 1e3;
 
-/// The angle in [-pi, pi) that differs from `a`, which lies outside, by whole turns. Not inlined, as every product of rotations would have it.
+/// Returns the angle in [-pi, pi) that differs by whole turns from `a`, which lies outside. Not inlined, to keep the
+/// code out of every product of rotations.
 template <class S>
 [[gnu::noinline]] S wrapOutsideAngle(const S& a) {
   using std::floor;
@@ -32,7 +33,7 @@ template <class S>
   wrapped = select(wrapped >= S(half), S(wrapped - two_pi<S>), wrapped);
   return select(wrapped < S(-half), S(-half), wrapped);
 }
-/// The angle in [-pi, pi) that differs from `a` by whole turns, which have no derivatives.
+/// Returns the angle in [-pi, pi) that differs from `a` by whole turns. The turns have no derivatives.
 template <class S>
 S wrapAngle(const S& a) {
   if constexpr (is_dual<S>) {
@@ -58,8 +59,8 @@ class SO2 {
   SO2() = default;
   /// Rotation by `angle` [rad], counter-clockwise.
   explicit SO2(const S& angle) : angle_(detail::wrapAngle(angle)) {}
-  /// From a rotation matrix, or the nearest rotation to another one. Throws [mtk.no-rotation] where there is none, as for
-  /// reflections and the zero matrix.
+  /// Creates a rotation from a rotation matrix, or the rotation nearest to another matrix. Throws [mtk.no-rotation] if
+  /// there is none, as for reflections and the zero matrix.
   template <class D>
     requires(D::RowsAtCompileTime == 2 && D::ColsAtCompileTime == 2)
   explicit SO2(const Eigen::MatrixBase<D>& R) {
@@ -85,21 +86,21 @@ class SO2 {
     angle_ = detail::wrapAngle(S(atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))));
   }
 
-  /// Rotation by the angle scale * d [rad], counterclockwise.
+  /// Returns the rotation by the angle scale * d [rad], counterclockwise.
   static SO2 exp(vectview<const S, 1> d, S scale = S(1)) { return SO2(scale * d[0]); }
-  /// The angle in [-pi, pi) [rad], whose exponential is R.
+  /// Returns the angle in [-pi, pi) [rad] whose exponential is R.
   static vect<1, S> log(const SO2& R) { return vect<1, S>(R.angle_); }
 
-  /// The angle in [-pi, pi) [rad].
+  /// Returns the angle in [-pi, pi) [rad].
   const S& angle() const { return angle_; }
-  /// 2 x 2: cos, -sin; sin, cos.
+  /// Returns the 2 x 2 matrix: cos, -sin; sin, cos.
   Matrix toRotationMatrix() const {
     const auto [s, c] = sinCos(angle_);
     Matrix R;
     R << c, -s, s, c;
     return R;
   }
-  /// The rotation by the opposite angle.
+  /// Returns the rotation by the opposite angle.
   SO2 inverse() const { return SO2(-angle_); }
   SO2 operator*(const SO2& other) const { return SO2(angle_ + other.angle_); }
   /// Rotates a point or a direction.
@@ -128,7 +129,8 @@ class SO2 {
   S angle_ = S(0);
 };
 
-/// Rotations over different number types, one of which holds the other: constants and dual numbers.
+/// Returns the product of rotations over different number types, one of which holds the other, such as constants and
+/// dual numbers.
 template <class A, class B>
   requires(!std::is_same_v<A, B>)
 SO2<promote_t<A, B>> operator*(const SO2<A>& a, const SO2<B>& b) {

@@ -30,8 +30,8 @@ class SO3 {
 
   /// No rotation.
   SO3() : q_(S(0), S(0), S(0), S(1)) {}
-  /// From quaternion coefficients, normalised; note the order. Throws [mtk.no-rotation] for coefficients whose length is zero or not
-  /// finite, or so far from 1 that its square is.
+  /// Creates a rotation from quaternion coefficients, which are normalised; note the order. Throws [mtk.no-rotation] if
+  /// the length of the coefficients is zero or not finite, or so far from 1 that its square is.
   SO3(const S& w, const S& x, const S& y, const S& z) : q_(x, y, z, w) {
     using Limits = std::numeric_limits<detail::built_in_t<S>>;
     const S square = q_.squaredNorm();
@@ -46,19 +46,21 @@ class SO3 {
     using std::sqrt;
     q_ /= sqrt(square);
   }
-  // Eigen/Core declares the names of Eigen's rotations; a program that has one has included Eigen/Geometry.
+  // Eigen/Core declares the names of Eigen's rotations. A program that has such a rotation includes Eigen/Geometry.
   SO3(const Eigen::Quaternion<S>& q)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(q.w(), q.x(), q.y(), q.z()) {}
   SO3(const Eigen::AngleAxis<S>& a)  // NOLINT(google-explicit-constructor): the same thing
       : SO3(exp(Vector(a.angle() * a.axis()))) {}
-  /// The same rotation in a number type that loses nothing: a constant among packs.
+  /// Converts the rotation to a number type without loss, such as a constant to packs.
   template <class T>
     requires(!std::is_same_v<T, S> && std::is_arithmetic_v<T> && std::is_same_v<promote_t<T, S>, S>)
   SO3(const SO3<T>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : q_(S(R.x()), S(R.y()), S(R.z()), S(R.w())) {}
-  /// From a rotation matrix; one that is orthonormal only roughly gives a rotation near it. Throws [mtk.no-rotation] for others:
-  /// reflections, the zero matrix, columns of other lengths than about 1, numbers that are not finite.
-  ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is not a difference of large numbers
+  /// Creates a rotation from a rotation matrix. A matrix that is only roughly orthonormal gives a rotation near it.
+  /// Throws [mtk.no-rotation] for reflections, the zero matrix, columns whose length is far from 1, and numbers that
+  /// are not finite.
+  ///   source   Shepperd, "Quaternion from rotation matrix", 1978: the largest coefficient is not a difference of large
+  ///            numbers
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3)
   explicit SO3(const Eigen::MatrixBase<D>& matrix) {
@@ -79,7 +81,7 @@ class SO3 {
     q_ /= q_.norm();
   }
 
-  /// Rotation by the angle |scale * d| about the axis d.
+  /// Returns the rotation by the angle |scale * d| about the axis d.
   static SO3 exp(vectview<const S, 3> d, S scale = S(1)) {
     S x = scale * d[0], y = scale * d[1], z = scale * d[2];
     S square = x * x + y * y + z * z;
@@ -104,8 +106,8 @@ class SO3 {
     result.q_ << factor * x, factor * y, factor * z, w;
     return result;
   }
-  /// The same for any expression of Eigen, and for numbers that carry derivatives or are packs: SO3<>::exp(angle * axis.vector()) holds
-  /// in a measurement function, whatever numbers it is called with.
+  /// Returns the exponential of any Eigen expression, also of numbers that carry derivatives or are packs. So
+  /// SO3<>::exp(angle * axis.vector()) compiles in a measurement function for every number type that it is called with.
   template <class D>
     requires(std::is_same_v<promote_t<S, typename D::Scalar>, typename D::Scalar> &&
              !std::is_convertible_v<const D&, vectview<const S, 3>>)
@@ -113,15 +115,15 @@ class SO3 {
     EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(D, 3)
     return SO3<typename D::Scalar>::exp(vect<3, typename D::Scalar>(d));
   }
-  /// The rotation vector with |.| <= pi whose exponential is R.
+  /// Returns the rotation vector with |.| <= pi whose exponential is R.
   static Vector log(const SO3& R) { return logFactor(R) * Vector(R.q_.template head<3>()); }
-  /// The same for a rotation of such numbers.
+  /// Returns the logarithm of a rotation over numbers that carry derivatives or are packs.
   template <class T>
     requires(!std::is_same_v<T, S> && std::is_same_v<promote_t<S, T>, T>)
   static typename SO3<T>::Vector log(const SO3<T>& R) {
     return SO3<T>::log(R);
   }
-  /// log(R) = logFactor(R) * (x, y, z)
+  /// Returns the factor f in log(R) = f * (x, y, z).
   static S logFactor(const SO3& R) {
     const S sign = select(R.w() < S(0), S(-1), S(1));
     const S w = sign * R.w();
@@ -137,20 +139,20 @@ class SO3 {
         });
   }
 
-  /// The real part of the unit quaternion: cosine of half the angle, up to the sign of the quaternion.
+  /// Returns the real part of the unit quaternion: the cosine of half the angle, up to the sign of the quaternion.
   const S& w() const { return q_[3]; }
-  /// Imaginary part of the unit quaternion along x.
+  /// Returns the imaginary part of the unit quaternion along x.
   const S& x() const { return q_[0]; }
-  /// Imaginary part of the unit quaternion along y.
+  /// Returns the imaginary part of the unit quaternion along y.
   const S& y() const { return q_[1]; }
-  /// Imaginary part of the unit quaternion along z.
+  /// Returns the imaginary part of the unit quaternion along z.
   const S& z() const { return q_[2]; }
-  /// (x, y, z, w)
+  /// Returns (x, y, z, w).
   const Coefficients& coeffs() const { return q_; }
-  /// Include Eigen/Geometry before it is used.
+  /// Returns the quaternion. Include Eigen/Geometry to use it.
   Eigen::Quaternion<S> quaternion() const { return Eigen::Quaternion<S>(w(), x(), y(), z()); }
 
-  /// 3 x 3; its columns are the images of the axes.
+  /// Returns the 3 x 3 matrix; its columns are the images of the axes.
   Matrix toRotationMatrix() const {
     const S x2 = x() + x(), y2 = y() + y(), z2 = z() + z();
     const S xx = x() * x2, xy = x() * y2, xz = x() * z2, yy = y() * y2, yz = y() * z2, zz = z() * z2;
@@ -161,7 +163,7 @@ class SO3 {
         xz - wy, yz + wx, S(1) - (xx + yy);
     return R;
   }
-  /// The opposite rotation, R^T.
+  /// Returns the opposite rotation, R^T.
   SO3 inverse() const {
     SO3 result;
     result.q_ << -x(), -y(), -z(), w();
@@ -205,7 +207,7 @@ class SO3 {
   };
 
  private:
-  /// Entries of R^T R may differ by so much from those of the identity.
+  /// Limit for how much entries of R^T R may differ from those of the identity.
   static constexpr double kRough = 0.5;
   static void requireRotation(const Matrix& R) {
     const Vector a = R.col(0), b = R.col(1), c = R.col(2);
@@ -228,7 +230,8 @@ class SO3 {
   /// Squared tangent of the half angle below which two terms of the series are exact.
   static constexpr auto kSeriesLimit = 4 * detail::epsilon<S>;
 
-  /// One Newton step towards |q| = 1; exact to rounding since |q| is 1 but for a few rounding errors.
+  /// Takes one Newton step towards |q| = 1. The result is exact to rounding, because |q| deviates from 1 only by a few
+  /// rounding errors.
   void renormalize() { q_ *= (S(3) - q_.squaredNorm()) / S(2); }
 
   Coefficients q_;

@@ -1,10 +1,10 @@
 /// Rotations with derivatives.
-///   state    a rotation R over plain numbers, and d (3 rows): the true rotation is R exp(d * e) for unknowns moved by
-///            e, to first order
-///   products, inverses, exp and log know their own derivative, a product with a 3x3 matrix, in place of the chain rule
-///   through four coefficients
+///   state    a rotation R over plain numbers, and d (3 rows)
+///            If the unknowns move by e, the rotation is R exp(d * e) to first order.
 ///   source   Sola, Deray, Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, section II.G and
 ///            appendix B; the right Jacobian of SO(3) and its inverse are (143) and (144)
+/// Products, inverses, exp and log compute their derivative as a product with a 3x3 matrix, without the chain rule
+/// through four coefficients.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ using RowPartials = std::array<Partials<S, C>, 3>;
 template <class S>
 using Matrix3 = Eigen::Matrix<S, 3, 3, Eigen::DontAlign>;
 
-/// M d
+/// Returns M d.
 template <class S, class P>
 std::array<P, 3> multiply(const Matrix3<S>& M, const std::array<P, 3>& d) {
   std::array<P, 3> r;
@@ -32,7 +32,7 @@ std::array<P, 3> multiply(const Matrix3<S>& M, const std::array<P, 3>& d) {
   });
   return r;
 }
-/// d x p
+/// Returns d x p.
 template <class S, class P>
 std::array<P, 3> cross(const std::array<P, 3>& d, const vect<3, S>& p) {
   std::array<P, 3> r;
@@ -59,7 +59,7 @@ template <class S, std::uint64_t C>
 vect<3, S> valueOf(const PlainVector<SparseDual<S, C>, 3>& p) {
   return vect<3, S>(p[0].value(), p[1].value(), p[2].value());
 }
-/// The vector with this value and derivatives M d.
+/// Returns the vector with this value and the derivatives M d.
 template <class S, std::uint64_t C>
 vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& M,
                                      const RowPartials<S, C>& d) {
@@ -72,7 +72,7 @@ vect<3, SparseDual<S, C>> dualVector(const vect<3, S>& value, const Matrix3<S>& 
   return result;
 }
 
-/// alpha I + beta v v^T + gamma [v]x
+/// Returns alpha I + beta v v^T + gamma [v]x.
 template <class S>
 Matrix3<S> axialMatrix(const S& alpha, const S& beta, const S& gamma, const vect<3, S>& v) {
   const S bx = beta * v[0], by = beta * v[1], bz = beta * v[2];
@@ -84,12 +84,12 @@ Matrix3<S> axialMatrix(const S& alpha, const S& beta, const S& gamma, const vect
       xz - gy, yz + gx, alpha + bz * v[2];
   return M;
 }
-/// exp(v + e) = exp(v) exp(J e) to first order.
+/// Returns J in exp(v + e) = exp(v) exp(J e), to first order.
 template <class S>
 Matrix3<S> rightJacobian(const vect<3, S>& v) {
   const S square = v.squaredNorm();
   const auto [a, b] = branch(
-      square < S(1e-4),  // of (1 - cos t) / t^2 and (t - sin t) / t^3
+      square < S(1e-4),  // series of (1 - cos t) / t^2 and (t - sin t) / t^3
       [&] {
         return std::array<S, 2>{S(0.5) - square * (S(1.0 / 24) - square / S(720)),
                                 S(1.0L / 6) - square * (S(1.0L / 120) - square / S(5040))};
@@ -103,7 +103,7 @@ Matrix3<S> rightJacobian(const vect<3, S>& v) {
       });
   return axialMatrix<S>(S(1) - b * square, b, -a, v);
 }
-/// log(exp(v) exp(e)) = v + J e to first order, for v = factor * (x, y, z) = log(R).
+/// Returns J in log(exp(v) exp(e)) = v + J e, to first order, for v = factor * (x, y, z) = log(R).
 template <class S>
 Matrix3<S> inverseRightJacobian(const vect<3, S>& v, const S& factor, const S& w) {
   const S square = v.squaredNorm();
@@ -137,12 +137,12 @@ class SO3<SparseDual<S, C>> {
     d_.fill(detail::Partials<S, C>::zero());
   }
   SO3(const Value& R, const RowPartials& d) : R_(R), d_(d) {}
-  /// The same rotation among more unknowns.
+  /// Converts the rotation to one with more unknowns.
   template <std::uint64_t A>
     requires((A & ~C) == 0 && A != C)
   SO3(const SO3<SparseDual<S, A>>& R)  // NOLINT(google-explicit-constructor): nothing is lost
       : R_(R.value()), d_(detail::add<A, C, S>(R.partials(), SO3().d_)) {}
-  /// From quaternion coefficients, normalised; note the order.
+  /// Creates a rotation from quaternion coefficients, which are normalised; note the order.
   SO3(const scalar& w, const scalar& x, const scalar& y, const scalar& z)
       : R_(w.value(), x.value(), y.value(), z.value()) {
     // d = 2 vec(q^-1 dq) / |q|
@@ -158,7 +158,7 @@ class SO3<SparseDual<S, C>> {
       d_[2].v[k] = qw * dz - qz * dw - qx * dy + qy * dx;
     }
   }
-  /// From a rotation matrix.
+  /// Creates a rotation from a rotation matrix.
   template <class D>
     requires(D::RowsAtCompileTime == 3 && D::ColsAtCompileTime == 3 &&
              std::is_same_v<typename D::Scalar, scalar>)
@@ -170,7 +170,8 @@ class SO3<SparseDual<S, C>> {
     const auto rotated = [&](int column) {
       return detail::multiply<S>(back, detail::partialsOf<S, C>(M.col(column)));
     };
-    const auto x = rotated(0), y = rotated(1), z = rotated(2);  // of R^-1 dR = [d]x, its antisymmetric part
+    // columns of R^-1 dR; [d]x is its antisymmetric part
+    const auto x = rotated(0), y = rotated(1), z = rotated(2);
     for (int k = 0; k < detail::Partials<S, C>::count; ++k) {
       d_[0].v[k] = S(0.5) * (y[2].v[k] - z[1].v[k]);
       d_[1].v[k] = S(0.5) * (z[0].v[k] - x[2].v[k]);
@@ -191,7 +192,7 @@ class SO3<SparseDual<S, C>> {
     return detail::dualVector<S, C>(v, detail::inverseRightJacobian<S>(v, factor, R.R_.w()), R.d_);
   }
 
-  /// The rotation without its derivatives.
+  /// Returns the rotation without its derivatives.
   const Value& value() const { return R_; }
   const RowPartials& partials() const { return d_; }
   Value& value() { return R_; }
@@ -201,7 +202,7 @@ class SO3<SparseDual<S, C>> {
   scalar x() const { return coefficient(R_.x(), R_.w(), -R_.z(), R_.y()); }
   scalar y() const { return coefficient(R_.y(), R_.z(), R_.w(), -R_.x()); }
   scalar z() const { return coefficient(R_.z(), -R_.y(), R_.x(), R_.w()); }
-  /// (x, y, z, w)
+  /// Returns (x, y, z, w).
   Coefficients coeffs() const { return Coefficients(x(), y(), z(), w()); }
   Eigen::Quaternion<scalar> quaternion() const { return Eigen::Quaternion<scalar>(w(), x(), y(), z()); }
 
@@ -237,7 +238,7 @@ class SO3<SparseDual<S, C>> {
   };
 
  private:
-  /// The coefficient with value `value` and derivative (a, b, c) / 2 by d: dq = q (0, d) / 2.
+  /// Returns the coefficient with value `value` and derivative (a, b, c) / 2 with respect to d: dq = q (0, d) / 2.
   scalar coefficient(const S& value, const S& a, const S& b, const S& c) const {
     detail::Partials<S, C> d;
     for (int k = 0; k < d.count; ++k) d.v[k] = S(0.5) * (a * d_[0].v[k] + b * d_[1].v[k] + c * d_[2].v[k]);
@@ -248,7 +249,7 @@ class SO3<SparseDual<S, C>> {
   RowPartials d_;
 };
 
-// Products in which at least one factor carries derivatives; the other may be a constant.
+// Products in which at least one factor carries derivatives. The other may be a constant.
 
 namespace detail {
 template <class A, class B>
@@ -257,7 +258,7 @@ template <class A, class B>
 concept PackAndBuiltIn =
     !is_dual<A> && !is_dual<B> && !std::is_same_v<A, B> && requires { typename promote_t<A, B>; };
 
-/// The number type below the derivatives.
+/// The number type without the derivatives.
 template <class D>
 using ValueType = typename D::Value;
 
@@ -297,7 +298,7 @@ SO3<promote_t<A, B>> operator*(const SO3<A>& a, const SO3<B>& b) {
 }
 
 namespace detail {
-/// Whether E is a vector of unknowns, see mtk/types/seed.hpp.
+/// True if E is a vector of unknowns, see mtk/types/seed.hpp.
 template <class E>
 inline constexpr bool is_seed_vector = false;
 }  // namespace detail

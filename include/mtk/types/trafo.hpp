@@ -3,7 +3,7 @@
 ///   tangent  (translation, rotation), DOF = 3 or 6                        [length unit, rad]
 ///   x [+] d  componentwise: pos + d_pos (in the outer frame), orient [+] d_orient (on the right)
 ///   y [-] x  componentwise likewise
-/// A direction (a gravity vector, say) is rotated by `.orient`, not by the transform.
+/// To rotate a direction, such as a gravity vector, use `.orient` and not the transform.
 #pragma once
 
 #include <tuple>
@@ -32,12 +32,12 @@ class trafo {
   trafo(const Vector& translation, const R& rotation) : pos(translation), orient(rotation) {}
   explicit trafo(const R& rotation) : orient(rotation) {}
   explicit trafo(const Vector& translation) : pos(translation) {}
-  /// The same motion in another number type that loses nothing: a constant among dual numbers.
+  /// Converts the motion to another number type without loss, such as a constant to dual numbers.
   template <class Q>
     requires(!std::is_same_v<Q, R> && std::is_convertible_v<Q, R>)
   trafo(const trafo<Q>& T) : pos(T.pos), orient(T.orient) {}  // NOLINT(google-explicit-constructor)
 
-  /// b_T_a for a_T_b: (R^T, -R^T t).
+  /// Returns b_T_a for a_T_b: (R^T, -R^T t).
   trafo inverse() const {
     const R back = orient.inverse();
     return trafo(back, -(back * pos));
@@ -51,7 +51,7 @@ class trafo {
   auto operator*(const Eigen::MatrixBase<D>& p) const {
     return orient * p + pos;
   }
-  /// Homogeneous matrix.
+  /// Returns the homogeneous matrix.
   Matrix matrix() const {
     Matrix T = Matrix::Identity();
     T.template topLeftCorner<DIM, DIM>() = orient.toRotationMatrix();
@@ -112,7 +112,7 @@ template <class T>
   requires requires(const T& x) { acceptRotation(x); }
 inline constexpr bool is_rotation<T> = true;
 
-/// A trafo where both parts have the same scalar, a SparseTrafo otherwise.
+/// Returns a trafo if rotation and translation have the same scalar, else a SparseTrafo.
 template <class R, class V>
 auto joined(const R& rotation, const V& translation) {
   if constexpr (std::is_same_v<V, vect<R::DIM, typename R::scalar>>) {
@@ -123,7 +123,7 @@ auto joined(const R& rotation, const V& translation) {
 }
 }  // namespace detail
 
-// Products of motions over different number types: constants, dual numbers.
+// Products of motions over different number types, such as constants and dual numbers.
 template <class A, class B>
   requires(detail::is_trafo<A> && detail::is_trafo<B> && !std::is_same_v<A, B>)
 auto operator*(const A& a, const B& b) {

@@ -1,11 +1,11 @@
-/// R^N: a column vector that knows how to be a variable.
+/// R^N: a column vector that can be a variable.
 ///   state    N scalars; mtk::Dynamic for a size known only at run time
 ///   tangent  the same N numbers; x [+] d = x + d, y [-] x = y - x
 ///   names    x, y, z for N = 2 and 3, otherwise 0, 1, ...
 ///   a + b, a - b, 2 * a are values: mtk/types/vect_arithmetic.hpp
-/// Derive from it to give the numbers a meaning: `struct Camera : mtk::vect<9> { ... };`. A derived type can
-/// name its components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};` or, if its size is known only at run
-/// time, by a member function `componentNames()` that returns one name for each entry.
+/// To give the numbers a meaning, derive a type: `struct Camera : mtk::vect<9> { ... };`. A derived type can name its
+/// components: `static constexpr std::array<std::string_view, 9> component_names{"fx", ...};` A type of run-time size
+/// can name them by a member function `componentNames()` that returns one name for each entry.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@
 namespace mtk {
 
 namespace detail {
-/// Whether an Eigen vector may have N entries.
+/// True if the Eigen vector D can have N entries.
 template <class D, int N>
 inline constexpr bool fits =
     bool(D::IsVectorAtCompileTime) &&
@@ -32,7 +32,7 @@ template <class D, int N>
 inline constexpr bool fits<D, N> = D::SizeAtCompileTime == Dynamic;
 }  // namespace detail
 
-/// Says that what is constructed is about to be filled.
+/// A tag for constructors: leaves the entries unset, because the caller fills them next.
 struct Uninitialized {};
 
 template <int N, class S = double>
@@ -42,11 +42,11 @@ class vect : public PlainVector<S, N> {
   using scalar = S;
   static constexpr int DOF = N;
 
-  /// All entries are still to be set.
+  /// Leaves all entries unset.
   explicit vect(Uninitialized)
     requires(N != Dynamic)
   {}
-  /// All zero; of size 0 when N is Dynamic.
+  /// Sets all entries to 0; if N is Dynamic, the size is 0.
   vect() {
     if constexpr (N != Dynamic) {
       for (int i = 0; i < N; ++i) {
@@ -61,31 +61,31 @@ class vect : public PlainVector<S, N> {
   template <class D>
     requires(std::is_same_v<typename D::Scalar, S> && detail::fits<D, N>)
   vect(const Eigen::MatrixBase<D>& v) : Base(v) {}  // NOLINT(google-explicit-constructor): as Eigen's vectors
-  /// From coordinates of another type that loses nothing: constants among dual numbers.
+  /// Converts coordinates of another type without loss, such as constants to dual numbers.
   template <class D>
     requires(!std::is_same_v<typename D::Scalar, S> && !std::is_arithmetic_v<S> &&
              std::is_convertible_v<typename D::Scalar, S> && detail::fits<D, N>)
   vect(const Eigen::MatrixBase<D>& v) : Base(v.size()) {  // NOLINT(google-explicit-constructor)
     for (Eigen::Index i = 0; i < v.size(); ++i) this->coeffRef(i) = S(v.derived()[i]);
   }
-  /// Derivatives do not get lost on the way into numbers without them: a function of Eigen::Vector3d does not accept
-  /// a vector of dual numbers.
+  /// Deleted, because conversion to numbers without derivatives would lose them. So a function of Eigen::Vector3d does
+  /// not accept a vector of dual numbers.
   template <class D>
     requires(!std::is_arithmetic_v<S> && std::is_base_of_v<Eigen::PlainObjectBase<D>, D> &&
              std::is_arithmetic_v<typename D::Scalar>)
   operator D() const = delete;
-  /// The N coordinates.
+  /// Sets the N coordinates.
   template <class... T>
     requires(N != Dynamic && sizeof...(T) == std::size_t(N) && (std::is_convertible_v<T, S> && ...))
   explicit(N == 1) vect(const T&... coordinates) : Base() {
     int i = 0;
     ((this->coeffRef(i++) = S(coordinates)), ...);
   }
-  /// `n` zeros.
+  /// Creates `n` zeros.
   explicit vect(Eigen::Index n)
     requires(N == Dynamic)
       : Base(Base::Zero(n)) {}
-  /// The given coordinates, as in `vect<Dynamic>{1, 2, 3}`.
+  /// Sets the given coordinates, as in `vect<Dynamic>{1, 2, 3}`.
   vect(std::initializer_list<S> coordinates)
     requires(N == Dynamic)
       : Base(Eigen::Index(coordinates.size())) {
@@ -95,27 +95,27 @@ class vect : public PlainVector<S, N> {
 
   using Base::operator=;
 
-  // Entries, as Eigen's vectors have them, but without the classes by which Eigen finds them, which every program would compile for every type
-  // of number.
+  // Access to entries, as in Eigen's vectors. It avoids Eigen's lookup classes, which every program would compile for
+  // every number type.
 
   using Base::operator[];
-  /// Entry i, counted from 0.
+  /// Returns entry i, counted from 0.
   const S& operator[](Eigen::Index i) const { return entry(i); }
   S& operator[](Eigen::Index i) { return const_cast<S&>(entry(i)); }
-  /// Entry 0.
+  /// Returns entry 0.
   const S& x() const { return named<0>(); }
   S& x() { return const_cast<S&>(named<0>()); }
-  /// Entry 1; there is none in shorter vectors, which do not compile.
+  /// Returns entry 1. Does not compile for shorter vectors.
   const S& y() const { return named<1>(); }
   S& y() { return const_cast<S&>(named<1>()); }
-  /// Entry 2.
+  /// Returns entry 2.
   const S& z() const { return named<2>(); }
   S& z() { return const_cast<S&>(named<2>()); }
-  /// Entry 3.
+  /// Returns entry 3.
   const S& w() const { return named<3>(); }
   S& w() { return const_cast<S&>(named<3>()); }
 
-  /// Entry I, for structured bindings.
+  /// Returns entry I, for structured bindings.
   template <std::size_t I>
     requires(N > 0)
   const S& get() const {
@@ -123,9 +123,10 @@ class vect : public PlainVector<S, N> {
     return this->coeffRef(Eigen::Index(I));
   }
 
-  // As Eigen's, whose expressions of expressions of dual numbers every program would compile anew.
+  // Norms, as in Eigen's vectors. With Eigen's own, every program would compile nested expressions of dual numbers
+  // anew.
 
-  /// |x|^2
+  /// Returns |x|^2.
   S squaredNorm() const {
     if constexpr (std::is_arithmetic_v<S>) {
       return Base::squaredNorm();
@@ -139,13 +140,13 @@ class vect : public PlainVector<S, N> {
       return sum;
     }
   }
-  /// |x|
+  /// Returns |x|.
   S norm() const {
     using std::sqrt;
     return sqrt(squaredNorm());
   }
 
-  /// Degrees of freedom: the number of entries.
+  /// Returns the degrees of freedom: the number of entries.
   int dof() const { return static_cast<int>(this->size()); }
   void boxplus(vectview<const S, N> d, S scale = S(1)) {
     detail::requireSameSize(*this, d, "x [+] d");
@@ -155,7 +156,7 @@ class vect : public PlainVector<S, N> {
     detail::requireSameSize(*this, y, "x [-] y");
     detail::setDifference(out, *this, y);
   }
-  /// Writes the magnitude of each entry, to which step tolerances are relative.
+  /// Writes the magnitude of each entry; step tolerances are relative to it.
   void typicalSizes(vectview<S, N> out) const { detail::setMagnitudes(out, *this); }
 
  private:
@@ -171,7 +172,8 @@ class vect : public PlainVector<S, N> {
 };
 
 namespace detail {
-/// A vector that also keeps its entries as what they were: structured bindings find numbers that depend on few unknowns.
+/// A vector that also keeps its entries in their original types. So structured bindings give numbers that depend on few
+/// unknowns.
 template <class S, class... T>
 class MixedVector : public vect<static_cast<int>(sizeof...(T)), S> {
  public:
@@ -190,8 +192,8 @@ class MixedVector : public vect<static_cast<int>(sizeof...(T)), S> {
 };
 }  // namespace detail
 
-/// The vector of these numbers, whose types may differ: the result's type holds them all. What a function that is to work
-/// on numbers of any type returns: `return mtk::vector(u - z[0], v - z[1]);`
+/// Returns the vector of these numbers. If their types differ, the result has a type that can hold all of them. Use it
+/// in functions for numbers of any type: `return mtk::vector(u - z[0], v - z[1]);`
 template <class First, class... Rest>
 auto vector(const First& first, const Rest&... rest) {
   using Sum = typename detail::PromoteAll<First, Rest...>::type;
@@ -217,7 +219,7 @@ template <int N, class S>
 inline constexpr bool is_vect<vect<N, S>> = true;
 template <class S, class... T>
 inline constexpr bool is_vect<MixedVector<S, T...>> = true;
-/// A class derived from a vect of fixed size, but not such a vect itself.
+/// A class that derives from a vect of fixed size and is not a vect itself.
 template <class D>
 concept DerivesFromVect = std::is_class_v<D> && !std::is_const_v<D> && !std::is_volatile_v<D> &&
                           !is_vect<D> && requires(const D& x) { vectOf(x); };
@@ -228,7 +230,7 @@ inline constexpr std::array<std::string_view, 3> xyz_names{"x", "y", "z"};
 
 }  // namespace mtk
 
-// Structured bindings: `const auto& [fx, fy, cx, cy] = camera;`
+// Structured bindings of vectors: `const auto& [fx, fy, cx, cy] = camera;`
 template <int N, class S>
   requires(N > 0)
 struct std::tuple_size<mtk::vect<N, S>> : std::integral_constant<std::size_t, std::size_t{N}> {};
@@ -236,7 +238,7 @@ template <std::size_t I, int N, class S>
 struct std::tuple_element<I, mtk::vect<N, S>> {
   using type = S;
 };
-// Those of types derived from it, as `struct Camera : mtk::vect<9> {}`.
+// Structured bindings of types derived from vect, such as `struct Camera : mtk::vect<9> {}`.
 template <class D>
   requires mtk::detail::DerivesFromVect<D>
 struct std::tuple_size<D>

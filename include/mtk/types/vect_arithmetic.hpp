@@ -1,5 +1,5 @@
-/// Sums, differences and multiples of vectors, as values. Eigen's operators give expressions that refer to their operands, so that a
-/// function `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
+/// Sums, differences and multiples of vectors, as values. Eigen's operators return expressions that refer to their
+/// operands. With them, a function `auto f(...) { return T * p - z; }` would return a reference to the temporary T * p.
 #pragma once
 
 #include <type_traits>
@@ -14,7 +14,7 @@
 namespace mtk {
 
 namespace detail {
-/// A vector of type V whose `size` entries are still to be set.
+/// Returns a vector of type V whose `size` entries are not set yet.
 template <class V>
 V unfilled(Eigen::Index size) {
   if constexpr (V::DOF == Dynamic) {
@@ -27,7 +27,7 @@ V unfilled(Eigen::Index size) {
 template <class A, class B>
 concept Summable = bool(A::IsVectorAtCompileTime) && bool(B::IsVectorAtCompileTime) &&
                    requires { typename promote_t<typename A::Scalar, typename B::Scalar>; };
-/// The sum of an A and a B, as many entries as the one of fixed size has.
+/// The sum of an A and a B; its size is that of the operand of fixed size, if any.
 template <class A, class B>
 using Sum = vect<(A::SizeAtCompileTime == Dynamic ? int(B::SizeAtCompileTime) : int(A::SizeAtCompileTime)),
                  promote_t<typename A::Scalar, typename B::Scalar>>;
@@ -80,7 +80,7 @@ auto scaled(const vect<N, S>& a, const Op& op) {
   forEachEntry<N>(a.size(), [&](int i) { result[i] = op(a[i]); });
   return result;
 }
-/// A number type other than S, one of the two not built in.
+/// A number type other than S, where at most one of the two is built in.
 template <class T, class S>
 concept OtherScalar =
     !std::is_same_v<T, S> &&
@@ -103,7 +103,7 @@ template <int N, class S>
 vect<N, S> operator/(const vect<N, S>& a, const std::type_identity_t<S>& divisor) {
   return detail::scaled(a, [&](const S& x) { return x / divisor; });
 }
-// Product with a built-in number of another type: the vector keeps its scalar type.
+// Products with a built-in number of another type. The vector keeps its scalar type.
 template <int N, class S, class T>
   requires(std::is_arithmetic_v<S> && std::is_arithmetic_v<T> && !std::is_same_v<S, T>)
 vect<N, S> operator*(const vect<N, S>& a, const T& factor) {
@@ -119,7 +119,7 @@ template <int N, class S, class T>
 vect<N, S> operator/(const vect<N, S>& a, const T& divisor) {
   return a / S(divisor);
 }
-// Product with a number of another type: vectors of numbers times dual numbers, dual numbers that depend on other unknowns.
+// Products with a number of another type: vectors of numbers times dual numbers, or dual numbers of other unknowns.
 template <int N, class S, class T>
   requires detail::OtherScalar<T, S>
 vect<N, promote_t<S, T>> operator*(const vect<N, S>& a, const T& factor) {

@@ -1,4 +1,4 @@
-/// Compares the derivatives that the library uses with differences, and guesses what is wrong where they differ.
+/// Comparison of the derivatives that the library uses with differences, with a guess at the cause if they differ.
 #pragma once
 
 #include <iosfwd>
@@ -13,43 +13,45 @@ namespace slom {
 /// The worst entry of the Jacobians of one group of measurements.
 struct GroupDerivativeCheck {
   std::string group;        ///< label or type of the measurements
-  DerivativeSource source;  ///< what the library uses
-  int measurements = 0;     ///< compared ones
-  std::string measurement;  ///< that holds the worst entry
+  DerivativeSource source;  ///< source of the derivatives that the library uses
+  int measurements = 0;     ///< number of compared measurements
+  std::string measurement;  ///< measurement with the worst entry
   int row = 0;              ///< row of the residual, from 0
   std::string component;    ///< name of the variable's component
   double used = 0;          ///< the entry as the library uses it
   double reference = 0;     ///< the entry by differences
   double error = 0;   ///< |used - reference| / largest entry of that variable's block in this measurement
-  std::string guess;  ///< at the cause, a sentence; empty when the entries agree
+  std::string guess;  ///< at the cause, a sentence; empty if the entries agree
 
-  /// `the given derivative of residual 0 of level #3 by x is -2, differences give 2: the sign is wrong`
+  /// Returns a sentence such as `the given derivative of residual 0 of level #3 by x is -2, differences give 2: the
+  /// sign is wrong`.
   std::string sentence() const;
 };
 
 struct DerivativeCheck {
-  /// Differences of functions of ordinary size are right to about eight digits.
+  /// Largest error that counts as agreement. Differences of ordinary functions are accurate to about 8 digits.
   static constexpr double kTolerance = 1e-5;
-  static constexpr double kDoubtful = 1e-3;  ///< what findWrongDerivatives reports
+  static constexpr double kDoubtful = 1e-3;  ///< error above which findWrongDerivatives reports
 
-  std::vector<GroupDerivativeCheck> groups;  ///< those that have free variables
+  std::vector<GroupDerivativeCheck> groups;  ///< groups with free variables
 
-  /// Whether all groups agree.
+  /// Returns whether all groups agree.
   bool ok() const;
-  /// A line for each group, and a sentence for each that does not agree.
+  /// Returns a line for each group, and a sentence for each group that does not agree.
   std::string text() const;
 };
 
 std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check);
 
-/// Evaluates measurements at the current values and differentiates them by extrapolated central differences: all, or
-/// `most_of_group` of each group, spread over it evenly.
+/// Evaluates measurements at the current values and differentiates them by extrapolated central differences. Takes all
+/// of them, or `most_of_group` of each group, spread evenly.
 DerivativeCheck compareDerivatives(const Problem& problem,
                                    int most_of_group = std::numeric_limits<int>::max());
 
-/// The groups whose derivatives are given by hand and are wrong beyond doubt, looking at `most_of_group` measurements of each: by
-/// more than kDoubtful, and by more than five times what central, extrapolated and one-sided differences differ among themselves. So neither noise
-/// nor kinks, steps and ends of a function's domain make a good derivative look wrong.
+/// Returns the groups with derivatives given by hand that are certainly wrong, from `most_of_group` measurements of
+/// each. The error must exceed kDoubtful. It must also exceed 5 times the differences among central, extrapolated and
+/// one-sided differences. So noise, kinks, steps and ends of a function's domain do not make a correct derivative look
+/// wrong.
 DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group);
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-/// What a problem determines and what it does not, in sentences with the user's names and a remedy.
+/// Diagnosis: what a problem determines and what not, in sentences with the user's names and a remedy.
 #pragma once
 
 #include <iosfwd>
@@ -9,39 +9,40 @@
 
 namespace slom {
 
-/// Something that the measurements do not determine, or hardly, in a sentence.
+/// A quantity that the measurements do not or hardly determine, in a sentence.
 struct Finding {
   enum class Kind {
-    gauge,  ///< a rigid motion or a scale of everything changes no residual, or a shift of several numbers
+    /// A rigid motion or a scale of everything, or a shift of several numbers, changes no residual.
+    gauge,
     undetermined,           ///< other directions in which variables can move without changing any residual
-    unmeasured_variable,    ///< no measurement depends on it
+    unmeasured_variable,    ///< no measurement depends on the variable
     unobserved_component,   ///< measurements depend on the variable, but not on this component of it
     weak,                   ///< a direction in which residuals hardly change
-    correlated,             ///< two components that the data hardly distinguish
+    correlated,             ///< two components that the data can hardly distinguish
     disconnected,           ///< groups of variables that no measurement connects
     constant_measurements,  ///< all of their variables are fixed
     badly_scaled,           ///< components whose influence differs by many orders of magnitude
     implausible_sigma,      ///< the residuals of a group contradict its stated uncertainty
   };
   Kind kind;
-  bool is_fault;  ///< the fit has no unique solution; otherwise a hint
+  bool is_fault;  ///< true: the fit has no unique solution; false: a hint
   std::string text;
   std::vector<std::string> names;  ///< variables, components or groups concerned, the most important first
   int dimension = 0;               ///< number of directions; 0 for the other kinds
 };
 
-/// What the measurements determine: the rank of J and what lacks for it.
+/// The rank of J, and what is missing for full rank.
 struct Diagnosis {
   int residuals = 0;
   int unknowns = 0;
-  int rank = 0;  ///< rank of J: unknowns less the directions that change no residual
+  int rank = 0;  ///< rank of J: unknowns minus the directions that change no residual
   std::vector<Finding> findings;
-  std::string
-      unconverged;  ///< why the last fit, whose values these are, has not converged; empty: it has, or there was none
+  /// Reason why the last fit, which gave these values, has not converged. Empty if it has or if there was none.
+  std::string unconverged;
 
-  /// Whether the measurements determine all unknowns.
+  /// Returns whether the measurements determine all unknowns.
   bool isDetermined() const { return rank == unknowns; }
-  /// A line on the rank and one for each finding.
+  /// Returns a line on the rank and one for each finding.
   std::string text() const;
 };
 

@@ -17,25 +17,27 @@ struct ParameterInterval {
   double value = 0;               ///< as ParameterSummary::value
   double standard_deviation = 0;  ///< as ParameterSummary; 0 for a component at its bound
   double lower = 0, upper = 0;    ///< in the units of the value
-  /// By profile likelihood, as Estimator::profile; false for components that are no coordinates, as those of rotations: then the
-  /// value less and plus Student's or the normal quantile times the standard deviation.
+  /// True: by profile likelihood, as Estimator::profile. False for components that are not coordinates, such as those
+  /// of rotations. Their interval is the value plus and minus Student's or the normal quantile times the standard
+  /// deviation.
   bool is_profile = true;
 };
 
-/// Returned by Estimator::intervals().
+/// Result of Estimator::intervals().
 struct IntervalTable {
-  double probability = 0.95;  ///< that an interval holds the true value
+  double probability = 0.95;  ///< probability that an interval contains the true value
   std::vector<ParameterInterval> rows;
 
-  /// Columns for the eye.
+  /// Returns a table in columns for reading.
   std::string text() const;
-  /// A table of Markdown (GitHub's).
+  /// Returns a table in Markdown (GitHub's).
   std::string markdown() const;
-  /// Lines `parameter,value,standard_deviation,lower,upper,method` with all digits, below that header; RFC 4180.
+  /// Returns lines `parameter,value,standard_deviation,lower,upper,method` with all digits, below that header; RFC
+  /// 4180.
   std::string csv() const;
 };
 
-/// text()
+/// Prints text().
 std::ostream& operator<<(std::ostream& os, const IntervalTable& table);
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-/// What the robust losses do to the measurements at the current values.
+/// Effect of the robust losses on the measurements at the current values.
 #pragma once
 
 #include <string>
@@ -9,13 +9,14 @@
 
 namespace slom {
 
-/// An entry for each different loss of the pool's measurements; the pool is evaluated, unless none has a loss.
+/// Returns an entry for each different loss of the pool's measurements. Evaluates the pool unless none of them has a
+/// loss.
 std::vector<LossSummary> summarizeLosses(MeasurementPool& pool);
 
-/// Adds the entries of `more`, of another pool of the same group, to `sum`.
+/// Adds the entries of `more`, from another pool of the same group, to `sum`.
 void addLosses(const std::vector<LossSummary>& more, std::vector<LossSummary>& sum);
 
-/// A sentence for each loss that gives measurements the weight 0, so that nothing is determined by them.
+/// Returns a sentence for each loss that gives measurements the weight 0, so that they determine nothing.
 std::vector<std::string> weightlessMeasurements(const std::vector<GroupSummary>& groups);
 
 }  // namespace slom

@@ -1,17 +1,17 @@
-/// Which measurements do not fit the others.
+/// Tests for measurements that do not fit the others ("data snooping").
 ///
-/// A residual w (whitened) is smaller than the error that made it, as the fit follows each measurement a little: its
-/// covariance is Q = I - J C J^T, with C that of the variables. The trace of Q is the measurement's redundancy: 0 when nothing
-/// checks it, its length when all else determines the fit. T = w^T Q^-1 w is chi-square distributed when the measurement is
-/// good ("data snooping").
-///   source   Baarda, "A testing procedure for use in geodetic networks", 1968; Cook and Weisberg, "Residuals and influence
-///            in regression", 1982, chapters 2 and 3
-/// With Sigma::estimated the variance factor comes from all other measurements, so that an error does not hide itself: T is then divided by the
-/// factor without the measurement, and has an F distribution.
-///   source   Cook and Weisberg, section 2.2.1 (external studentisation); Heck, "Der Einfluss einzelner Beobachtungen auf das Ergebnis einer
-///            Ausgleichung", 1981
-/// A measurement with a loss counts with the weight p that the loss gives it, and Q = I + (1 - 2 p) J C J^T, which is exact for
-/// p = 1 and for p = 0, where the fit does not know of the measurement.
+/// A whitened residual w is smaller than its error, because the fit follows each measurement a little. Its covariance
+/// is Q = I - J C J^T, with C the covariance of the variables. The trace of Q is the measurement's redundancy. It is 0
+/// if nothing checks the measurement, and the length of the residual if all else determines the fit. T = w^T Q^-1 w has
+/// a chi-square distribution if the measurement is good.
+///   source   Baarda, "A testing procedure for use in geodetic networks", 1968; Cook and Weisberg, "Residuals and
+///            influence in regression", 1982, chapters 2 and 3
+/// With Sigma::estimated, the variance factor comes from all other measurements, so an error does not hide itself. T is
+/// then divided by the factor without the measurement, and has an F distribution.
+///   source   Cook and Weisberg, section 2.2.1 (external studentisation); Heck, "Der Einfluss einzelner Beobachtungen
+///            auf das Ergebnis einer Ausgleichung", 1981
+/// A measurement with a loss counts with the weight p from the loss, and Q = I + (1 - 2 p) J C J^T. This is exact for p
+/// = 1, and for p = 0, where the measurement does not influence the fit.
 #pragma once
 
 #include <iosfwd>
@@ -22,39 +22,42 @@
 
 namespace slom {
 
-/// A measurement with less redundancy is hardly checkable: less than a tenth of an error in it shows in its residual.
-///   source   Foerstner and Wrobel, "Photogrammetric Computer Vision", 2016, section 4.6 (classes of redundancy numbers)
+/// Redundancy below which a measurement is hardly checkable: less than 10 % of an error shows in its residual.
+///   source   Foerstner and Wrobel, "Photogrammetric Computer Vision", 2016, section 4.6 (classes of redundancy
+///            numbers)
 inline constexpr double kHardlyCheckable = 0.1;
 
-/// How many false alarms are accepted, and how much is listed.
+/// Options: the rate of false alarms and the length of lists.
 struct OutlierOptions {
-  /// The probability that a problem in which all measurements are good has a suspect. Shared out among all measurements, so
-  /// that many of them do not make for many false alarms.
+  /// The probability that a problem with only good measurements has a suspect. It is divided among all measurements, so
+  /// many measurements do not cause many false alarms.
   double significance = 0.01;
-  /// Measurements of each group that the report lists.
+  /// Number of measurements of each group in the report.
   int worst = 10;
 };
 
-/// The test of one measurement; lengths in standard deviations.
+/// The test of one measurement. Lengths are in standard deviations.
 struct MeasurementCheck {
   std::string measurement;
   double residual = 0;     ///< |w|, in stated standard deviations
-  double studentized = 0;  ///< sqrt(T / dof), in the standard deviations that Sigma says: 1 is usual
-  double redundancy =
-      0;  ///< trace of Q over the length of the residual: 0 nothing checks it, 1 all else is known
-  double weight = 1;       ///< the weight that its loss gives it
-  double statistic = 0;    ///< T, over the variance factor
+  double studentized = 0;  ///< sqrt(T / dof), in standard deviations according to Sigma; usually near 1
+  /// Trace of Q divided by the length of the residual. 0: nothing checks the measurement; 1: all else is known.
+  double redundancy = 0;
+  double weight = 1;       ///< weight from its loss
+  double statistic = 0;    ///< T divided by the variance factor
   int dof = 0;             ///< rank of Q
-  double probability = 1;  ///< that a good measurement has such a T or a larger one
-  double effect =
-      0;  ///< root of Cook's distance (not divided by the unknowns): how far the fit moves without it, sqrt(d^T C^-1 d), C as Sigma says
+  double probability = 1;  ///< p-value: that a good measurement has a T at least as large
+  /// Root of Cook's distance (not divided by the number of unknowns): how far the fit moves without the measurement,
+  /// sqrt(d^T C^-1 d), with C according to Sigma.
+  double effect = 0;
   bool is_suspect = false;
-  /// The number in `measurement`: 1 for the first that was inserted with this label or of this type; 0 for a group of measurements.
+  /// The number in `measurement`: 1 for the first one inserted with this label or of this type; 0 for a group of
+  /// measurements.
   long number = 0;
-  AnyMeasID
-      id;  ///< its handle, for removeMeasurement and others; refers to nothing for a group of measurements
+  /// Handle of the measurement, for removeMeasurement and others. Refers to nothing for a group of measurements.
+  AnyMeasID id;
 
-  /// Whether its residual says little of its errors: redundancy < kHardlyCheckable.
+  /// Returns whether the residual says little about errors: redundancy < kHardlyCheckable.
   bool isHardlyCheckable() const { return redundancy < kHardlyCheckable; }
 };
 
@@ -62,33 +65,34 @@ struct MeasurementCheck {
 struct GroupCheck {
   std::string name;
   int measurements = 0;
-  double chi2 = 0;        ///< sum of |w|^2, weights of losses not counted
-  double redundancy = 0;  ///< sum of the traces of Q: what chi2 is on average
-  double probability =
-      1;  ///< that a chi2 is this far off or farther, to either side; 1 without redundancy, and where all of it made the variance factor
+  double chi2 = 0;        ///< sum of |w|^2, without weights of losses
+  double redundancy = 0;  ///< sum of the traces of Q: the expected value of chi2
+  /// p-value of chi2, two-sided. 1 without redundancy, and if all of the redundancy served to estimate the variance
+  /// factor.
+  double probability = 1;
   bool has_losses = false;
   int suspects = 0;
   std::vector<MeasurementCheck> worst;            ///< sorted by probability, the least probable first
   int hardly_checkable = 0;                       ///< measurements with a redundancy below kHardlyCheckable
-  std::vector<MeasurementCheck> least_checkable;  ///< the OutlierOptions::worst of them, by redundancy
+  std::vector<MeasurementCheck> least_checkable;  ///< OutlierOptions::worst of them, by redundancy
 };
 
 /// The tests of all measurements, by group.
 struct OutlierReport {
   double significance = 0;     ///< significance level of each single test
   double variance_factor = 1;  ///< divisor of chi2: 1 for Sigma::known
-  std::string noise;           ///< which standard deviations count, in a sentence; empty: those stated
-  std::string
-      unconverged;  ///< why the last fit, whose values these are, has not converged; empty: it has, or there was none
+  std::string noise;           ///< standard deviations in use, in a sentence; empty: the stated ones
+  /// Reason why the last fit, which gave these values, has not converged. Empty if it has or if there was none.
+  std::string unconverged;
   std::vector<GroupCheck> groups;
 
-  /// The number of measurements whose test fails, in all groups.
+  /// Returns the number of measurements that fail the test, in all groups.
   int suspects() const;
-  /// The measurements that the groups list, over all groups: the least probable first.
+  /// Returns the listed measurements of all groups, the least probable first.
   std::vector<MeasurementCheck> ranking() const;
-  /// The number of measurements that are hardly checkable, in all groups.
+  /// Returns the number of hardly checkable measurements, in all groups.
   int hardlyCheckable() const;
-  /// A table for each group, the ranking over all of them, and what is hardly checkable.
+  /// Returns a table for each group, the ranking of all groups, and the hardly checkable measurements.
   std::string text() const;
 };
 

@@ -1,4 +1,4 @@
-/// What can be said of a problem before it is solved.
+/// Preflight: a check of a problem before it is solved.
 #pragma once
 
 #include <iosfwd>
@@ -9,7 +9,7 @@
 
 namespace slom {
 
-/// What the start values make of the measurements with one label or of one type.
+/// The measurements with one label or of one type at the start values.
 struct PreflightGroup {
   std::string name;
   int measurements = 0;
@@ -19,17 +19,17 @@ struct PreflightGroup {
   double worst_residual = 0;
 };
 
-/// What is wrong with a problem at its start values, and what each group of measurements contributes.
+/// Faults of a problem at its start values, and the contribution of each group of measurements.
 struct Preflight {
-  std::vector<std::string>
-      faults;  ///< the fit will fail or its result be wrong: a sentence each, with a remedy
-  std::vector<std::string> warnings;  ///< worth a thought
+  /// Reasons why the fit will fail or its result be wrong: a sentence each, with a remedy.
+  std::vector<std::string> faults;
+  std::vector<std::string> warnings;  ///< possible faults
   std::vector<PreflightGroup> groups;
-  DerivativeCheck derivatives;  ///< for some measurements of each group
+  DerivativeCheck derivatives;  ///< of some measurements of each group
 
-  /// Whether there are no faults; warnings do not count.
+  /// Returns whether there are no faults; warnings do not count.
   bool ok() const { return faults.empty(); }
-  /// Faults, warnings and a table of the groups.
+  /// Returns faults, warnings and a table of the groups.
   std::string text() const;
 };
 

@@ -1,4 +1,4 @@
-/// Eigen's output of the values that fits are printed with, compiled once and not in every file that prints one.
+/// Eigen's output operators for values that fits often print, compiled once and not in every file that prints one.
 #pragma once
 
 #include <iosfwd>
@@ -13,7 +13,8 @@
 #define SLOM_TEXT(x) SLOM_TEXT_(x)
 
 namespace slom::detail {
-/// A program may have defined another format; then its files compile what they print, and this names a type that nothing prints.
+/// True if EIGEN_DEFAULT_IO_FORMAT is Eigen's. If a program defines another format, its files compile the operators
+/// themselves, and Printed is a type that nothing prints.
 inline constexpr bool has_eigens_format =
     std::string_view(SLOM_TEXT(EIGEN_DEFAULT_IO_FORMAT)) == "Eigen::IOFormat()";
 template <class X>

@@ -1,5 +1,4 @@
-/// How sure the estimated values are, as a user gets it: covariances of all variables at once, and of what is computed
-/// from variables.
+/// Uncertainty of the estimated values: covariances of all variables at once, and of functions of variables.
 #pragma once
 
 #include <cmath>
@@ -18,18 +17,20 @@ namespace slom {
 
 class LinearizedProblem;
 
-/// What the stated uncertainties of the measurements mean for the covariances of the variables.
+/// Meaning of the stated uncertainties of the measurements for the covariances of the variables.
 enum class Sigma {
-  known,      ///< they are right: covariances follow from them alone
-  estimated,  ///< only their ratios are: covariances are multiplied by RSS / redundancy
+  known,      ///< the stated uncertainties are right: covariances follow from them alone
+  estimated,  ///< only their ratios are right: covariances are multiplied by RSS / redundancy
 };
 
-/// What covariances are when the measurements leave a rigid motion or a scale of everything free.
+/// Covariances if the measurements leave a rigid motion or a scale of everything free.
 enum class FreeGauge {
-  error,  ///< none: covariance throws [slom.free-gauge] with the motions that are free
-  inner_constraints,  ///< those of the free network: the pseudo-inverse of J^T J, whose trace is the smallest of all choices
-  ///< (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns. optimize() then ends, by whatever algorithm, at those
-  ///< of the best values that are nearest to the start values: N^T (x [-] start) = 0, with the free directions N
+  error,  ///< none: covariance throws [slom.free-gauge], which names the free motions
+  /// Covariances of the free network: the pseudo-inverse of J^T J, which has the smallest trace of all choices (Baarda,
+  /// "S-transformations and criterion matrices", 1973), in the units of the unknowns. With every algorithm, optimize()
+  /// then ends at those of the best values that are nearest to the start values: N^T (x [-] start) = 0, with the free
+  /// directions N.
+  inner_constraints,
 };
 
 /// A confidence interval of a coordinate.
@@ -37,28 +38,28 @@ struct ProfileInterval {
   double value, lower, upper;
 };
 
-/// `39.99 in [39.97, 40.01]`
+/// Prints the interval: `39.99 in [39.97, 40.01]`.
 std::ostream& operator<<(std::ostream& os, const ProfileInterval& interval);
 
 namespace detail {
-/// The roots of the diagonal of C. Loops instead of expressions here and below: they cost less time of every compilation.
+/// Returns the square roots of the diagonal of C. Loops, here and below, compile faster than expressions.
 inline Eigen::VectorXd deviations(const Eigen::MatrixXd& C) {
   Eigen::VectorXd result(C.rows());
   for (Eigen::Index i = 0; i < C.rows(); ++i) result[i] = std::sqrt(C(i, i));
   return result;
 }
-/// out := J C J^T for J m x n, all column-major.
+/// Computes out := J C J^T for J m x n, all column-major.
 void propagate(const double* J, const double* C, int m, int n, double* out);
 /// Throws [slom.wrong-length] unless C is n x n.
 void requireCovarianceSize(Eigen::Index rows, Eigen::Index columns, int n);
 }  // namespace detail
 
-/// Covariances of all variables, each by itself, at the values at which they were computed. It answers for the variables that
-/// there were then, whatever has been inserted or removed since.
+/// Marginal covariances of all variables, at the values at which they were computed. They remain available for the
+/// variables of that time, whatever has been inserted or removed since.
 class Marginals {
  public:
-  /// dof x dof, in the tangent space; 0 for a fixed variable. Throws [slom.stale-marginals] for a variable that was
-  /// not there when they were computed.
+  /// Returns the covariance in the tangent space, dof x dof; 0 for a fixed variable. Throws [slom.stale-marginals] for
+  /// a variable that did not exist when the covariances were computed.
   template <class T>
   Eigen::MatrixXd covariance(const VarID<T>& id) const {
     const Place& place = placeOf(id, &typeName<T>);
@@ -68,7 +69,7 @@ class Marginals {
     }
     return result;
   }
-  /// The standard deviation of each component.
+  /// Returns the standard deviation of each component.
   template <class T>
   Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
     return detail::deviations(covariance(id));
@@ -92,13 +93,13 @@ class Marginals {
   std::vector<double> numbers_;
 };
 
-/// A quantity that was computed from variables, and its covariance (in its tangent space when it is a manifold).
+/// A quantity computed from variables, and its covariance (for a manifold, in its tangent space).
 template <class V>
 struct Propagated {
   V value;
   Eigen::MatrixXd covariance;
 
-  /// The standard deviation of each component.
+  /// Returns the standard deviation of each component.
   Eigen::VectorXd standardDeviation() const { return detail::deviations(covariance); }
 };
 

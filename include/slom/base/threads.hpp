@@ -1,4 +1,4 @@
-/// Threads for code that calls solvers itself or has loops of its own. An Estimator needs none of it.
+/// Threads for code that calls solvers itself or has its own loops. An Estimator does not need them.
 #pragma once
 
 #include <functional>
@@ -7,12 +7,12 @@
 
 namespace slom {
 
-/// Runs f; the library's loops within it use at most this many threads, 0: as many as the machine has. Results do not depend on
-/// the number. Without oneTBB there is one.
+/// Runs f. The library's loops within f use at most this many threads; 0: all of the machine. Results do not depend on
+/// the number. Without oneTBB there is 1 thread.
 void withThreads(int threads, const std::function<void()>& f);
 
-/// Runs f(0) ... f(count - 1), each once, on the threads of the withThreads around it, else on as many as the machine has. What
-/// f throws ends the loop and is thrown here.
+/// Runs f(0) ... f(count - 1), each once, on the threads of the enclosing withThreads, or else on all of the machine.
+/// An exception of f ends the loop and is rethrown here.
 void forEachOnThreads(int count, const std::function<void(int)>& f);
 
 }  // namespace slom

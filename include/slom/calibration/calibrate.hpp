@@ -1,4 +1,4 @@
-/// The whole way from data to result.
+/// calibrate: from data to a result.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace slom::calibration {
 
-/// What happened with a single camera before the fit of the rig.
+/// Report on a single camera before the fit of the rig.
 struct SingleCameraReport {
   const CameraData* camera;
   std::string start;  ///< how the intrinsics were found
@@ -18,14 +18,14 @@ struct SingleCameraReport {
   double rms_px;
 };
 
-/// Called on the way; each may be empty.
+/// Functions called during the calibration; each may be empty.
 struct Progress {
   std::function<void(const SingleCameraReport&)> single_camera;
   std::function<void(const IterationRecord&)> iteration;
 };
 
-/// Start values, fits of single cameras, then the fit of the rig. DataError when settings or data
-/// make no sense or cannot determine the model; a fit that did not converge is a result that says so.
+/// Finds start values, fits single cameras, then fits the rig. Throws DataError if settings or data are invalid or
+/// cannot determine the model. If a fit does not converge, the result says so; nothing is thrown.
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress = {});
 
 }  // namespace slom::calibration

@@ -1,10 +1,11 @@
-/// Several camera models on the same data, or several shapes of the board: which one they carry.
+/// Comparison of several camera models, or several shapes of the board, on the same data: which one do the data
+/// support?
 ///
-/// A model with more parameters always fits better; whether it also predicts better is seen on images that it
-/// was not fitted to. The images are dealt into folds. For each fold lenses and camera to camera are fitted to
-/// the images of the others, and fixed. In each image of the fold the pose of the board is fitted to every
-/// other corner, and the remaining corners are predicted; then the other way round. So every corner is
-/// predicted once, by values that it had no part in. The IMU is left out.
+/// A model with more parameters always fits better. Whether it also predicts better shows on images that it was not
+/// fitted to. The images are divided into folds. For each fold, lenses and poses between cameras are fitted to the
+/// images of the other folds, and fixed. In each image of the fold, the pose of the board is fitted to every other
+/// corner, and the remaining corners are predicted. Then the two halves of the corners change roles. So every corner is
+/// predicted once, by values that it did not contribute to. The IMU is not used.
 #pragma once
 
 #include <optional>
@@ -17,42 +18,42 @@
 
 namespace slom::calibration {
 
-/// One model on all images, and in cross-validation.
+/// One model on all images and in cross-validation.
 struct ModelTrial {
   Model model;
   BoardShape board_shape = BoardShape::flat;
-  std::string failure{};             ///< why there is no fit, or none that can be used; empty otherwise
-  std::optional<DataError> error{};  ///< whose sentence that is, if it is one's
+  std::string failure{};             ///< reason why there is no fit, or no usable one; empty otherwise
+  std::optional<DataError> error{};  ///< the error that the sentence comes from, if any
   int unknowns = 0, redundancy = 0;
   double rss = 0;
   double rms_px = 0;                       ///< over the corners of all cameras
   std::vector<double> held_out_squares{};  ///< by image: mean squared distance of predicted corners [px^2]
 
-  /// Root mean square distance of the predicted corners, over all images [px].
+  /// Returns the root mean square distance of the predicted corners over all images [px].
   double heldOutRms() const;
 };
 
-/// What comes out of a comparison of models, or of shapes of the board.
+/// Result of a comparison of models or of shapes of the board.
 struct Comparison {
-  std::vector<ModelTrial> trials;   ///< as they were asked for
-  std::optional<std::size_t> best;  ///< predicts best
-  std::optional<std::size_t>
-      chosen;  ///< has the fewest parameters of those that predict worse by two standard errors at most
-  std::vector<double>
-      standard_errors;  ///< difference of its prediction from the best one, in standard errors; NaN without a fit
+  std::vector<ModelTrial> trials;   ///< in the requested order
+  std::optional<std::size_t> best;  ///< trial with the best prediction
+  /// Trial with the fewest parameters among those whose prediction is at most 2 standard errors worse than the best.
+  std::optional<std::size_t> chosen;
+  /// Difference of each prediction from the best one, in standard errors; NaN without a fit.
+  std::vector<double> standard_errors;
 
-  std::string cut_short;  ///< empty, or why some were not tried to the end
+  std::string cut_short;  ///< empty, or the reason why some trials are incomplete
 
-  /// DataError [slom.calibration.no-result] where none is chosen.
+  /// Returns the chosen trial. Throws DataError [slom.calibration.no-result] if none is chosen.
   const ModelTrial& chosenTrial() const;
 };
 
-/// Fits each model, of one at least. A failure of one, as on a fisheye's images by a pinhole, is noted in its trial; so
-/// it is when the time is over.
+/// Fits each of the models, at least one. If a model fails, such as a pinhole on a fisheye's images, or if the time is
+/// over, its trial says so.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 
-/// The same of one model, Settings::model, with a flat, a bent and a free board. The shape is fitted without the images of a fold, and fixed, as lenses
-/// are.
+/// Compares a flat, a bent and a free board with one model, Settings::model. Like lenses, the shape is fitted without
+/// the images of a fold, and fixed.
 Comparison compareBoardShapes(const Dataset& data, const Settings& settings);
 
 }  // namespace slom::calibration

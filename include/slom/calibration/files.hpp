@@ -1,4 +1,4 @@
-/// Corners and readings from and to files: those that `slom calibrate` reads. docs/calibrate.md has their columns.
+/// Corners and readings from and to files that `slom calibrate` reads. docs/calibrate.md has their columns.
 #pragma once
 
 #include <string>
@@ -9,29 +9,36 @@
 
 namespace slom::calibration {
 
-/// What is known of the board in others' corner files, which list the corners of each image row by row and do not all say where these lie.
+/// The board of corner files of other programs. They list the corners of each image row by row, and some lack the
+/// positions of the corners.
 struct BoardOfFiles {
   int columns = 0, rows = 0;   ///< corners along a row, and rows; 0: unknown
-  double square_m = 0;         ///< how far corners are apart [m]; 0: unknown
-  std::vector<vec3> points{};  ///< where they lie [m], row by row; empty: in a grid of squares
+  double square_m = 0;         ///< distance between neighbouring corners [m]; 0: unknown
+  std::vector<vec3> points{};  ///< positions of the corners [m], row by row; empty: a grid of squares
 };
 
-/// Reads what a camera saw from a file of lines `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px` below a header of these words, in any
-/// order; a pipe will do. Blank lines and comments, which begin with #, are skipped, but `# image_size_px: 640 x 480` and
-/// `# photo 7: left07.jpg` (the photograph of image 7) are understood. Frames are those of Corner.
-/// Throws the errors of io::openInput; and DataError [slom.calibration.bad-file], naming file and line, for a file without rows, with another
-/// header or with a row of another length, a field that is not a number or too large, and a corner that is listed twice in an image.
-/// Others' files are recognised by their first words: `corners.vnl` of mrcal, XML, YAML and JSON of OpenCV's FileStorage with `image_points`;
-/// [slom.calibration.no-board] if such a file does not say where its corners lie.
+/// Reads the corners of a camera from a file or pipe with the header
+/// `image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px`. Rows may be in any order. Blank lines and comments beginning
+/// with # are skipped, except `# image_size_px: 640 x 480` and `# photo 7: left07.jpg` (the photograph of image 7).
+/// Frames are those of Corner.
+///
+/// Throws the errors of io::openInput. Throws DataError [slom.calibration.bad-file] with file and line in these cases:
+/// no rows, another header, a row of another length, a field that is not a number or too large, a corner that an image
+/// lists twice.
+///
+/// Files of other programs are recognised by their first words: `corners.vnl` of mrcal, XML, YAML and JSON of OpenCV's
+/// FileStorage with `image_points`. If such a file does not contain the positions of its corners, throws
+/// [slom.calibration.no-board].
 CameraData readCorners(const std::string& camera_name, const std::string& file);
 
-/// The same from several files of one camera, as from a recording in parts: image numbers count through all of them, and no image may be in two.
-/// CameraData::file then names all of them, and View::file the one of each view. Also [slom.calibration.bad-file] where an image is in
-/// two files, or the sizes of images in them differ.
+/// Reads several files of one camera, such as the parts of a recording. Image numbers count through all files, and no
+/// image may be in two of them. CameraData::file then names all files, and View::file the file of each view. Also
+/// throws [slom.calibration.bad-file] if an image is in two files, or if the image sizes of the files differ.
 CameraData readCorners(const std::string& camera_name, const std::vector<std::string>& files);
 
-/// Reads `image,ax_m_s2,ay_m_s2,az_m_s2,valid`, readings of an accelerometer at rest [m/s^2]. Rows with valid = 0 are skipped: neither
-/// their reading nor their image is looked at. Throws as readCorners does, for two valid rows of an image, and for no valid row at all.
+/// Reads readings of an accelerometer at rest [m/s^2] from a file with the columns
+/// `image,ax_m_s2,ay_m_s2,az_m_s2,valid`. Rows with valid = 0 are skipped without looking at their reading or image.
+/// Throws as readCorners does, also for two valid rows of an image and for no valid row.
 ImuData readImu(const std::string& file);
 
 /// The files of a camera.
@@ -40,30 +47,32 @@ struct CameraFiles {
   std::vector<std::string> files;
 };
 
-/// Reads all files of a rig, as readCorners and readImu do one by one; `imu_file` may be empty. If image numbers are too large, they are time stamps,
-/// which are paired over all cameras and the IMU (ImageNumbers); `found`, where given, gets them.
+/// Reads all files of a rig, as readCorners and readImu do for single files; `imu_file` may be empty. If image numbers
+/// are too large, they are time stamps, which are paired over all cameras and the IMU (ImageNumbers). If `found` is
+/// given, it receives the numbers.
 Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
                 ImageNumbers* found = nullptr);
 
-/// The same of others' files, with what is known of their board; the error [slom.calibration.unused-board] if no file needs it.
+/// Reads a rig from files of other programs, with their board. Throws [slom.calibration.unused-board] if no file needs
+/// the board.
 Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_file,
                 const BoardOfFiles& board, ImageNumbers* found = nullptr);
 
-/// A calibration target as Kalibr's YAML states it.
+/// A calibration target from Kalibr's YAML.
 struct KalibrTarget {
   enum class Kind { checkerboard, circlegrid, aprilgrid };
   Kind kind = Kind::checkerboard;
   int columns = 0, rows = 0;                       ///< inner corners, circles or tags
   double column_spacing_m = 0, row_spacing_m = 0;  ///< between corners or circles
-  bool is_asymmetric = false;                      ///< circles of odd rows are set off by half a spacing
-  double tag_m = 0, spacing = 0;                   ///< aprilgrid: side of a tag, and gap over side
+  bool is_asymmetric = false;                      ///< circles of odd rows are shifted by half a spacing
+  double tag_m = 0, spacing = 0;                   ///< aprilgrid: side of a tag, and gap / side
 };
 
 /// Reads Kalibr's `target_type: checkerboard`, `circlegrid` or `aprilgrid`. Throws as readCorners does.
 KalibrTarget readKalibrTarget(const std::string& file);
 
-/// The text of a file that readCorners reads; numbers with all digits, so that reading it again gives the same data. Standard deviations
-/// (Corner::sigma) have no column and are left out.
+/// Returns the text of a file for readCorners. Numbers have all digits, so reading the text again gives the same data.
+/// Standard deviations (Corner::sigma) have no column and are left out.
 std::string toCornerFile(const CameraData& camera);
 
 }  // namespace slom::calibration

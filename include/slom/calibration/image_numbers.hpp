@@ -1,5 +1,5 @@
-/// Image numbers as files write them: what has the same number was taken at the same time. Numbers too large for an image number are time
-/// stamps, and images of different cameras are paired where their stamps are nearest.
+/// ImageNumbers: image numbers from files. Entries with the same number were taken at the same time. Numbers too large
+/// for an image number are time stamps. Images of different cameras are then paired with the nearest stamps.
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,22 @@ namespace slom::calibration {
 class ImageNumbers {
  public:
   ImageNumbers() = default;
-  /// By source: whole numbers, digits alone. If all are at most 2147483647, they are the image numbers. Otherwise they are time stamps: images are counted from 1
-  /// in their order, and stamps of different sources are one image where each is the nearest to the other and they differ by at most half of the
-  /// spacing of the stamps within a source, the median one, the smaller of both.
+  /// Reads the whole numbers (only digits) of each source. If all are at most 2147483647, they are the image numbers.
+  /// Otherwise they are time stamps, and images are counted from 1 in their order. Stamps of two sources are one image
+  /// if each is the nearest to the other, and if they differ by at most half the spacing of the stamps. The spacing is
+  /// the median within a source, and the smaller of the two.
   explicit ImageNumbers(const std::vector<std::vector<std::string>>& by_source);
 
-  /// Whether the numbers are time stamps.
+  /// Returns whether the numbers are time stamps.
   bool areStamps() const { return are_stamps_; }
-  /// The image number; `number` is one that the source was said to have.
+  /// Returns the image number. `number` must be one of the numbers given for the source.
   int of(std::size_t source, const std::string& number) const;
-  /// The largest difference within an image, in the unit of the stamps; 0 where all are equal.
+  /// Returns the largest difference within an image, in the unit of the stamps; 0 if all are equal.
   double largestDifference() const { return largest_difference_; }
-  /// How many images have stamps that differ.
+  /// Returns the number of images with stamps that differ.
   std::size_t paired() const { return paired_; }
-  /// The median spacing of the stamps within a source, the smallest of all sources; 0 where no source has two.
+  /// Returns the median spacing of the stamps within a source, the smallest of all sources; 0 if no source has two
+  /// stamps.
   double spacing() const { return spacing_; }
 
  private:
@@ -38,7 +40,8 @@ class ImageNumbers {
   std::size_t paired_ = 0;
 };
 
-/// `image numbers are time stamps, and those of one moment differ by up to 1500 (3 % of their spacing)`; empty where nothing was paired.
+/// Returns a sentence such as `image numbers are time stamps, and those of one moment differ by up to 1500 (3 % of
+/// their spacing)`; empty if nothing was paired.
 std::string sentenceOf(const ImageNumbers& numbers);
 
 }  // namespace slom::calibration

@@ -1,5 +1,5 @@
-/// Camera models by name: how a point in front of a camera becomes a pixel. docs/calibrate.md has their formulas,
-/// docs/extending.md says how to add one.
+/// Camera models by name. A model maps a point in front of a camera to a pixel. docs/calibrate.md has the formulas,
+/// docs/extending.md explains how to add a model.
 #pragma once
 
 #include <optional>
@@ -13,45 +13,46 @@ namespace slom::calibration {
 
 struct ModelDefinition;
 
-/// A lens as another program describes it.
+/// A lens in the form of another program.
 struct ForeignLens {
-  std::string camera_model, distortion_model;    ///< the names that it has there; empty: it needs none
+  std::string camera_model, distortion_model;    ///< the names in that program; empty: it needs none
   std::vector<double> intrinsics, distortion{};  ///< in the order of that program
 };
 
-/// One of the models. Cheap to copy.
+/// A camera model; cheap to copy.
 class Model {
  public:
-  /// The model of this name. DataError [slom.calibration.unknown-model] if there is none.
+  /// Returns the model of this name. Throws DataError [slom.calibration.unknown-model] if there is none.
   explicit Model(std::string_view name);
-  /// A member of the list.
+  /// Creates the model of a definition from the list.
   explicit Model(const ModelDefinition& definition) : definition_(&definition) {}
 
-  /// `opencv5`
+  /// Returns the name, such as `opencv5`.
   const std::string& name() const;
-  /// Names of the parameters, in the model's order.
+  /// Returns the names of the parameters, in the model's order.
   const std::vector<std::string>& parameters() const;
-  /// The parameters that numerator and denominator of the model let run off together where the data leave them open, so that
-  /// a prior keeps them near 0 then (Settings::sigma_denominator); none in most models.
+  /// Returns the parameters for which numerator and denominator of the model can grow together if the data do not
+  /// determine them. In that case a prior keeps them near 0 (Settings::sigma_denominator). Most models have none.
   std::vector<std::string> heldNearZero() const;
-  /// The description of a lens with these parameters, in the model's order; nothing where the program has no such model.
+  /// Returns the description of a lens with these parameters, in the model's order, for OpenCV; nothing if OpenCV has
+  /// no such model.
   std::optional<ForeignLens> forOpencv(const std::vector<double>& parameters) const;
-  /// The same for ROS' camera_info.
+  /// Returns the description for ROS' camera_info.
   std::optional<ForeignLens> forRos(const std::vector<double>& parameters) const;
-  /// The same for Kalibr's camchain.
+  /// Returns the description for Kalibr's camchain.
   std::optional<ForeignLens> forKalibr(const std::vector<double>& parameters) const;
 
   bool operator==(const Model&) const = default;
-  /// Used by the library: formulas, limits and names of the model.
+  /// Returns formulas, limits and names of the model. Used by the library.
   const ModelDefinition& definition() const { return *definition_; }
 
  private:
   const ModelDefinition* definition_;
 };
 
-/// All of them.
+/// Returns all models.
 const std::vector<Model>& allModels();
-/// The models that a comparison tries by default, by rising number of parameters.
+/// Returns the models that a comparison tries by default, by rising number of parameters.
 const std::vector<Model>& comparedModels();
 
 }  // namespace slom::calibration

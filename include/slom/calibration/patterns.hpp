@@ -1,5 +1,5 @@
-/// What residuals have in common where independent noise would have nothing in common: patterns that say why a calibration is less certain
-/// than the noise alone makes it.
+/// Patterns: common properties of residuals that independent noise would not have. They explain why a calibration is
+/// less certain than noise alone would make it.
 #pragma once
 
 #include <cstddef>
@@ -14,44 +14,53 @@ namespace slom::calibration {
 
 struct Result;
 
-/// One suspicion about one camera, put to the test.
+/// A test of one possible pattern in the residuals of one camera.
 struct ResidualPattern {
   enum class Kind {
-    neighbours,   ///< residuals of neighbouring corners within an image; `value`: their correlation
-    board_shape,  ///< corners of the board that are elsewhere; `value`: RMS off the plane [m], `second`: RMS of each coordinate within it [m]
+    neighbours,  ///< correlated residuals of neighbouring corners in an image; `value`: their correlation
+    /// Displaced corners of the board; `value`: RMS off the plane [m], `second`: RMS of each coordinate within the
+    /// plane [m].
+    board_shape,
     image_place,  ///< residuals by place in the image; `value`: RMS of the mean residual, of u and of v [px]
-    drift,  ///< a lens that changes; `value`: change of `parameter` from the first to the last image, in its unit
-    row_readout,  ///< rows that are read out one after the other; `value`: time from the first row to the last, in intervals from one image number to the next
-    time_offset,  ///< a camera that is late, beside the first one; `value`: by how much, in the same intervals
-    motion_blur,  ///< `value`: RMS of residuals along the motion over that across it, where that is faster than in half the images
-    speed,  ///< `value`: RMS of the residuals of the quarter of images with the fastest motion over that of the slowest
-    slant,     ///< the same of the most slanted boards and the most frontal ones
-    distance,  ///< the same of the farthest and the nearest boards
+    drift,  ///< a changing lens; `value`: change of `parameter` from the first to the last image, in its unit
+    /// Rows read out one after another; `value`: time from the first to the last row, in intervals between successive
+    /// image numbers.
+    row_readout,
+    time_offset,  ///< a delay of the camera relative to the first one; `value`: the delay, in these intervals
+    /// `value`: RMS of residuals along the motion / RMS across it, in the half of the images with the faster motion.
+    motion_blur,
+    /// `value`: RMS of the residuals in the quarter of images with the fastest motion / RMS in the quarter with the
+    /// slowest.
+    speed,
+    slant,     ///< the same ratio for the most slanted and the most frontal boards
+    distance,  ///< the same ratio for the farthest and the nearest boards
   };
   Kind kind{};
   std::size_t camera = 0;
   double value = 0, second = std::numeric_limits<double>::quiet_NaN();
-  std::vector<MovedCorner> corners{};  ///< of board_shape: all
-  std::string parameter{};             ///< of drift: the one that changes most clearly
-  /// Share of the squared residuals that the pattern explains, without what noise explains by chance; it may be below 0. NaN for kinds that compare
-  /// sizes of residuals.
+  std::vector<MovedCorner> corners{};  ///< for board_shape: all corners
+  std::string parameter{};             ///< for drift: the parameter that changes most clearly
+  /// Fraction of the squared residuals that the pattern explains, minus what noise explains by chance; may be negative.
+  /// NaN for kinds that compare sizes of residuals.
   double share = std::numeric_limits<double>::quiet_NaN();
-  /// That images without the pattern show as much of it by chance, from all ways to flip the signs of `blocks` blocks of successive images: at
-  /// least 2^(1 - blocks).
+  /// p-value: probability that images without the pattern show as much of it by chance. It comes from all sign flips of
+  /// `blocks` blocks of successive images, and is at least 2^(1 - blocks).
   double probability = 1;
   int blocks = 0;
 
-  /// Whether it is there beyond chance, and large enough to matter.
+  /// Returns whether the pattern is significant and large enough to matter.
   bool isFound() const;
 };
 
-/// `board_shape`
+/// Returns text such as `board_shape`.
 const char* toString(ResidualPattern::Kind kind);
 
-/// Whether another pattern that was found explains this one: where cameras are not simultaneous, rows seem to be read out one after the other.
+/// Returns whether another pattern that was found explains this one. For example, if cameras are not simultaneous,
+/// their rows seem to be read out one after another.
 bool isExplained(const ResidualPattern& pattern, const Result& result);
 
-/// What the pattern says about the images, and the remedy. Throws [slom.calibration.bad-question] where the result has no such camera.
+/// Returns what the pattern says about the images, and the remedy. Throws [slom.calibration.bad-question] if the result
+/// has no such camera.
 std::string sentenceOf(const ResidualPattern& pattern, const Result& result);
 
 }  // namespace slom::calibration

@@ -1,4 +1,4 @@
-/// How sure it is where a calibrated camera sees a point, asked pixel by pixel.
+/// PixelUncertainty: the uncertainty of the pixel where a calibrated camera sees a point, for any pixel.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +17,29 @@ namespace slom::calibration {
 struct PixelCovariance {
   double uu = 0, uv = 0, vv = 0;
 
-  /// 2 x 2 [px^2].
+  /// Returns the 2 x 2 matrix [px^2].
   Eigen::Matrix2d matrix() const { return Eigen::Matrix2d{{uu, uv}, {uv, vv}}; }
-  /// The standard deviation in the direction in which it is largest [px].
+  /// Returns the standard deviation in the direction in which it is largest [px].
   double largestStd() const;
 };
 
-/// A point that stands still before the rig is seen in a pixel. A calibration from other images of the same boards would project it to
-/// another one: how far away, to first order, is the projection uncertainty. It includes what the lens, the pose in the rig and
-/// the frame of the calibration leave open, and no error of the images to come. It is for errors that images share (Result::clustered), where there are images enough, and as stated
-/// otherwise. `Quality` holds the same over a grid.
+/// Projection uncertainty. A fixed point in front of the rig is seen in a pixel. A calibration from other images of the
+/// same boards would project the point to another pixel. The projection uncertainty is the distance between the two, to
+/// first order. It includes what the lens, the pose in the rig and the frame of the calibration leave open, but no
+/// error of future images. It is for errors that images share (Result::clustered) if there are enough images, otherwise
+/// for the stated errors. `Quality` has it over a grid.
 ///   source   mrcal, https://mrcal.secretsauce.net/uncertainty.html
 class PixelUncertainty {
  public:
-  /// Takes time proportional to the corners. `result` is calibrate(data, settings). Throws DataError
-  /// [slom.calibration.no-result] where the result did not succeed or is of other cameras or images.
+  /// Prepares the queries. `result` must be calibrate(data, settings). Takes time proportional to the number of
+  /// corners. Throws DataError [slom.calibration.no-result] if the result did not succeed or has other cameras or
+  /// images.
   PixelUncertainty(const Dataset& data, const Result& result);
 
-  /// The covariance of the image of the point that is seen at `pixel` in camera `camera`, an index into Result::cameras, at this distance from the
-  /// camera [m]; infinite: of a direction. Nothing where the model has no ray for the pixel. Throws DataError [slom.calibration.bad-question] for
-  /// a camera that is not there, a pixel that is not finite or a distance that is not positive. May be called by several threads.
+  /// Returns the covariance of the image of a point that camera `camera` sees at `pixel` and at this distance [m];
+  /// infinite: a direction. `camera` is an index into Result::cameras. Returns nothing if the model has no ray for the
+  /// pixel. Throws DataError [slom.calibration.bad-question] for a camera that does not exist, a pixel that is not
+  /// finite or a distance that is not positive. Several threads may call it.
   std::optional<PixelCovariance> at(std::size_t camera, const vec2& pixel,
                                     double distance_m = std::numeric_limits<double>::infinity()) const;
 

@@ -1,4 +1,4 @@
-/// Rolling shutters: cameras that read out the rows of an image one after the other.
+/// Rolling shutters: cameras that read out the rows of an image one after another.
 #pragma once
 
 #include <limits>
@@ -12,8 +12,8 @@ namespace slom::calibration {
 struct Dataset;
 struct Result;
 
-/// The time from the reading of the first row of an image to that of the last one, in intervals from one image number to the next. Below 0: the rows are
-/// read upwards.
+/// The time from the reading of the first row of an image to that of the last row, in intervals between successive
+/// image numbers. If negative, the rows are read upwards.
 struct Readout {
   double value = 0;
   double std = std::numeric_limits<double>::quiet_NaN();  ///< for noise alone
@@ -21,16 +21,17 @@ struct Readout {
       std::numeric_limits<double>::quiet_NaN();  ///< for errors that successive images share
 };
 
-/// What residuals of a fit without readout say about it.
+/// What residuals of a fit without readout say about a rolling shutter.
 struct ReadoutTrial {
   Readout readout;  ///< to first order
-  double probability =
-      1;  ///< that images without readout show as much by chance (ResidualPattern::probability)
-  /// Whether it is there beyond chance.
+  /// p-value: that images without readout show as much by chance (ResidualPattern::probability).
+  double probability = 1;
+  /// Returns whether a readout is significant.
   bool isFound() const;
 };
 
-/// By camera, of a result that succeeded; nothing where corners are not known to move. `data` as passed to calibrate().
+/// Returns a trial for each camera of a successful result; nothing if its corners are not known to move. `data` must be
+/// those passed to calibrate().
 std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& data, const Result& result);
 
 }  // namespace slom::calibration

@@ -1,4 +1,4 @@
-/// A map that grows pose by pose, with short fits on the way.
+/// buildUp: start values from a map that grows pose by pose, with short fits in between.
 #pragma once
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 
 namespace slom::initialize {
 
-/// How often the growing map is fitted, and how long.
+/// How often and how long the growing map is fitted.
 struct BuildUpOptions {
-  double growth = 0.1;    ///< a fit follows when the map has grown by this part since the last one
-  int least_growth = 10;  ///< poses
-  int iterations = 4;     ///< of each fit, at most
+  double growth = 0.1;    ///< relative growth of the map since the last fit after which the next one follows
+  int least_growth = 10;  ///< minimum growth between fits, in poses
+  int iterations = 4;     ///< maximum number of iterations of each fit
 };
 
 namespace detail {
@@ -30,8 +30,8 @@ inline void fitShortly(Estimator& est, int iterations) {
   (void)est.optimize(options);  // a start need not have converged
 }
 
-/// A whole graph in an estimator, to compare values of it. A model with a function insertOthers, as io::PoseGraphModel has, inserts
-/// measurements of other kinds.
+/// A whole graph in an estimator, to compare its values. If a model has a function insertOthers, as io::PoseGraphModel
+/// has, it inserts measurements of other kinds.
 template <class Graph, class Model>
 class WholeMap {
  public:
@@ -47,7 +47,7 @@ class WholeMap {
     if constexpr (requires { model.insertOthers(est_, graph, poses_, landmarks_); })
       model.insertOthers(est_, graph, poses_, landmarks_);
   }
-  /// The RSS at the current values of the graph.
+  /// Returns the RSS at the current values of the graph.
   double rss() {
     for (std::size_t p = 0; p < poses_.size(); ++p) est_.reinitRV(poses_[p], graph_.poses[p].value);
     for (std::size_t l = 0; l < landmarks_.size(); ++l)
@@ -64,10 +64,9 @@ class WholeMap {
 
 }  // namespace detail
 
-/// Adds one pose after the other, as spanning_tree.hpp's growth() orders them, and fits the map for a few
-/// iterations whenever it has grown by a part of itself and has been seen again since. Landmarks close loops
-/// too. Takes some ten times as long as a fit of all. Throws Unreached, and what inserting measurements
-/// throws.
+/// Adds one pose after another, in the order of growth() (spanning_tree.hpp). Fits the map for a few iterations
+/// whenever it has grown by BuildUpOptions::growth and a loop may have closed since. Landmarks close loops, too. Takes
+/// about 10 times as long as a fit of the whole map. Throws Unreached, and as inserting measurements does.
 template <class Graph, class Model = RelationModel>
 void buildUp(Graph& graph, const BuildUpOptions& options = {}, const Model& model = {}) {
   const std::vector<char> fixed = detail::fixedPoses(graph);
@@ -93,7 +92,7 @@ void buildUp(Graph& graph, const BuildUpOptions& options = {}, const Model& mode
   map.writeTo(graph);
 }
 
-/// The RSS of a graph at its values.
+/// Returns the RSS of a graph at its values.
 template <class Graph, class Model = RelationModel>
 double rssOf(const Graph& graph, const Model& model = {}) {
   (void)detail::edgesOf(graph);  // checks them

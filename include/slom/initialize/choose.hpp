@@ -1,4 +1,4 @@
-/// The best of several starts.
+/// Choice of the best of several starts.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace slom::initialize {
 
-/// Leaves the values of the start with the lowest RSS, of equal ones the first. `find(graph, start)` gives
-/// the values of a start. Where no start can be found, throws what the last one threw.
+/// Gives the graph the values of the start with the lowest RSS; of equal ones, the first. `find(graph, start)` computes
+/// the values of a start. If no start can be found, throws what the last one threw.
 template <class Graph, class Find, class Model>
 Choice chooseStart(Graph& graph, const std::vector<Start>& candidates, const Find& find, const Model& model) {
   (void)detail::edgesOf(graph);  // checks them
@@ -69,8 +69,8 @@ void findStart(Graph& graph, Start start, const Model& model = {}) {
   }
 }
 
-/// Odometry, spanning tree and chordal relaxation; where there are landmarks, which may close loops that
-/// edges do not, also the build-up. Keeps the one with the lowest RSS. Throws Unreached.
+/// Tries odometry, spanning tree and chordal relaxation. If there are landmarks, which may close loops that edges do
+/// not close, also tries the build-up. Keeps the start with the lowest RSS. Throws Unreached.
 template <class Graph, class Model = RelationModel>
 Choice findBestStart(Graph& graph, const Model& model = {}) {
   std::vector<Start> candidates{Start::odometry, Start::spanning_tree, Start::chordal};

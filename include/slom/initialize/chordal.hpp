@@ -1,4 +1,4 @@
-/// Poses from all edges at once, by two linear least-squares problems.
+/// chordal: start values from all edges at once, by two linear least-squares problems.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace slom::initialize {
 
-/// What chordal relaxation needs to know of a pose type: the dimension of its world, 2 or 3; its rotation
-/// matrix and its position; which entries of the tangent space are position and rotation. This one is for
-/// types with members `orient` and `pos`, as mtk::trafo; specialise it for others.
+/// What chordal relaxation needs of a pose type: the dimension of its world, 2 or 3, its rotation matrix and its
+/// position, and which entries of the tangent space are position and rotation. This template is for types with members
+/// `orient` and `pos`, such as mtk::trafo. Specialise it for other types.
 template <class Pose>
 struct PoseParts {
   static constexpr int dim = Pose::DIM;
@@ -24,13 +24,13 @@ struct PoseParts {
   using Matrix = Eigen::Matrix<double, dim, dim, Eigen::DontAlign>;
   using Vector = Eigen::Matrix<double, dim, 1, Eigen::DontAlign>;
 
-  /// The rotation matrix, dim x dim.
+  /// Returns the rotation matrix, dim x dim.
   static Matrix rotation(const Pose& pose) { return pose.orient.toRotationMatrix(); }
-  /// The position in the world.
+  /// Returns the position in the world.
   static Vector position(const Pose& pose) { return pose.pos; }
-  /// Replaces the rotation, by an orthonormal matrix.
+  /// Sets the rotation to an orthonormal matrix.
   static void setRotation(Pose& pose, const Matrix& R) { pose.orient = typename Pose::Rotation(R); }
-  /// Replaces the position.
+  /// Sets the position.
   static void setPosition(Pose& pose, const Vector& t) { pose.pos = t; }
 };
 
@@ -66,7 +66,7 @@ void relaxRotations(Graph& graph, const std::vector<char>& fixed) {
   }
 }
 
-/// Landmarks are blocks after the poses.
+/// Relaxes the positions. Landmarks are blocks after the poses.
 template <class Graph>
 void relaxPositions(Graph& graph, const std::vector<char>& fixed) {
   using Parts = PoseParts<PoseOf<Graph>>;
@@ -108,18 +108,16 @@ void relaxPositions(Graph& graph, const std::vector<char>& fixed) {
 
 }  // namespace detail
 
-/// First the rotations: min sum w |R_j - R_i Z_ij|_F^2 over matrices R that need not be rotations, which is
-/// linear; then each matrix is replaced by the rotation nearest to it. Then the positions of poses and
-/// landmarks: min sum w |t_j - t_i - R_i t_ij|^2. w is the mean of the diagonal of the information. Fixed
-/// poses and landmarks keep their values. Throws Unreached, [slom.bad-information],
-/// [slom.undetermined-start].
-///   source   Carlone, Tron, Daniilidis and Dellaert, "Initialization techniques for 3D SLAM: a survey on
-///   rotation estimation
-///            and its use in pose graph optimization", ICRA 2015, section III.B
+/// Computes first rotations, then positions. The rotations minimise sum w |R_j - R_i Z_ij|_F^2 over matrices R that
+/// need not be rotations. This is a linear problem. Then each matrix is replaced by the nearest rotation. The positions
+/// of poses and landmarks minimise sum w |t_j - t_i - R_i t_ij|^2. w is the mean of the diagonal of the information.
+/// Fixed poses and landmarks keep their values. Throws Unreached, [slom.bad-information], [slom.undetermined-start].
+///   source   Carlone, Tron, Daniilidis and Dellaert, "Initialization techniques for 3D SLAM: a survey on rotation
+///            estimation and its use in pose graph optimization", ICRA 2015, section III.B
 template <class Graph>
 void chordal(Graph& graph) {
   const std::vector<char> fixed = detail::fixedPoses(graph);
-  (void)spanningTree(fixed, detail::edgesOf(graph));  // throws where a pose is not reached
+  (void)spanningTree(fixed, detail::edgesOf(graph));  // throws if a pose is not reached
   detail::relaxRotations(graph, fixed);
   detail::relaxPositions(graph, fixed);
 }

@@ -1,4 +1,4 @@
-/// A map that grows pose by pose, as a robot drives.
+/// GrowingMap: a map that grows pose by pose, as when a robot drives.
 ///
 ///     GrowingMap<io::PoseGraph<io::Pose2>, io::PoseGraphModel> map(est, graph);
 ///     for (int i = 0; i < poses; ++i) {
@@ -17,16 +17,16 @@
 
 namespace slom::initialize {
 
-/// The part of a graph that is in an estimator. Variables of graphs whose nodes have an `id` are named by it: `pose 17`,
-/// `landmark 3`.
+/// The part of a graph that is in an estimator. If the nodes of the graph have an `id`, variables are named by it:
+/// `pose 17`, `landmark 3`.
 template <class Graph, class Model = RelationModel>
 class GrowingMap {
  public:
   using Pose = detail::PoseOf<Graph>;
   using Point = detail::PointOf<Graph>;
 
-  /// Inserts nothing yet. The estimator and the graph must outlive this object. Throws [slom.no-such-node] where an edge or a sighting
-  /// names a node that the graph does not have.
+  /// Prepares the map without inserting anything. The estimator and the graph must outlive this object. Throws
+  /// [slom.no-such-node] if an edge or a sighting names a node that the graph does not have.
   GrowingMap(Estimator& est, const Graph& graph, const Model& model = {})
       : est_(est),
         graph_(graph),
@@ -46,8 +46,8 @@ class GrowingMap {
       sightings_at_[index(graph.sightings[s].from)].push_back(s);
   }
 
-  /// Inserts pose p, the edges between it and the poses that are there, what it sees, and landmarks that nothing saw before, where it
-  /// sees them. Returns whether more measurements came than determine what is new: a loop may have closed.
+  /// Inserts pose p, the edges between it and the present poses, and what it sees. New landmarks are inserted where the
+  /// pose sees them. Returns whether there are more measurements than determine what is new: a loop may have closed.
   bool add(int p, const Pose& start, bool is_fixed) {
     const std::size_t i = index(p);
     poses_[i] = insertNode(start, !is_fixed, graph_.poses[i], "pose ");
@@ -76,11 +76,11 @@ class GrowingMap {
     }
     return has_closed;
   }
-  /// The same at startOf(p), fixed as the graph says.
+  /// Inserts pose p at startOf(p), fixed if the graph says so.
   bool add(int p) { return add(p, startOf(p), graph_.poses[index(p)].fixed); }
 
-  /// Where the edge from the pose that came last puts pose p. The pose of the graph where it is fixed, or where no edge leads to it from
-  /// poses that are there.
+  /// Returns the start value of pose p: where the edge from the latest pose puts it. If pose p is fixed, or if no edge
+  /// leads to it from present poses, returns the value in the graph.
   Pose startOf(int p) const {
     const auto& node = graph_.poses[index(p)];
     Pose start = node.value;
@@ -96,11 +96,11 @@ class GrowingMap {
     return start;
   }
 
-  /// Not valid before it was added; a landmark, before it was seen.
+  /// Returns the variable of pose p. The handle is not valid before the pose is added.
   const VarID<Pose>& pose(int p) const { return poses_[index(p)]; }
-  /// The variable of landmark l of the graph, as pose() does of poses.
+  /// Returns the variable of landmark l. The handle is not valid before the landmark is seen.
   const VarID<Point>& landmark(int l) const { return landmarks_[index(l)]; }
-  /// The same map in another estimator, at the present values: the batch fit of what is there.
+  /// Returns the present map in another estimator, at the present values, for a batch fit.
   GrowingMap copyTo(Estimator& est) const {
     GrowingMap copy(est, graph_, model_);
     for (std::size_t k = 0; k < order_.size(); ++k) copy.add(order_[k], *pose(order_[k]), is_fixed_[k] != 0);
@@ -109,7 +109,7 @@ class GrowingMap {
     }
     return copy;
   }
-  /// Writes the values of what is there into the nodes of such a graph.
+  /// Writes the present values into the nodes of such a graph.
   void writeTo(Graph& graph) const {
     for (std::size_t p = 0; p < poses_.size(); ++p) {
       if (poses_[p].isValid()) graph.poses[p].value = *poses_[p];
@@ -136,7 +136,7 @@ class GrowingMap {
   Model model_;
   std::vector<VarID<Pose>> poses_;
   std::vector<VarID<Point>> landmarks_;
-  std::vector<int> rank_;   // place of each pose in order_; -1: it is not there
+  std::vector<int> rank_;   // place of each pose in order_; -1: not added
   std::vector<int> order_;  // poses in the order of insertion
   std::vector<char> is_fixed_;
   std::vector<std::vector<std::size_t>> edges_at_, sightings_at_;

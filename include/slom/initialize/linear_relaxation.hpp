@@ -1,4 +1,4 @@
-/// Linear least squares between blocks that differ by rotations and offsets: what chordal relaxation solves.
+/// LinearRelaxation: linear least squares between blocks that differ by rotations and offsets, for chordal relaxation.
 #pragma once
 
 #include <vector>
@@ -7,21 +7,20 @@
 
 namespace slom::initialize {
 
-/// Finds the blocks X_k, each rows x columns, that minimise sum w |X_j - M X_i - C|^2, with orthogonal M;
-/// fixed blocks keep their value. The columns share one factorisation, by slom::BlockSolver. Matrices
-/// are column-major.
+/// Finds the blocks X_k, each rows x columns, that minimise sum w |X_j - M X_i - C|^2, with orthogonal M. Fixed blocks
+/// keep their values. The columns share one factorisation, by slom::BlockSolver. Matrices are column-major.
 class LinearRelaxation {
  public:
-  /// No blocks yet; each will be rows x columns.
+  /// Creates a relaxation without blocks. Each block will be rows x columns.
   LinearRelaxation(int rows, int columns) : rows_(rows), columns_(columns) {}
 
-  /// Blocks are numbered from 0 on. One with a `value` keeps it.
+  /// Adds a block; blocks are numbered from 0 on. A block with a `value` keeps it.
   void addBlock(const double* value = nullptr);
-  /// Adds w |X_j - M X_i - C|^2. Throws [slom.bad-information] when w is not positive and finite.
+  /// Adds w |X_j - M X_i - C|^2. Throws [slom.bad-information] if w is not positive and finite.
   void add(double w, int i, int j, const double* M, const double* C);
-  /// False, with the blocks unchanged, where they are not determined.
+  /// Solves for the blocks. Returns false, with the blocks unchanged, if they are not determined.
   bool solve();
-  /// The block's entries, column-major.
+  /// Returns the block's entries, column-major.
   const double* value(int block) const;
 
  private:
@@ -41,7 +40,7 @@ class LinearRelaxation {
 namespace detail {
 /// Replaces an N x N matrix, N = 2 or 3, by the rotation nearest to it in the Frobenius norm.
 void nearestRotation(int N, double* M);
-/// [slom.undetermined-start]
+/// Throws [slom.undetermined-start].
 [[noreturn]] void raiseUndetermined();
 }  // namespace detail
 

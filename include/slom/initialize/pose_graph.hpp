@@ -1,4 +1,4 @@
-/// A map before it is fitted: poses, landmarks, and measurements of where one was seen from another.
+/// PoseGraph: a map before the fit, with poses, landmarks and relative measurements between them.
 ///
 ///     slom::initialize::PoseGraph<Pose, mtk::vect<2>> graph;
 ///     const int a = graph.addPose(Pose(), true), b = graph.addPose();
@@ -6,12 +6,12 @@
 ///     const int l = graph.addLandmark();
 ///     graph.addSighting(b, l, l_in_b);
 ///
-/// The functions of this folder find start values for it (slom/initialize.hpp). They take any structure with
-/// these members: `poses` and `landmarks`, whose elements have `value` and `fixed`; `edges` and `sightings`,
-/// whose elements have `from`, `to`, `measured` and `information`.
+/// The functions of slom/initialize.hpp find start values for it. They accept any structure with these members: `poses`
+/// and `landmarks`, whose elements have `value` and `fixed`; `edges` and `sightings`, whose elements have `from`, `to`,
+/// `measured` and `information`.
 ///
-/// A pose is world_T_body: the datum of an edge is a^-1 b, that of a sighting a^-1 l. A pose type offers `a *
-/// b`, `a.inverse()` and, where there are landmarks, `a * landmark`. mtk::trafo does; a user's own type may.
+/// A pose is world_T_body. The datum of an edge is a^-1 b, that of a sighting a^-1 l. A pose type must have `a * b`,
+/// `a.inverse()` and, if there are landmarks, `a * landmark`. mtk::trafo has them; other types may be used, too.
 #pragma once
 
 #include <vector>
@@ -27,7 +27,7 @@ namespace slom::initialize {
 template <class Value>
 struct Node {
   Value value = Value();
-  bool fixed = false;  ///< it is fixed at its value, so that the map cannot float
+  bool fixed = false;  ///< keeps its value, so that the map does not float
 };
 
 /// A measurement between two nodes, with its information matrix.
@@ -35,11 +35,11 @@ template <class Datum>
 struct Edge {
   using Information = Eigen::Matrix<double, mtk::DOF_v<Datum>, mtk::DOF_v<Datum>, Eigen::DontAlign>;
 
-  int from = 0;  ///< index of the pose that sees
-  int to = 0;    ///< index of the pose or landmark that is seen
+  int from = 0;  ///< index of the observing pose
+  int to = 0;    ///< index of the observed pose or landmark
   Datum measured;
-  Information information =
-      Information::Identity();  ///< inverse of the datum's covariance, in the order of its tangent space
+  /// Inverse of the datum's covariance, in the order of its tangent space.
+  Information information = Information::Identity();
 };
 
 /// A pose graph in memory, for maps that do not come from files.
@@ -53,22 +53,22 @@ struct PoseGraph {
   std::vector<Edge<Pose>> edges;
   std::vector<Edge<Landmark>> sightings;
 
-  /// Returns its index. Where no pose is fixed, the first one keeps its value.
+  /// Adds a pose and returns its index. If no pose is fixed, the first one keeps its value.
   int addPose(const Pose& value = Pose(), bool fixed = false) {
     poses.push_back({value, fixed});
     return static_cast<int>(poses.size()) - 1;
   }
-  /// Returns its index among the landmarks.
+  /// Adds a landmark and returns its index among the landmarks.
   int addLandmark(const Landmark& value = Landmark(), bool fixed = false) {
     landmarks.push_back({value, fixed});
     return static_cast<int>(landmarks.size()) - 1;
   }
-  /// A relative pose from^-1 to, as measured.
+  /// Adds a measured relative pose, from^-1 to.
   void addEdge(int from, int to, const Pose& measured,
                const typename Edge<Pose>::Information& information = Edge<Pose>::Information::Identity()) {
     edges.push_back({from, to, measured, information});
   }
-  /// A landmark in the frame of a pose, as measured.
+  /// Adds a measured landmark in the frame of a pose.
   void addSighting(
       int from, int to, const Landmark& measured,
       const typename Edge<Landmark>::Information& information = Edge<Landmark>::Information::Identity()) {

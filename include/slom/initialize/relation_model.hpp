@@ -1,4 +1,4 @@
-/// How a graph becomes measurements of an estimator.
+/// RelationModel: conversion of a graph to measurements of an estimator.
 #pragma once
 
 #include "slom/estimator.hpp"
@@ -7,13 +7,12 @@
 
 namespace slom::initialize {
 
-/// How a graph becomes measurements of an estimator: edges as slom::RelativePose, sightings as
-/// slom::Landmark; of pose types without `orient` and `pos` as a^-1 b [-] z and a^-1 l - z. Functions of this
-/// folder take any class with these members.
+/// Inserts edges as slom::RelativePose and sightings as slom::Landmark. For pose types without `orient` and `pos`, the
+/// residuals are a^-1 b [-] z and a^-1 l - z. The functions of slom/initialize.hpp accept any class with these members.
 struct RelationModel {
   Loss loss;
 
-  /// Called once before the first insertion: for variables that the model's measurements share.
+  /// Called once before the first insertion, for variables that the model's measurements share.
   void prepare(Estimator&) const {}
   /// Inserts the measurement of an edge between two poses.
   template <class Pose>

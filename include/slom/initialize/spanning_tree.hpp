@@ -1,4 +1,4 @@
-/// Poses by composing one edge after the other.
+/// Start values from composing one edge after another.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace slom::initialize {
 
-/// No edge leads to a pose.
+/// Error for a pose that no edge leads to.
 class Unreached : public mtk::Error {
  public:
-  /// [slom.unreached-pose], naming the pose.
+  /// Creates the error [slom.unreached-pose] with the name of the pose.
   explicit Unreached(int pose);
-  /// Index of the pose.
+  /// Returns the index of the pose.
   int pose() const { return pose_; }
 
  private:
@@ -25,25 +25,25 @@ struct Ends {
   int from = 0, to = 0;
 };
 
-/// An edge that is followed from a pose that is known to one that is not.
+/// An edge that is followed from a known pose to an unknown one.
 struct TreeStep {
   int edge = 0;
   int parent = 0, child = 0;  ///< poses
-  bool is_forward = true;     ///< parent is where the edge comes from
+  bool is_forward = true;     ///< the edge begins at parent
 };
 
-/// Breadth first from all fixed poses (from pose 0 if there is none), so that as few edges as possible lead to
-/// each pose. Throws Unreached.
+/// Returns a breadth-first tree from all fixed poses (from pose 0 if there is none), so that each pose is reached by
+/// the fewest edges. Throws Unreached.
 std::vector<TreeStep> spanningTree(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
-/// The same along edges between i and i + 1 alone.
+/// Returns the steps along edges between i and i + 1 only. Throws Unreached.
 std::vector<TreeStep> odometryChain(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
-/// The order in which a map grows: always the pose of the smallest index that an edge connects with one that
-/// is there, by the edge from the nearest index. Throws Unreached.
+/// Returns the order in which a map grows. The next pose is always the one of smallest index that an edge connects with
+/// a present pose. The edge is the one from the nearest index. Throws Unreached.
 std::vector<TreeStep> growth(const std::vector<char>& is_fixed, const std::vector<Ends>& edges);
 
 namespace detail {
 
-/// Throws [slom.no-such-node] where an end is not below the number of nodes.
+/// Throws [slom.no-such-node] if an end is not below the number of nodes.
 void requireNodes(const std::vector<Ends>& ends, std::size_t sources, std::size_t targets, const char* kind);
 
 template <class Edges>
@@ -54,7 +54,7 @@ std::vector<Ends> endsOf(const Edges& edges) {
   return ends;
 }
 
-/// The ends of all edges, checked.
+/// Returns the ends of all edges after checking them.
 template <class Graph>
 std::vector<Ends> edgesOf(const Graph& graph) {
   std::vector<Ends> edges = endsOf(graph.edges);
@@ -63,7 +63,7 @@ std::vector<Ends> edgesOf(const Graph& graph) {
   return edges;
 }
 
-/// Which poses keep their value: the first one where none is fixed.
+/// Returns which poses keep their value: the fixed ones, or the first one if none is fixed.
 template <class Graph>
 std::vector<char> fixedPoses(const Graph& graph) {
   std::vector<char> fixed;
@@ -77,7 +77,7 @@ std::vector<char> fixedPoses(const Graph& graph) {
   return fixed;
 }
 
-/// The pose that a step leads to from its parent: parent * edge, or parent * edge^-1.
+/// Returns the pose that a step leads to from its parent: parent * edge, or parent * edge^-1.
 template <class Graph, class Pose>
 Pose follow(const Graph& graph, const TreeStep& step, const Pose& parent) {
   const auto& z = graph.edges[static_cast<std::size_t>(step.edge)].measured;
@@ -94,7 +94,7 @@ void compose(Graph& graph, const std::vector<TreeStep>& tree) {
 
 }  // namespace detail
 
-/// Each landmark where the first pose that sees it puts it.
+/// Sets each landmark to the place where the first pose that observes it puts it.
 template <class Graph>
 void placeLandmarks(Graph& graph) {
   std::vector<char> is_placed(graph.landmarks.size(), 0);
@@ -106,14 +106,14 @@ void placeLandmarks(Graph& graph) {
   }
 }
 
-/// All poses along the fewest edges from the fixed ones, then the landmarks. Throws Unreached.
+/// Sets all poses along the fewest edges from the fixed ones, then the landmarks. Throws Unreached.
 template <class Graph>
 void alongSpanningTree(Graph& graph) {
   detail::compose(graph, spanningTree(detail::fixedPoses(graph), detail::edgesOf(graph)));
   placeLandmarks(graph);
 }
 
-/// All poses along the edges between pose i and pose i + 1, then the landmarks. Throws Unreached.
+/// Sets all poses along the edges between pose i and pose i + 1, then the landmarks. Throws Unreached.
 template <class Graph>
 void alongOdometry(Graph& graph) {
   detail::compose(graph, odometryChain(detail::fixedPoses(graph), detail::edgesOf(graph)));

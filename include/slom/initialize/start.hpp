@@ -1,4 +1,4 @@
-/// Names of the ways to find start values.
+/// Ways to find start values, and their names.
 #pragma once
 
 #include <utility>
@@ -9,16 +9,16 @@
 namespace slom::initialize {
 
 enum class Start {
-  given,          ///< the values that are there
-  odometry,       ///< edges between poses i and i + 1, one after the other
+  given,          ///< the present values
+  odometry,       ///< edges between poses i and i + 1, one after another
   spanning_tree,  ///< the fewest edges from the fixed poses
   chordal,        ///< all edges at once, rotations first
-  build_up        ///< pose by pose, with short fits on the way
+  build_up        ///< pose by pose, with short fits in between
 };
-/// "spanning tree"
+/// Returns the name, such as "spanning tree".
 const char* toString(Start start);
 
-/// The RSS that each start has; infinite where it cannot be found.
+/// The chosen start, and the RSS of each; infinite for a start that cannot be found.
 struct Choice {
   Start start = Start::given;
   std::vector<std::pair<Start, double>> costs;

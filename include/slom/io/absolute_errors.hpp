@@ -1,4 +1,4 @@
-/// Errors of what g2o's files measure in the frame of the world.
+/// Residuals of g2o's measurements in the frame of the world.
 #pragma once
 
 #include "mtk/mtk.hpp"
@@ -6,19 +6,19 @@
 
 namespace slom::io {
 
-/// A pose x, the place o of a sensor on it, and the measurement z of where that sensor is in the world.
-///   residual  translation and rotation of z^-1 (x o), as slom::RelativePose has them
+/// Prior of a pose x, or of a sensor at place o on it; z is the measured pose of the sensor in the world.
+///   residual  translation and rotation of z^-1 (x o), as in slom::RelativePose
 ///   source    g2o, EdgeSE3Prior and EdgeSE2Prior
 struct PosePriorError {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& x, const auto& o) const { return x * o; }
-  /// z^-1 y, as of slom::RelativePose.
+  /// Returns z^-1 y as in slom::RelativePose.
   static auto residualFromDatum(const auto& y, const auto& z) {
     return RelativePose::residualFromDatum(y, z);
   }
 };
 
-/// The same in space with the vector part of the unit quaternion with w >= 0, as g2o has it.
+/// PosePriorError in space with the vector part of the unit quaternion with w >= 0, as in g2o.
 struct PosePriorQuaternionError {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& x, const auto& o, const auto& z) const {

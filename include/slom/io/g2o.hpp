@@ -7,20 +7,21 @@
 
 namespace slom::io {
 
-/// Reads a pose graph, of the plane or of space, from a file of g2o or TORO; a pipe will do. Vertices that lines FIX name are
-/// fixed; edges of a file without vertices get vertices with the value identity. Information matrices are taken as they are: the
-/// estimator refuses those that are not positive definite.
-/// Throws the errors of openInput; [slom.io.empty-file], [slom.io.no-edges]; and, naming file and line, [slom.io.bad-line] for a line
-/// that is not as its tag asks, [slom.io.bad-graph] where the vertices are not those that edges name.
+/// Reads a pose graph, in the plane or in space, from a file of g2o or TORO, or a pipe. Vertices named by FIX lines are
+/// fixed. If a file has no vertices, the vertices of its edges have the identity as value. Information matrices are not
+/// checked here; the estimator refuses those that are not positive definite. Throws the errors of openInput,
+/// [slom.io.empty-file] and [slom.io.no-edges]. With file and line, throws [slom.io.bad-line] for a line that does not
+/// fit its tag, and [slom.io.bad-graph] if the vertices are not those that edges name.
 AnyPoseGraph readPoseGraph(const std::string& file);
 
-/// The text of a file of g2o: all vertices, a line FIX for each fixed one, all edges; numbers with all digits, so that reading
-/// it again gives the same graph. A graph that came from a file of TORO is written in g2o's format, too.
+/// Returns the text of a g2o file: all vertices, a FIX line for each fixed one, all edges. Numbers have all digits, so
+/// reading the text again gives the same graph. A graph from a TORO file is written in g2o's format, too.
 template <class Pose>
 std::string toG2o(const PoseGraph<Pose>& graph);
 
-/// The text of a file of TORO, likewise; rotations in space as roll, pitch and yaw, at any pitch. Lines FIX are those of g2o; TORO itself keeps
-/// the first pose. Information matrices are written as they are. Throws [slom.io.no-toro] for a graph with landmarks or priors.
+/// Returns the text of a TORO file. Rotations in space are written as roll, pitch and yaw, at any pitch. FIX lines are
+/// as in g2o; TORO itself keeps the first pose. Information matrices are written unchanged. Throws [slom.io.no-toro]
+/// for a graph with landmarks or priors.
 template <class Pose>
 std::string toToro(const PoseGraph<Pose>& graph);
 

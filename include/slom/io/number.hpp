@@ -1,4 +1,4 @@
-/// Numbers as people write them into files.
+/// Numbers as people write them in files.
 #pragma once
 
 #include <charconv>
@@ -9,8 +9,8 @@
 
 namespace slom::io {
 
-/// Reads all of `text` as one number, in the notation of C whatever the locale; a + may stand before it. Returns false, with
-/// `value` unchanged or not, where the text is anything else or the number is out of range. `inf` and `nan` are numbers.
+/// Reads all of `text` as one number, in the notation of C for every locale; a + may precede it. `inf` and `nan` are
+/// numbers. Returns false if the text is anything else or the number is out of range; `value` is then unspecified.
 template <class T>
 bool parseNumber(std::string_view text, T& value) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);

@@ -1,10 +1,9 @@
-/// A pose graph as it stands in a file (slom/io/g2o.hpp): poses and landmarks, in the plane or in space, and where one was seen
-/// from another.
+/// PoseGraph: the content of a pose graph file (slom/io/g2o.hpp). It has poses and landmarks, in the plane or in space,
+/// and relative measurements.
 ///
-/// A pose is world_T_body. The datum of an edge from a to b is a^-1 b, that of a sighting of landmark l is a^-1 l. Priors measure poses in the
-/// frame of the world. The functions of
-/// slom/initialize.hpp, which find start values, take these graphs as they are; slom/io/pose_graph_model.hpp inserts them into
-/// an estimator.
+/// A pose is world_T_body. The datum of an edge from a to b is a^-1 b, that of a sighting of landmark l is a^-1 l.
+/// Priors measure poses in the frame of the world. The functions of slom/initialize.hpp find start values for these
+/// graphs. slom/io/pose_graph_model.hpp inserts them into an estimator.
 #pragma once
 
 #include <cstddef>
@@ -41,31 +40,32 @@ using Symmetric = Eigen::Matrix<double, N, N, Eigen::DontAlign>;
 /// A pose or a landmark.
 template <class Value>
 struct Node {
-  std::uint64_t id = 0;  ///< its name in the file
-  Value value;           ///< where it starts [m, rad]
-  int line = 0;  ///< line of the vertex, or of the first edge that names it where the file has no vertices
+  std::uint64_t id = 0;  ///< name in the file
+  Value value;           ///< start value [m, rad]
+  /// Line of the vertex. If the file has no vertices, line of the first edge that names the node.
+  int line = 0;
   bool fixed = false;  ///< keeps its value in the fit
 };
 
-/// `to` as seen from the pose `from`; both are indices of nodes, not ids.
+/// A measurement of `to` as seen from the pose `from`. Both are indices of nodes, not ids.
 template <class Datum>
 struct Edge {
   int from = 0;
   int to = 0;
   int line = 0;                       ///< line of the file
   Datum measured;                     ///< [m, rad]
-  Symmetric<Datum::DOF> information;  ///< translation first, then rotation; as in the file
+  Symmetric<Datum::DOF> information;  ///< as in the file: translation first, then rotation
 };
 
-/// A sensor of g2o's files: where it sits on the robot.
+/// A sensor in g2o files: its place on the robot.
 template <class Pose>
 struct Sensor {
-  std::uint64_t id = 0;  ///< its name in the file
+  std::uint64_t id = 0;  ///< name in the file
   Pose offset;           ///< robot_T_sensor
   int line = 0;
 };
 
-/// Where a pose, or a sensor on it, is in the world.
+/// A measurement of the pose of a robot, or of a sensor on it, in the world.
 template <class Pose>
 struct PosePrior {
   static constexpr int robot = -1;
@@ -73,12 +73,12 @@ struct PosePrior {
   int pose = 0;   ///< an index, not an id
   int line = 0;   ///< line of the file
   Pose measured;  ///< world_T_sensor [m, rad]
-  Symmetric<dof<Pose>>
-      information;     ///< translation first, then rotation, seen from `measured`; as in the file
+  /// As in the file: translation first, then rotation, in the frame of `measured`.
+  Symmetric<dof<Pose>> information;
   int sensor = robot;  ///< index in PoseGraph::sensors; robot: the pose itself
 };
 
-/// Where the position of a pose is in the world.
+/// A measurement of the position of a pose in the world.
 template <class Pose>
 struct PositionPrior {
   int pose = 0;  ///< an index, not an id
@@ -87,44 +87,44 @@ struct PositionPrior {
   Symmetric<dim<Pose>> information;
 };
 
-/// The lines of a file that were skipped, by the words that they begin with.
+/// The skipped lines of a file, by their first words.
 struct UnknownTags {
   static constexpr std::size_t most = 5;
 
-  std::map<std::string, int> lines;  ///< the number of lines that begin with each of the first ones
-  int others = 0;                    ///< lines that begin with further ones
+  std::map<std::string, int> lines;  ///< number of lines for each of the first unknown tags
+  int others = 0;                    ///< number of lines with further tags
 
   /// Counts a line that begins with this word.
   void add(std::string_view tag);
-  /// A sentence for each word: `skipped 2 lines with the unknown tag VERTEX_CAM`.
+  /// Returns a sentence for each word: `skipped 2 lines with the unknown tag VERTEX_CAM`.
   std::vector<std::string> sentences() const;
 };
 
-/// A file of a pose graph, in the plane (Pose2) or in space (Pose3).
+/// The content of a pose graph file, in the plane (Pose2) or in space (Pose3).
 template <class PoseType>
 struct PoseGraph {
   using Pose = PoseType;
 
   std::string file;
-  bool has_vertices = false;  ///< otherwise the values of nodes mean nothing
+  bool has_vertices = false;  ///< if false, the values of nodes are meaningless
   bool has_fix_lines = false;
-  std::vector<Node<Pose>> poses;  ///< in the order of the file; by id where it has no vertices
+  std::vector<Node<Pose>> poses;  ///< in the order of the file; by id if the file has no vertices
   std::vector<Node<Point<Pose>>> landmarks;
   std::vector<Edge<Pose>> edges;  ///< from a pose to a pose
-  std::vector<Edge<Point<Pose>>>
-      sightings;  ///< observations of a landmark from a pose, in the frame of the pose
+  /// Observations of a landmark from a pose, in the frame of the pose.
+  std::vector<Edge<Point<Pose>>> sightings;
   std::vector<Edge<mtk::SO2<>>> bearings;  ///< in the plane: directions of a landmark from a pose
   std::vector<PosePrior<Pose>> pose_priors;
   std::vector<PositionPrior<Pose>> position_priors;  ///< in the plane
   std::vector<Sensor<Pose>> sensors;
-  /// Sightings by a sensor that is not at the origin of the robot, by their index: with the sensor's index as `from`, and the numbers of
-  /// the file, which `sightings` has in the frame of the robot.
+  /// Sightings by a sensor that is not at the origin of the robot, by their index. They have the sensor's index as
+  /// `from`, and the numbers of the file. `sightings` has the same observations in the frame of the robot.
   std::map<std::size_t, Edge<Point<Pose>>> as_sensed;
   UnknownTags unknown_tags;
-  std::set<std::uint64_t>
-      missing_sensors;  ///< ids that lines name but PARAMS_SE3OFFSET does not define: taken at the origin
+  /// Ids of sensors that lines name but PARAMS_SE3OFFSET does not define. They are taken to be at the origin.
+  std::set<std::uint64_t> missing_sensors;
 
-  /// robot_T_sensor of the sensor that a prior is of.
+  /// Returns robot_T_sensor of the prior's sensor.
   Pose offsetOf(const PosePrior<Pose>& prior) const {
     return prior.sensor < 0 ? Pose() : sensors[static_cast<std::size_t>(prior.sensor)].offset;
   }

@@ -1,4 +1,4 @@
-/// A pose graph of a file as variables and measurements of an estimator.
+/// PoseGraphModel: conversion of a pose graph of a file to variables and measurements of an estimator.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace slom::io {
 
-/// What the three rotational components of an edge's error in space are.
+/// Meaning of the three rotational components of an edge's error in space.
 enum class RotationError {
   vector,     ///< the rotation vector, axis times angle [rad]
   quaternion  ///< the vector part of the unit quaternion with w >= 0, as in g2o
@@ -22,9 +22,9 @@ enum class RotationError {
 
 namespace detail {
 
-/// slom::RelativePoseInFrameOfA has t_ab - t_z, seen from a, for the translation R_z^T (t_ab - t_z) of z^-1
-/// (a^-1 b), seen from where z puts b. So its information must be that of the file, turned to a's frame: B^T
-/// I B with B = diag(R_z^T, 1).
+/// Returns the information of an edge in the frame of a. The file's translation error is R_z^T (t_ab - t_z) of z^-1
+/// (a^-1 b), in the frame where z puts b. slom::RelativePoseInFrameOfA has the error t_ab - t_z, in the frame of a. So
+/// its information is that of the file, rotated to a's frame: B^T I B with B = diag(R_z^T, 1).
 template <class Pose>
 Symmetric<dof<Pose>> informationFromA(const Edge<Pose>& edge) {
   constexpr int n = dim<Pose>, m = dof<Pose> - n;
@@ -32,7 +32,7 @@ Symmetric<dof<Pose>> informationFromA(const Edge<Pose>& edge) {
   const double first = I(0, 0);
   const bool is_round = I.template topLeftCorner<n, n>().isApprox(first * Symmetric<n>::Identity(), 0) &&
                         I.template topRightCorner<n, m>().isZero(0);
-  if (is_round) return I;  // and stays as cheap as it is
+  if (is_round) return I;  // and has the cheapest form
   const Symmetric<n> R = edge.measured.orient.toRotationMatrix();
   Symmetric<dof<Pose>> turned = I;
   turned.template topLeftCorner<n, n>() = R * I.template topLeftCorner<n, n>() * R.transpose();
@@ -41,7 +41,7 @@ Symmetric<dof<Pose>> informationFromA(const Edge<Pose>& edge) {
   return turned;
 }
 
-/// Calls f with a diagonal information as a vector, with any other one as a matrix.
+/// Calls f with a vector for a diagonal information, and with a matrix for any other one.
 template <int N, class F>
 void withInformation(const Symmetric<N>& information, F f) {
   if (information.isDiagonal(0)) {
@@ -63,18 +63,19 @@ std::vector<VarID<Value>> insertNodes(Estimator& est, const std::vector<Node<Val
 
 }  // namespace detail
 
-/// How what a graph measures becomes measurements, named `edge`, `sighting`, `bearing` and `prior`.
+/// Inserts the measurements of a graph, named `edge`, `sighting`, `bearing` and `prior`. The functions of
+/// slom/initialize.hpp accept it as their model.
 ///   residual of an edge      z^-1 (a^-1 b): its translation, then its rotation as RotationError says
 ///   residual of a sighting   a^-1 p - z
 ///   residual of a bearing    angle of a^-1 p - z, from -pi to pi
-///   residual of a prior      z^-1 (x o) with the sensor's place o on the robot, as that of an edge; of a position, position - z
-/// whitened by W with W^T W = information, so that the RSS is the sum of e^T information e.
-/// The functions of slom/initialize.hpp take it as their model.
+///   residual of a prior      of a pose: z^-1 (x o) with the sensor's place o on the robot, in the form of an edge's
+///                            of a position: position - z
+/// Residuals are whitened by W with W^T W = information, so the RSS is the sum of e^T information e.
 struct PoseGraphModel {
   Loss loss = {};  ///< loss of all measurements
   RotationError rotation_error = RotationError::vector;
 
-  /// Nothing to prepare: its measurements share no variables.
+  /// Does nothing, because the model's measurements share no variables.
   void prepare(Estimator&) const {}
   /// Inserts the measurement of an edge between two poses.
   template <class Pose>
@@ -98,7 +99,7 @@ struct PoseGraphModel {
       est.insertMeasurement(Landmark(), a, p, measured(sighting.measured), noise, loss, named("sighting"));
     });
   }
-  /// Inserts the priors and bearings of a graph, as far as their variables are there.
+  /// Inserts the priors and bearings of a graph whose variables exist.
   template <class Pose>
   void insertOthers(Estimator& est, const PoseGraph<Pose>& graph, const std::vector<VarID<Pose>>& poses,
                     const std::vector<VarID<Point<Pose>>>& landmarks) const {
@@ -157,9 +158,11 @@ struct PoseGraphVariables {
   }
 };
 
-/// Inserts all poses and landmarks with their values, named by their ids (`pose 17`, `landmark 3`), fixed where `fixed` says so, and all
-/// edges, sightings, bearings and priors; a model without insertOthers gets that of PoseGraphModel for the last two. Throws the errors of Estimator::insertMeasurement, such as that of an information that is not positive
-/// definite. Where nothing is fixed, the map can float: fix a pose, `graph.poses[0].fixed = true`.
+/// Inserts all poses and landmarks with their values, and all edges, sightings, bearings and priors. Variables are
+/// named by their ids (`pose 17`, `landmark 3`), and fixed if `fixed` says so. If a model has no insertOthers, that of
+/// PoseGraphModel inserts bearings and priors. Throws the errors of Estimator::insertMeasurement, for example for an
+/// information that is not positive definite. If nothing is fixed, the map can float. To fix a pose, set
+/// `graph.poses[0].fixed = true`.
 template <class Pose, class Model = PoseGraphModel>
 PoseGraphVariables<Pose> insert(Estimator& est, const PoseGraph<Pose>& graph, const Model& model = {}) {
   PoseGraphVariables<Pose> ids{detail::insertNodes(est, graph.poses, "pose "),

@@ -1,4 +1,4 @@
-/// The error of an edge in space as g2o has it.
+/// QuaternionError: the error of an edge in space as in g2o.
 #pragma once
 
 #include "mtk/mtk.hpp"
@@ -6,11 +6,9 @@
 namespace slom::io {
 
 /// Poses a, b and the measurement z of a^-1 b, all mtk::trafo<mtk::SO3<>>.
-///   residual  t_ab - t_z, as slom::RelativePoseInFrameOfA has it; then the vector part of the unit
-///   quaternion of z^-1 (a^-1 b)
-///             with w >= 0, which is half the rotation vector for small errors
-///   source    Kuemmerle, Grisetti, Strasdat, Konolige and Burgard, "g2o: a general framework for graph
-///   optimization",
+///   residual  t_ab - t_z, as in slom::RelativePoseInFrameOfA; then the vector part of the unit quaternion of
+///             z^-1 (a^-1 b) with w >= 0, which is half the rotation vector for small errors
+///   source    Kuemmerle, Grisetti, Strasdat, Konolige and Burgard, "g2o: a general framework for graph optimization",
 ///             ICRA 2011
 struct QuaternionError {
   static constexpr bool is_vectorized = true;

@@ -1,5 +1,5 @@
-/// A bundle adjustment as it stands in a file of BAL (slom/io/bal.hpp): cameras, points, and the pixels at which the ones see the
-/// others. slom/io/scene_model.hpp inserts it into an estimator.
+/// Scene: a bundle adjustment from a BAL file (slom/io/bal.hpp). It has cameras, points, and the pixels where cameras
+/// see points. slom/io/scene_model.hpp inserts a scene into an estimator.
 #pragma once
 
 #include <string>
@@ -15,12 +15,13 @@ namespace slom::io {
 
 using CameraPose = mtk::trafo<mtk::SO3<>>;
 using CameraLens = slom::SnavelyIntrinsics<>;
-/// The camera of "Bundle adjustment in the large". Each has a lens of its own and looks along -z, with x to the right and y upwards.
+/// The camera of "Bundle adjustment in the large". Each camera has its own lens and looks along -z, with x to the right
+/// and y upwards.
 ///   state    pose cam_T_world, P = R X + t; lens f [px], k1, k2
 ///   tangent  translation, rotation, lens: DOF = 9
 MTK_BUILD_MANIFOLD(Camera, ((CameraPose, pose))((CameraLens, lens)))
 
-/// The pixel at which a camera sees a point of the world, from the image centre, v upwards [px].
+/// Predicts the pixel where a camera sees a point of the world, from the image centre, v upwards [px].
 struct CameraProjection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& camera, const auto& point) const {
@@ -28,7 +29,7 @@ struct CameraProjection {
   }
 };
 
-/// Point number `point` as camera number `camera` sees it; both count from 0.
+/// An observation of point number `point` by camera number `camera`; both count from 0.
 struct Observation {
   int camera = 0;
   int point = 0;
@@ -42,11 +43,11 @@ struct Scene {
   std::vector<mtk::vect<3>> points;
   std::vector<Observation> observations;
 
-  /// Prediction - observation [px].
+  /// Returns prediction - observation [px].
   mtk::vect<2> residual(const Observation& observation) const;
-  /// The sum of squares of all residuals, without a loss and without a factor 1/2 [px^2].
+  /// Returns the sum of squares of all residuals, without losses and without a factor 1/2 [px^2].
   double sumOfSquares() const;
-  /// sqrt(sum of squares / observations): the root mean square of the distance to the observed pixel [px].
+  /// Returns sqrt(sum of squares / observations): the root mean square distance from the observed pixels [px].
   double rms() const;
 };
 

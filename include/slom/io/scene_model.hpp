@@ -1,4 +1,4 @@
-/// A bundle adjustment of a file as variables and measurements of an estimator.
+/// Conversion of a bundle adjustment of a file to variables and measurements of an estimator.
 #pragma once
 
 #include <cstddef>
@@ -34,11 +34,11 @@ std::vector<VarID<T>> insertAll(Estimator& est, const std::vector<T>& values, co
 
 }  // namespace detail
 
-/// Inserts all cameras and points, named by their numbers (`camera 3`, `point 17`), and all observations as measurements named
-/// `observation`:
+/// Inserts all cameras and points, named by their numbers (`camera 3`, `point 17`), and all observations as
+/// measurements named `observation`.
 ///   residual  CameraProjection of the point by the camera - observed pixel, with a standard deviation of 1 px
-/// Nothing is fixed, though place, rotation and scale of a scene are unknown: Levenberg-Marquardt does with it as it is, others need
-/// a camera and a point that are fixed.
+/// Nothing is fixed, although position, rotation and scale of a scene are unknown. Levenberg-Marquardt works without
+/// fixing. For other algorithms, fix a camera and a point.
 inline SceneVariables insert(Estimator& est, const Scene& scene, const Loss& loss = {}) {
   SceneVariables ids{detail::insertAll(est, scene.cameras, "camera "),
                      detail::insertAll(est, scene.points, "point ")};

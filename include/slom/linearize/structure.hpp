@@ -1,4 +1,5 @@
-/// The shape of the linear system: blocks of unknowns (one for each optimised variable) and who meets whom.
+/// Structure of the linear system: blocks of unknowns (one for each optimised variable), and which blocks meet in
+/// measurements.
 #pragma once
 
 #include <span>
@@ -8,33 +9,34 @@
 
 namespace slom {
 
-/// A batch of measurements of one pool as the solver sees it: which blocks each one touches.
+/// The measurements of one pool for the solver: the blocks that each of them depends on.
 struct MeasurementGroup {
   int arity = 0;
-  std::vector<int>
-      blocks;  ///< size() x arity; -1 for a fixed variable. The same block may occur twice in a row.
+  /// size() x arity; -1 for a fixed variable. One measurement may contain a block twice.
+  std::vector<int> blocks;
   int size() const { return arity == 0 ? 0 : static_cast<int>(blocks.size()) / arity; }
 
   bool operator==(const MeasurementGroup&) const = default;
 };
 
-/// Blocks of unknowns and the groups of measurements that touch them: all that a solver knows of a problem.
+/// Blocks of unknowns and the groups of measurements that depend on them. A solver sees nothing else of a problem.
 struct BlockStructure {
-  /// Block b holds the unknowns offset[b] .. offset[b + 1] - 1. A block without unknowns is empty: no measurement touches it.
+  /// Block b has the unknowns offset[b] .. offset[b + 1] - 1. A block without unknowns is empty: no measurement depends
+  /// on it.
   std::vector<int> offset;
   std::vector<MeasurementGroup> groups;
 
-  /// The number of blocks, empty ones included.
+  /// Returns the number of blocks, including empty ones.
   int blockCount() const { return static_cast<int>(offset.size()) - 1; }
-  /// The number of unknowns: columns of J.
+  /// Returns the number of unknowns: columns of J.
   int unknowns() const { return offset.back(); }
-  /// The number of unknowns of a block.
+  /// Returns the number of unknowns of a block.
   int dof(int block) const {
     return offset[static_cast<std::size_t>(block) + 1] - offset[static_cast<std::size_t>(block)];
   }
-  /// Whether the block has no unknowns.
+  /// Returns whether the block has no unknowns.
   bool isEmpty(int block) const { return dof(block) == 0; }
-  /// Number of blocks that are not empty.
+  /// Returns the number of blocks that are not empty.
   int filledCount() const {
     int count = 0;
     for (int b = 0; b < blockCount(); ++b) count += isEmpty(b) ? 0 : 1;
@@ -44,42 +46,43 @@ struct BlockStructure {
   bool operator==(const BlockStructure&) const = default;
 };
 
-/// In what a structure differs from an earlier one.
+/// Differences between a structure and an earlier one.
 struct StructureChanges {
-  bool blocks = false;        ///< there may be other blocks, or blocks of another size
-  bool meetings = false;      ///< other blocks may meet in measurements
-  bool measurements = false;  ///< there may be other measurements, or empty blocks
+  bool blocks = false;        ///< the blocks or their sizes may differ
+  bool meetings = false;      ///< different blocks may meet in measurements
+  bool measurements = false;  ///< the measurements or the set of empty blocks may differ
 
-  /// Whether anything differs.
+  /// Returns whether anything differs.
   bool any() const { return blocks || meetings || measurements; }
-  /// Takes further changes in.
+  /// Adds further changes.
   void add(const StructureChanges& more) {
     blocks = blocks || more.blocks;
     meetings = meetings || more.meetings;
     measurements = measurements || more.measurements;
   }
-  /// As of a problem of which nothing is known.
+  /// Returns all changes, for a problem seen for the first time.
   static StructureChanges all() { return {true, true, true}; }
 };
 
-/// The structure of a problem. A block has the index of its variable in the problem's table, for life; blocks of fixed and of removed
-/// variables are empty. Components that are fixed or at an active bound keep their place among the unknowns: their columns of J are 0, and a group
-/// after those of the pools, with a "measurement" for each variable that has fixed components or bounds, says which do not move.
+/// The structure of a problem. A block has the index of its variable in the problem's table as long as the variable
+/// exists. Blocks of fixed and removed variables are empty. Components that are fixed or at an active bound keep their
+/// place among the unknowns. Their columns of J are 0. An extra group after those of the pools says which components do
+/// not move. It has one "measurement" for each variable with fixed components or bounds.
 struct ProblemStructure {
   BlockStructure system;
-  int pools = 0;      ///< number of groups that are pools
+  int pools = 0;      ///< number of groups that come from pools
   int residuals = 0;  ///< sum of the lengths of all residuals
 
-  /// The first unknown of a variable.
+  /// Returns the first unknown of a variable.
   int offsetOf(int variable) const { return system.offset[static_cast<std::size_t>(variable)]; }
   bool operator==(const ProblemStructure&) const = default;
 };
 
-/// The structure of a problem, from scratch.
+/// Returns the structure of a problem, computed from scratch.
 ProblemStructure makeStructure(const Problem& problem);
 
-/// Brings the structure that the problem had before some changes up to date; says what has changed of it. Takes time in proportion to the
-/// changes, and an addition for each block after the first one whose size has changed.
+/// Updates the structure that the problem had before some changes. Returns which parts of it differ. Takes time
+/// proportional to the changes, and one addition for each block after the first one whose size has changed.
 StructureChanges updateStructure(const Problem& problem, std::span<const Change> changes,
                                  ProblemStructure& structure);
 

@@ -1,19 +1,16 @@
-/// Which way is up, and what an accelerometer at rest shows.
+/// The upward direction, and readings of an accelerometer at rest.
 ///
-///     est.insertMeasurement(slom::GravityDirection(), orientation, up, slom::measured(mtk::S2<>(acc)),
-///     noise); est.insertMeasurement(slom::Accelerometer(), orientation, up, g, bias, slom::measured(acc),
-///     noise);
+///     est.insertMeasurement(slom::GravityDirection(), orientation, up, slom::measured(mtk::S2<>(acc)), noise);
+///     est.insertMeasurement(slom::Accelerometer(), orientation, up, g, bias, slom::measured(acc), noise);
 ///
-///   variables  orientation  world_R_body, mtk::SO3<>, or a pose, of which the orientation counts
-///              up           mtk::S2<>, the world's upward direction; where the world's z axis is up, pass
-///              the constant
+///   variables  orientation  world_R_body, mtk::SO3<>, or a pose, whose orientation counts
+///              up           mtk::S2<>, the world's upward direction; if that is the z axis, pass the constant
 ///                           mtk::S2<>(0, 0, 1)
 ///              g            magnitude of gravity [m/s^2]: a number or mtk::Scalar
-///              bias         what the accelerometer adds, 3 [m/s^2], in its own frame
-///              body2imu     imu_R_body, mtk::SO3<>: how the accelerometer sits on the body
-/// Each may be a constant. An accelerometer at rest shows the force that holds it up: +g upwards.
-///   source     Hertzberg et al., "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework", 2012,
-///   section 2
+///              bias         offset of the accelerometer, 3 [m/s^2], in its own frame
+///              body2imu     imu_R_body, mtk::SO3<>: the mounting of the accelerometer on the body
+///   source     Hertzberg et al., "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework", 2012, section 2
+/// Each of these may be a constant. An accelerometer at rest measures the force that supports it: +g upwards.
 #pragma once
 
 #include "mtk/types/s2.hpp"
@@ -21,8 +18,8 @@
 
 namespace slom {
 
-/// Datum: mtk::S2<>, up in the body's frame. Residual: body_R_world up [-] z, 2 arcs [rad]. A datum that
-/// points down goes with a variable that points down.
+/// Direction of gravity. Datum: mtk::S2<>, up in the body's frame. Residual: body_R_world up [-] z, 2 arcs [rad]. If
+/// the datum points down, the variable points down, too.
 struct GravityDirection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& orientation, const auto& up) const {
@@ -30,7 +27,8 @@ struct GravityDirection {
   }
 };
 
-/// Datum: the 3 readings [m/s^2]. Residual: body_R_world up g + bias - z, in the frame of the accelerometer.
+/// Accelerometer at rest. Datum: the 3 readings [m/s^2]. Residual: body_R_world up g + bias - z, in the frame of the
+/// accelerometer.
 struct Accelerometer {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& orientation, const auto& up, const auto& g) const {

@@ -1,11 +1,11 @@
-/// Lenses: how a point in the camera's frame (x right, y down, z forward) becomes a pixel (u right, v down).
+/// Lenses: they map a point in the camera's frame (x right, y down, z forward) to a pixel (u right, v down).
 ///
-/// Each is a vector of named numbers, `intrinsics->fx()`, with `project(p)`: p of 3 coordinates in any unit,
-/// the pixel [px]. A camera model of your own is one more such class template. Lenses are class templates
-/// over their number type, so that derivatives are exact and several points are projected at once.
+/// A lens is a vector of named numbers, such as `intrinsics->fx()`. Its function `project(p)` takes p, 3 coordinates in
+/// any unit, and returns the pixel [px]. To add a camera model, write one more such class template. Lenses are class
+/// templates over their number type, so derivatives are exact and several points are projected at once.
 ///
-/// Points that have no image give NaN, so that a step that takes a point behind its camera is taken back, and
-/// a start value that has one there is an error that names the measurement.
+/// If a point has no image, the result is NaN. So a step that moves a point behind its camera is undone. If start
+/// values have such a point, an error names the measurement.
 #pragma once
 
 #include <cmath>
@@ -18,14 +18,14 @@
 namespace slom {
 
 namespace detail {
-/// The depth z where it is positive, NaN elsewhere.
+/// Returns the depth z if it is positive, otherwise NaN.
 template <class S>
 S depthInFront(const S& z) {
   using mtk::select;
   return select(z > 0.0, z, S(std::numeric_limits<double>::quiet_NaN()));
 }
 
-/// Coordinate I of a point; where its type knows, a number that depends on that coordinate alone.
+/// Returns coordinate I of a point. If the point's type allows, the result depends on that coordinate alone.
 template <std::size_t I>
 decltype(auto) coordinate(const auto& p) {
   if constexpr (requires { p.template get<I>(); }) {
@@ -35,10 +35,10 @@ decltype(auto) coordinate(const auto& p) {
   }
 }
 
-/// N numbers that begin with focal lengths and image centre [px].
+/// N numbers that begin with the focal lengths and the image centre [px].
 template <int N, class S>
 struct CentredLens : mtk::vect<N, S> {
-  static constexpr bool has_separate_entries = true;  ///< derivatives: entries are read by get<I>() alone
+  static constexpr bool has_separate_entries = true;  ///< derivatives: entries are read only by get<I>()
   using mtk::vect<N, S>::vect;
 
   decltype(auto) fx() const { return this->template get<0>(); }
@@ -47,18 +47,18 @@ struct CentredLens : mtk::vect<N, S> {
   decltype(auto) cy() const { return this->template get<3>(); }
 
  protected:
-  /// The pixel of a point of the image plane at depth 1.
+  /// Returns the pixel of a point in the image plane at depth 1.
   auto toPixels(const auto& x, const auto& y) const { return mtk::vector(fx() * x + cx(), fy() * y + cy()); }
 };
 }  // namespace detail
 
-/// No distortion: u = fx x/z + cx, v = fy y/z + cy. NaN for z <= 0.
+/// A lens without distortion: u = fx x/z + cx, v = fy y/z + cy. NaN for z <= 0.
 template <class S = double>
 struct PinholeIntrinsics : detail::CentredLens<4, S> {
   static constexpr std::array<std::string_view, 4> component_names{"fx", "fy", "cx", "cy"};
   using detail::CentredLens<4, S>::CentredLens;
 
-  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
+  /// Returns the pixel of a point p in the camera's frame, 3 -> 2. Not finite for points without an image.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
@@ -67,9 +67,9 @@ struct PinholeIntrinsics : detail::CentredLens<4, S> {
   }
 };
 
-/// Radial and tangential distortion in the order and meaning of OpenCV's five coefficients. NaN for z <= 0.
-///   source   OpenCV 4 documentation, module calib3d, detailed description; Brown, "Close-range camera
-///   calibration", 1971
+/// A lens with radial and tangential distortion, in the order and meaning of OpenCV's 5 coefficients. NaN for z <= 0.
+///   source   OpenCV 4 documentation, module calib3d, detailed description; Brown, "Close-range camera calibration",
+///            1971
 template <class S = double>
 struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
   static constexpr std::array<std::string_view, 9> component_names{"fx", "fy", "cx", "cy", "k1",
@@ -82,7 +82,7 @@ struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
   decltype(auto) p2() const { return this->template get<7>(); }  ///< tangential distortion, coefficient 2
   decltype(auto) k3() const { return this->template get<8>(); }  ///< radial distortion, coefficient 3
 
-  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
+  /// Returns the pixel of a point p in the camera's frame, 3 -> 2. Not finite for points without an image.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto z = detail::depthInFront(detail::coordinate<2>(q));
@@ -99,13 +99,12 @@ struct OpenCv5Intrinsics : detail::CentredLens<9, S> {
   }
 };
 
-/// Equidistant fisheye lens, OpenCV's `fisheye` without skew: the distance from the image centre is
-/// theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta the angle between the ray and the
-/// optical axis. Rays more than 90 degrees off the axis (z <= 0) have an image too; where OpenCV would mirror
-/// them, this follows the angle. NaN on the axis behind the camera and in its centre.
+/// Equidistant fisheye lens, OpenCV's `fisheye` without skew. The distance from the image centre is theta (1 + k1
+/// theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8), theta the angle between the ray and the optical axis. Rays more
+/// than 90 degrees off the axis (z <= 0) have an image too. OpenCV would mirror these rays; this lens follows the
+/// angle. NaN on the axis behind the camera and in its centre.
 ///   source   OpenCV 4 documentation, namespace cv::fisheye; Kannala and Brandt, "A generic camera model and
-///   calibration
-///            method for conventional, wide-angle, and fish-eye lenses", 2006, equation (6)
+///            calibration method for conventional, wide-angle, and fish-eye lenses", 2006, equation (6)
 template <class S = double>
 struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   static constexpr std::array<std::string_view, 8> component_names{"fx", "fy", "cx", "cy",
@@ -117,7 +116,7 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   decltype(auto) k3() const { return this->template get<6>(); }  ///< radial distortion, coefficient 3
   decltype(auto) k4() const { return this->template get<7>(); }  ///< radial distortion, coefficient 4
 
-  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
+  /// Returns the pixel of a point p in the camera's frame, 3 -> 2. Not finite for points without an image.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto r2 = q[0] * q[0] + q[1] * q[1];
@@ -129,8 +128,8 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   }
 
  private:
-  /// atan2(r, z) / r; near the axis by the series (1 - (r/z)^2 / 3 + ...) / z, of which two terms are exact
-  /// there.
+  /// Returns atan2(r, z) / r. Near the axis it uses two terms of the series (1 - (r/z)^2 / 3 + ...) / z, which are
+  /// exact there.
   template <class T>
   static T angleByRadius(const T& r2, const T& z) {
     using mtk::select;
@@ -143,12 +142,10 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
   }
 };
 
-/// The lens of "Bundle adjustment in the large": f [px], k1, k2, no image centre. This camera looks along -z,
-/// y upwards: with p = -(x, y) / z the pixel is f (1 + k1 |p|^2 + k2 |p|^4) p, from the image centre, v
-/// upwards. As published there is no test for points behind the camera (z > 0), which have a mirrored image;
-/// not finite for z = 0.
-///   source   Agarwal, Snavely, Seitz, Szeliski, 2010, and the description of the data sets on the project's
-///   page
+/// The lens of "Bundle adjustment in the large": f [px], k1, k2, no image centre. This camera looks along -z, with y
+/// upwards. With p = -(x, y) / z the pixel is f (1 + k1 |p|^2 + k2 |p|^4) p, from the image centre, v upwards. As
+/// published, there is no test for points behind the camera (z > 0), which have a mirrored image. Not finite for z = 0.
+///   source   Agarwal, Snavely, Seitz, Szeliski, 2010, and the description of the data sets on the project's page
 template <class S = double>
 struct SnavelyIntrinsics : mtk::vect<3, S> {
   static constexpr bool has_separate_entries = true;
@@ -159,7 +156,7 @@ struct SnavelyIntrinsics : mtk::vect<3, S> {
   decltype(auto) k1() const { return this->template get<1>(); }  ///< radial distortion, coefficient 1
   decltype(auto) k2() const { return this->template get<2>(); }  ///< radial distortion, coefficient 2
 
-  /// The pixel of a point p in the camera's frame, 3 -> 2; not finite where the class says that there is none.
+  /// Returns the pixel of a point p in the camera's frame, 3 -> 2. Not finite for points without an image.
   auto project(const auto& p) const {
     return mtk::preaccumulate(p, [this](const auto& q) {
       const auto x = -detail::coordinate<0>(q) / detail::coordinate<2>(q);

@@ -1,9 +1,9 @@
-/// A landmark's coordinates as seen from a pose: laser reflectors, fiducials, points of a scan.
+/// Landmark: coordinates of a landmark as seen from a pose, such as laser reflectors, fiducials or points of a scan.
 ///
 ///     est.insertMeasurement(slom::Landmark(), pose, landmark, slom::measured(z), noise);
 ///
 ///   variables  pose      world_T_sensor, mtk::trafo over SO2 or SO3
-///              landmark  its coordinates in the world, 2 or 3; or a pose, of which the position counts
+///              landmark  its 2 or 3 coordinates in the world; or a pose, whose position counts
 ///   datum      z         its coordinates in the sensor's frame, the same unit
 ///   residual   pose^-1 landmark - z, in the sensor's frame
 #pragma once

@@ -1,4 +1,4 @@
-/// What the measurement kinds take as a point or a number.
+/// Arguments of the ready measurements: what counts as a point, a rotation or a number.
 #pragma once
 
 #include "mtk/types/scalar.hpp"
@@ -6,7 +6,7 @@
 
 namespace slom::detail {
 
-/// A point is a vector or the position of a pose.
+/// Returns the point: a vector, or the position of a pose.
 const auto& positionOf(const auto& x) {
   if constexpr (requires { x.pos; }) {
     return x.pos;
@@ -15,8 +15,8 @@ const auto& positionOf(const auto& x) {
   }
 }
 
-/// |v|. At v = 0, where all directions are equal, the derivative is that along the first axis, so that a fit which starts there leaves
-/// it.
+/// Returns |v|. At v = 0, where all directions are equal, the derivative is that along the first axis. So a fit that
+/// starts there moves away.
 auto lengthOf(const auto& v) {
   using mtk::select;
   using std::sqrt;
@@ -25,7 +25,7 @@ auto lengthOf(const auto& v) {
   return select(square > S(0), S(sqrt(square)), S(v[0]));
 }
 
-/// A rotation is one or the orientation of a pose.
+/// Returns the rotation: the argument itself, or the orientation of a pose.
 const auto& orientationOf(const auto& x) {
   if constexpr (requires { x.orient; }) {
     return x.orient;
@@ -34,7 +34,7 @@ const auto& orientationOf(const auto& x) {
   }
 }
 
-/// A number is one or an mtk::Scalar.
+/// Returns the number: the argument itself, or the value of an mtk::Scalar.
 const auto& numberOf(const auto& x) { return x; }
 template <class S>
 const S& numberOf(const mtk::Scalar<S>& x) {

@@ -1,14 +1,14 @@
-/// A distance: total stations, laser, ultra-wideband, sonar; with an unknown offset also pseudo-ranges.
+/// Range: a distance, from total stations, laser, ultra-wideband or sonar; with an unknown offset also pseudo-ranges.
 ///
 ///     est.insertMeasurement(slom::Range(), a, b, slom::measured(metres), slom::StandardDeviation(0.01));
 ///     est.insertMeasurement(slom::Range(), a, b, offset, slom::measured(metres), ...);
 ///
-///   variables  a, b    points of 2 or 3 coordinates, or poses, of which the positions count
-///              offset  what the instrument adds to each distance: a number or mtk::Scalar
+///   variables  a, b    points of 2 or 3 coordinates, or poses, whose positions count
+///              offset  constant error that the instrument adds to each distance: a number or mtk::Scalar
 ///   datum      a number, in the unit of the coordinates
 ///   residual   |b - a| (+ offset) - z
-/// If a and b are the same point, all directions are equal; the derivative is that along the first axis, so that a fit leaves the
-/// point. Start values of a and b should differ.
+/// If a and b are the same point, all directions are equal. The derivative is then that along the first axis, so a fit
+/// leaves the point. Start values of a and b should differ.
 #pragma once
 
 #include <cmath>

@@ -1,14 +1,16 @@
-/// One pose as seen from another: odometry, scan matching, loop closures; and rotations alone.
+/// RelativePose: one pose as seen from another (odometry, scan matching, loop closures). RelativeRotation: rotations
+/// alone.
 ///
 ///     est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(a_T_b), slom::InvCovariance(information));
 ///     est.insertMeasurement(slom::RelativeRotation(), a, b, slom::measured(a_R_b), noise);
 ///
-/// A pose a is world_T_a: it moves points of a's frame to the world's. The datum z is a_T_b as measured.
-///   residual  (translation, rotation vector) of E = z^-1 (a^-1 b): position [unit of the map] and rotation [rad], both as
-///             seen from where z puts b. So are the information matrices of g2o files (EdgeSE2, EdgeSE3:QUAT) and the noise
-///             of GTSAM's BetweenFactor.
-///   source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III; rotation averaging: Hartley et al.,
-///             "Rotation averaging", 2013, section 1
+/// A pose a is world_T_a: it moves points from a's frame to the world's. The datum z is the measured a_T_b.
+///   residual  (translation, rotation vector) of E = z^-1 (a^-1 b): position [unit of the map] and rotation [rad], in
+///             the frame where z puts b
+///   source    Grisetti et al., "A tutorial on graph-based SLAM", 2010, section III; rotation averaging: Hartley et
+///             al., "Rotation averaging", 2013, section 1
+/// The information matrices of g2o files (EdgeSE2, EdgeSE3:QUAT) and the noise of GTSAM's BetweenFactor are in this
+/// frame, too.
 #pragma once
 
 #include <string_view>
@@ -18,16 +20,16 @@
 
 namespace slom {
 
-/// Poses a, b: both in the plane, mtk::trafo<mtk::SO2<>>, or both in space, mtk::trafo<mtk::SO3<>>. Datum:
-/// such a pose. Noise: in the frame of z.
+/// A pose b relative to a pose a: both in the plane, mtk::trafo<mtk::SO2<>>, or both in space, mtk::trafo<mtk::SO3<>>.
+/// Datum: such a pose. Noise: in the frame of z.
 struct RelativePose {
   static constexpr bool is_vectorized = true;
-  /// Files that call measurements "RelativePose" mean RelativePoseInFrameOfA.
+  /// A suffix, because files that call measurements "RelativePose" mean RelativePoseInFrameOfA.
   static constexpr std::string_view archive_suffix = " in the frame of z";
 
   auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
 
-  /// The translation and the rotation of z^-1 y.
+  /// Returns the translation and the rotation of z^-1 y.
   static auto residualFromDatum(const auto& y, const auto& z) {
     const auto t = z.orient.inverse() * (y.pos - z.pos);
     if constexpr (requires { z.orient.angle(); }) {
@@ -40,10 +42,10 @@ struct RelativePose {
   }
 };
 
-/// The same with the translation in the frame of a: (t - t_z, rotation vector of R_z^-1 R) for a^-1 b = (t, R) and
-/// z = (t_z, R_z), which is a^-1 b [-] z of mtk::trafo. For noise that is stated along the axes of a, as that of a range finder
-/// on it; the same residual as RelativePose where the noise of the translation is the same in all directions and
-/// uncorrelated with the rotation's.
+/// A relative pose with the translation in the frame of a: (t - t_z, rotation vector of R_z^-1 R) for a^-1 b = (t, R)
+/// and z = (t_z, R_z). This is a^-1 b [-] z of mtk::trafo. Use it if the noise is stated along the axes of a, for
+/// example for a range finder on a. The sum of squares is that of RelativePose if the noise of the translation is equal
+/// in all directions and uncorrelated with that of the rotation.
 struct RelativePoseInFrameOfA {
   static constexpr bool is_vectorized = true;
   static constexpr std::string_view archive_name = "RelativePose";
@@ -51,7 +53,8 @@ struct RelativePoseInFrameOfA {
   auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
 };
 
-/// Rotations or poses a, b, of which the orientations count. Datum: mtk::SO2<> or mtk::SO3<>.
+/// The rotation of b relative to a. a, b: rotations or poses, whose orientations count. Datum: mtk::SO2<> or
+/// mtk::SO3<>.
 struct RelativeRotation {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& a, const auto& b) const {

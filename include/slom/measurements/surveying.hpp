@@ -1,17 +1,17 @@
-/// Angles of a levelled theodolite or total station; its distances are slom::Range.
+/// Angles of a levelled theodolite or total station. Its distances are slom::Range.
 ///
-/// Points are (east, north) or (east, north, up), or poses, of which the positions count; angles are
-/// clockwise from north.
+/// Points are (east, north) or (east, north, up), or poses, whose positions count. Angles are clockwise from north.
 ///     est.insertMeasurement(slom::Azimuth(), station, target, slom::measured(mtk::SO2<>(angle)), noise);
 ///     est.insertMeasurement(slom::HorizontalDirection(), station, target, orientation,
 ///                           slom::measured(mtk::SO2<>(reading)), noise);
 ///     est.insertMeasurement(slom::ZenithAngle(), station, target, slom::measured(mtk::SO2<>(angle)), noise);
 ///
-///   datum      mtk::SO2<> of the angle [rad], so that 0 and 400 gon are the same
+///   datum      mtk::SO2<> of the angle [rad], so 0 and 400 gon are equal
 ///   residual   the difference of angles in [-pi, pi) [rad]
 ///   source     Ghilani and Wolf, "Adjustment computations", 2006, chapters 14 to 16
-/// If one point is vertically above the other, azimuths do not exist: the angle 0 with zero derivatives is taken. The zenith angle has the
-/// derivative along the first axis there, so that a fit leaves the place. No refraction, no curvature of the Earth.
+/// If one point is vertically above the other, there is no azimuth: the angle 0 with zero derivatives is taken. The
+/// zenith angle then has the derivative along the first axis, so a fit leaves the place. Refraction and the curvature
+/// of the Earth are ignored.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@
 
 namespace slom {
 
-/// atan2(east, north) of the way from station to target.
+/// Azimuth: atan2(east, north) of the vector from station to target.
 struct Azimuth {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& station, const auto& target) const {
@@ -31,8 +31,8 @@ struct Azimuth {
   }
 };
 
-/// A reading of the horizontal circle: azimuth - orientation, the azimuth of the circle's zero, mtk::SO2<>,
-/// an unknown of each set-up.
+/// A reading of the horizontal circle: azimuth - orientation. The orientation is the azimuth of the circle's zero,
+/// mtk::SO2<>, an unknown of each set-up.
 struct HorizontalDirection {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& station, const auto& target, const auto& orientation) const {
@@ -40,7 +40,7 @@ struct HorizontalDirection {
   }
 };
 
-/// The angle between the vertical and the way from station to target, in [0, pi]: pi/2 is level.
+/// The angle between the vertical and the vector from station to target, in [0, pi]; pi/2 is level.
 struct ZenithAngle {
   static constexpr bool is_vectorized = true;
   auto operator()(const auto& station, const auto& target) const {

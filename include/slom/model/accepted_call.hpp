@@ -1,4 +1,4 @@
-/// Whether a callable accepts its arguments and, where it does not, which one, as a compile-time message.
+/// Compile-time checks whether a callable accepts its arguments, with a message that names the one that does not fit.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace slom {
 
 namespace detail {
 
-/// Whether F can be called with these arguments, and what it returns. Does not compile F's body where its return type is
-/// written out.
+/// Whether F can be called with these arguments, and its return type. If F's return type is written out, F's body is
+/// not compiled.
 template <class F, class Passed>
 struct Call {
   static constexpr bool is_possible = false;
@@ -54,42 +54,46 @@ template <class F>
   requires requires { &F::operator(); }
 struct Parameters<F> : Parameters<decltype(&F::operator())> {};
 
-/// One line for the first argument that does not fit, with both types in the line that says where.
+/// Fails to compile with one line for the first argument that does not fit. The line that names the place shows both
+/// types.
 template <int Number, class Given, class Wanted>
 constexpr void requireArgument() {
   constexpr bool fits = std::is_convertible_v<Given, Wanted>;
   static_assert(Number != 1 || fits,
-                "slom: argument 1 of the measurement function is not of the type that it takes");
+                "slom: argument 1 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 2 || fits,
-                "slom: argument 2 of the measurement function is not of the type that it takes");
+                "slom: argument 2 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 3 || fits,
-                "slom: argument 3 of the measurement function is not of the type that it takes");
+                "slom: argument 3 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 4 || fits,
-                "slom: argument 4 of the measurement function is not of the type that it takes");
+                "slom: argument 4 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 5 || fits,
-                "slom: argument 5 of the measurement function is not of the type that it takes");
+                "slom: argument 5 of the measurement function does not convert to the type of its parameter");
   static_assert(Number != 6 || fits,
-                "slom: argument 6 of the measurement function is not of the type that it takes");
+                "slom: argument 6 of the measurement function does not convert to the type of its parameter");
   static_assert(
       Number <= 6 || fits,
-      "slom: an argument after the 6th of the measurement function is not of the type that it takes");
+      "slom: an argument after the 6th of the measurement function does not convert to the type of its "
+      "parameter");
 }
-/// Fails to compile where F does not accept what it gets, and the number of data is not to blame: names the argument where F is not a template.
+/// Fails to compile if F does not accept its arguments for another reason than the number of data. If F is not a
+/// template, the message names the argument.
 template <class F, class... Given>
 constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
     constexpr bool is_mutable = requires(F& f) { f(std::declval<Given>()...); };
     static_assert(
         !is_mutable,
-        "slom: the measurement function must be const, as several threads call it at once: leave out `mutable`, or "
-        "write `const` after the parameters of operator()");
+        "slom: the measurement function must be const, because several threads call it at once: remove "
+        "`mutable`, or write `const` after the parameters of operator()");
     if constexpr (is_mutable) {
     } else if constexpr (Parameters<F>::known) {
       using Wanted = typename Parameters<F>::type;
       constexpr bool right_number = std::tuple_size_v<Wanted> == sizeof...(Given);
-      static_assert(right_number,
-                    "slom: the measurement function takes another number of arguments: it gets one for each "
-                    "VarID and each datum, none for noise, loss, name and slom::measured");
+      static_assert(
+          right_number,
+          "slom: the measurement function has the wrong number of parameters: it gets one argument for each "
+          "VarID and each datum, none for noise, loss, name and slom::measured");
       if constexpr (right_number) {
         [&]<std::size_t... I>(std::index_sequence<I...>) {
           (requireArgument<static_cast<int>(I) + 1, Given, std::tuple_element_t<I, Wanted>>(), ...);
@@ -104,14 +108,15 @@ constexpr void requireAcceptedOne(std::type_identity<std::tuple<Given...>>) {
   }
 }
 
-/// Whether F takes only the first `Left` of what it gets.
+/// Returns whether F takes only the first `Left` of its arguments.
 template <class F, std::size_t Left, class... Given>
 constexpr bool acceptsFirst() {
   return []<std::size_t... I>(std::index_sequence<I...>) {
     return Call<F, std::tuple<std::tuple_element_t<I, std::tuple<Given...>>...>>::is_possible;
   }(std::make_index_sequence<Left>{});
 }
-/// Number of data at the end of what F gets, of which `Args` are all arguments of insertMeasurement but options.
+/// Returns the number of data at the end of F's arguments. `Args` are all arguments of insertMeasurement except
+/// options.
 template <class... Args>
 constexpr std::size_t countLastData() {
   constexpr bool is_measured_datum[] = {is_measured<Args>...}, is_variable[] = {is_var_id<Args>...};
@@ -119,7 +124,7 @@ constexpr std::size_t countLastData() {
   for (std::size_t i = sizeof...(Args); i-- > 0 && !is_variable[i];) count += is_measured_datum[i] ? 0 : 1;
   return count;
 }
-/// Whether F accepts what it gets without the last one or two, which are data.
+/// Returns whether F accepts its arguments without the last one or two, which are data.
 template <class F, class... Args, class... Given>
 constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
   constexpr std::size_t given = sizeof...(Given), data = countLastData<Args...>();
@@ -129,7 +134,7 @@ constexpr bool getsTooManyData(std::type_identity<std::tuple<Given...>>) {
   return accepts;
 }
 
-/// Fails to compile where F does not accept what it gets, with the remedy.
+/// Fails to compile, with the remedy, if F does not accept its arguments.
 template <class F, class... Args, class... Given>
 constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
   if constexpr (!Call<F, std::tuple<Given...>>::is_possible) {
@@ -137,23 +142,25 @@ constexpr void requireAccepted(std::type_identity<std::tuple<Given...>> given) {
     constexpr bool has_datum = (is_measured<Args> || ...);
     static_assert(
         !has_too_many || !has_datum,
-        "slom: the measurement function does not take the last argument, which is taken for data: write an uncertainty as "
-        "slom::StandardDeviation(s) or slom::Covariance(c)");
+        "slom: the measurement function does not accept the last argument, which counts as data: write an "
+        "uncertainty as slom::StandardDeviation(s) or slom::Covariance(c)");
     static_assert(
         !has_too_many || has_datum,
-        "slom: the measurement function takes fewer data than it gets: mark the datum that it predicts by "
-        "slom::measured(z), and write an uncertainty as slom::StandardDeviation(s) or slom::Covariance(c)");
+        "slom: the measurement function has too few parameters for its data: mark the datum that it "
+        "predicts by slom::measured(z), and write an uncertainty as slom::StandardDeviation(s) or "
+        "slom::Covariance(c)");
     if constexpr (!has_too_many) requireAcceptedOne<F>(given);
   }
 }
 
-/// Whether a parameter would round the value of a variable that is a number.
+/// Returns whether a parameter would round the value of a variable that is a number.
 template <class Arg, class Parameter>
 constexpr bool roundsVariable() {
   using P = std::remove_cvref_t<Parameter>;
   return std::is_same_v<Arg, VarID<double>> && (std::is_integral_v<P> || std::is_same_v<P, float>);
 }
-/// `Wanted`: the parameters; of `Args` the function gets those that are not marked by slom::measured.
+/// Returns whether any parameter rounds its variable. `Wanted`: the parameters. The function gets those of `Args` that
+/// are not marked by slom::measured.
 template <class Wanted, class... Args>
 constexpr bool roundsVariables() {
   constexpr std::size_t count = (std::size_t{!is_measured<Args>} + ... + 0);

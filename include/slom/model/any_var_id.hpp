@@ -21,63 +21,63 @@ void requireType(const VariableStoreBase& store) {
 }
 }  // namespace detail
 
-/// Made of any VarID; a cheap value type like it.
+/// A handle made from any VarID; a cheap value type.
 class AnyVarID : public VariableHandle {
  public:
-  /// From the handle to a variable of any type, implicitly.
+  /// Converts the handle to a variable of any type, implicitly.
   template <class T>
   AnyVarID(const VarID<T>& id)  // NOLINT(google-explicit-constructor): a VarID is one of any type
       : VariableHandle(id) {}
-  /// Used by the library, for handles whose type only their store knows.
+  /// Creates a handle whose type only its store has. Used by the library.
   explicit AnyVarID(const VariableHandle& handle) : VariableHandle(handle) {}
 
-  /// Whether it is a VarID<T>.
+  /// Returns whether the handle is a VarID<T>.
   template <class T>
   bool is() const {
     return detail::holdsType<T>(store_.get());
   }
-  /// The current value. Throws [slom.wrong-type] when it is not a T, [slom.stale-handle] as a VarID does.
+  /// Returns the current value. Throws [slom.wrong-type] if it is not a T, and [slom.stale-handle] as a VarID does.
   template <class T>
   const T& as() const {
     const void* const value = current();
     detail::requireType<T>(*store_);
     return *static_cast<const T*>(value);
   }
-  /// The VarID that it was made of. Throws as `as` does.
+  /// Returns the VarID. Throws as `as` does.
   template <class T>
   VarID<T> id() const {
     as<T>();
     return VarID<T>(*this);
   }
-  /// Degrees of freedom of the current value.
+  /// Returns the degrees of freedom of the current value.
   int dof() const { return store_->dofOf(current()); }
 
-  /// Used by the library. The current value; throws [slom.stale-handle].
+  /// Returns the current value. Throws [slom.stale-handle]. Used by the library.
   const void* current() const;
-  /// Used by the library: where its value lies.
+  /// Returns the store of the value. Used by the library.
   const VariableStoreBase* store() const { return store_.get(); }
 
   friend bool operator==(const AnyVarID& a, const AnyVarID& b) { return a.equals(b); }
 };
 
-/// A variable of any type as a measurement function sees it: `x[0].as<Pose>().pos`.
+/// A variable of any type in a measurement function: `x[0].as<Pose>().pos`.
 class VariableView : public VariableArgument {
  public:
-  /// Of the variable's current value; made by the library.
+  /// Refers to the variable's current value. Only the library creates views.
   explicit VariableView(const AnyVarID& id) : VariableArgument(id, id.current()) {}
 
-  /// Whether the variable is a T.
+  /// Returns whether the variable is a T.
   template <class T>
   bool is() const {
     return detail::holdsType<T>(store());
   }
-  /// The value at which the measurement is evaluated. Throws [slom.wrong-type] when it is not a T.
+  /// Returns the value at which the measurement is evaluated. Throws [slom.wrong-type] if it is not a T.
   template <class T>
   const T& as() const {
     detail::requireType<T>(*store());
     return *static_cast<const T*>(value_);
   }
-  /// Degrees of freedom of the value.
+  /// Returns the degrees of freedom of the value.
   int dof() const { return store()->dofOf(value_); }
 };
 

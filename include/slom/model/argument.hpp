@@ -1,4 +1,4 @@
-/// The arguments of insertMeasurement: variables, a datum to be predicted, other data.
+/// The arguments of insertMeasurement: variables, a datum to be predicted, and other data.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@ namespace slom {
 
 namespace detail {
 
-/// What is stored for an argument: the value of an Eigen expression, everything else as it is.
+/// Returns what is stored for an argument: the value of an Eigen expression, any other argument unchanged.
 template <class T>
 auto plainValue(const T& x) {
   if constexpr (requires { typename T::PlainObject; }) {
-    // Types derived from Eigen's vectors stay what they are, expressions become what they evaluate to.
+    // Types derived from Eigen's vectors stay unchanged; expressions are evaluated.
     if constexpr (requires { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); }) {
       return x;
     } else {
@@ -32,15 +32,15 @@ auto plainValue(const T& x) {
 template <class T>
 using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
 
-/// The type of the datum that is marked: a double for integers.
+/// The type of the marked datum; double for integers.
 template <class Z>
 using DatumType =
     std::conditional_t<std::is_integral_v<Z> && !std::is_same_v<Z, bool>, double, PlainValue<Z>>;
 
 }  // namespace detail
 
-/// Marks the datum: the callable then predicts a Z, and the library forms the residual f(Y) [-] z. Integers become a double, expressions of
-/// Eigen their value.
+/// Marks the datum z. The callable then predicts a Z, and the library forms the residual f(Y) [-] z. Integers are
+/// converted to double; expressions of Eigen are evaluated.
 template <class Datum>
 auto measured(const Datum& z) {
   using Z = detail::DatumType<Datum>;
@@ -48,15 +48,15 @@ auto measured(const Datum& z) {
   if constexpr (requires { typename mtk::scalar_t<Z>; }) {
     static_assert(
         std::is_same_v<mtk::scalar_t<Z>, double>,
-        "slom: what slom::measured marks must be made of doubles; this datum is made of float, integers or other numbers, which "
-        "round the residual so that it has no derivatives");
+        "slom: the datum of slom::measured must consist of doubles; this one consists of float, integers "
+        "or other numbers, which round the residual so that it has no derivatives");
   }
   return Measured<Z>{Z(z)};
 }
 
 namespace detail {
 
-/// How an argument of insertMeasurement is stored, and what the callable gets of it.
+/// How an argument of insertMeasurement is stored, and what the callable gets for it.
 template <class A>
 struct Argument {
   using Stored = A;
@@ -78,7 +78,7 @@ inline constexpr bool is_var_id = false;
 template <class T>
 inline constexpr bool is_var_id<VarID<T>> = true;
 
-/// The types of several tuples in a row.
+/// The concatenated types of several tuples.
 template <class... Tuples>
 struct Join;
 template <class... A>
@@ -88,7 +88,7 @@ struct Join<std::tuple<A...>> {
 template <class... A, class... B, class... More>
 struct Join<std::tuple<A...>, std::tuple<B...>, More...> : Join<std::tuple<A..., B...>, More...> {};
 
-/// The datum z of `measured(z)` among the stored arguments, or a null pointer.
+/// Returns the datum z of `measured(z)` among the stored arguments, or a null pointer.
 inline constexpr std::nullptr_t findDatum() { return nullptr; }
 template <class First, class... Rest>
 constexpr auto findDatum(const First& first, const Rest&... rest) {

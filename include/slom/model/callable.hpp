@@ -1,4 +1,5 @@
-/// Any callable as a measurement: its VarID arguments become variables, everything else is data stored by value.
+/// CallableMeasurement: any callable as a measurement. Its VarID arguments become variables; other arguments are data,
+/// stored by value.
 #pragma once
 
 #include <algorithm>
@@ -25,11 +26,13 @@
 
 namespace slom {
 
-/// Holds a callable and its arguments; fulfils `Measurement`.
+/// Holds a callable and its arguments and satisfies `Measurement`.
 ///
-/// Derivatives: `f.jacobian(arguments..., blocks...)` where the functor has such a member; it writes d residual / d variable
-/// (rows x dof, right perturbation of rotations) to one Eigen matrix per variable. Otherwise dual numbers where f accepts
-/// them, and central differences where it does not.
+/// Derivatives come from one of three sources:
+///   f.jacobian(arguments..., blocks...)   if the functor has such a member. It writes d residual / d variable (rows x
+///                                         dof, right perturbation of rotations) to one Eigen matrix for each variable.
+///   dual numbers                          otherwise, if f accepts them
+///   central differences                   otherwise
 template <class F, class... Args>
 class CallableMeasurement {
   template <class A>
@@ -42,12 +45,14 @@ class CallableMeasurement {
                 "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
   static_assert(
       (int{detail::is_measured<Args>} + ... + 0) <= 1,
-      "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others as they are");
+      "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others "
+      "without it");
   static_assert((detail::requireAccepted<Function, Args...>(std::type_identity<Passed>{}), true));
   static_assert(
       !detail::parametersRoundVariables<Function, Args...>(),
-      "slom: a parameter of the measurement function is float, an integer or bool where the variable is a double, which rounds "
-      "its value so that there are no derivatives: declare it as double or const auto&");
+      "slom: a parameter of the measurement function is float, an integer or bool, but the variable is "
+      "a double; rounding its value removes the derivatives: declare the parameter as double or const "
+      "auto&");
   using Value = typename detail::Call<Function, Passed>::Result;
   using Datum = decltype(detail::findDatum(std::declval<const Stored<Args>&>()...));
   static constexpr bool has_datum = !std::is_same_v<Datum, std::nullptr_t>;
@@ -68,7 +73,8 @@ class CallableMeasurement {
     }
   }
 
-  // Derivatives of a fixed number of unknowns are computed in one pass, of many or of an unknown number in several.
+  // Derivatives with respect to a fixed number of unknowns take one pass; those of many or an unknown number take
+  // several.
   static constexpr bool is_fixed = ((detail::argument_dof<Stored<Args>> != mtk::Dynamic) && ...);
   static constexpr int columns = is_fixed ? (detail::argument_dof<Stored<Args>> + ...) : mtk::Dynamic;
   static constexpr int kMostColumnsPerPass = 32;
@@ -86,7 +92,7 @@ class CallableMeasurement {
 
  public:
   static constexpr int residual_dim = rows();
-  /// Whether several measurements are evaluated at once.
+  /// True if several measurements are evaluated at once.
   static constexpr bool vectorized = [] {
     if constexpr (detail::is_vectorized<F>) {
       return true;
@@ -99,7 +105,7 @@ class CallableMeasurement {
   }();
   static constexpr DerivativeSource derivatives = [] {
     using Blocks = detail::BlockTuple<residual_dim, Stored<Args>...>;
-    if constexpr (vectorized) {  // others ask for instances of the function that are not called
+    if constexpr (vectorized) {  // others would instantiate the function without calling it
       return DerivativeSource::exact;
     } else if constexpr (detail::is_numeric<F>) {
       return DerivativeSource::numeric;
@@ -111,14 +117,14 @@ class CallableMeasurement {
     }
   }();
   static constexpr bool richardson = detail::is_richardson<F>;
-  /// Steps of the user's own.
+  /// Returns the steps given by the user.
   const DifferenceStep& differenceStep() const
     requires(detail::has_difference_step<F>)
   {
     return f_.how;
   }
 
-  /// What messages call measurements of this callable: its type, `lambda` or `function`.
+  /// Returns the name of measurements of this callable in messages: its type, `lambda` or `function`.
   static std::string groupName() {
     if constexpr (std::is_class_v<Function>) {
       return typeName<Function>();
@@ -127,31 +133,31 @@ class CallableMeasurement {
     }
   }
 
-  /// Of a function and its arguments as passed: VarID<T> for variables, Measured<Z>, data.
+  /// Creates a measurement from a function and its arguments as passed: VarID<T> for variables, Measured<Z>, data.
   explicit CallableMeasurement(F f, const Args&... args) : f_(std::move(f)), args_{{Stored<Args>(args)}...} {}
 
-  /// The variables, as measurements declared by macro list theirs.
+  /// Returns the variables, in the form that measurements declared by macro use.
   auto variableArgs() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return detail::listVariables(detail::valueAt<I>(args_)...);
     }(VariableIndices{});
   }
-  /// As stored: VarArg<T> for variables, Measured<Z>, data.
+  /// Returns the arguments as stored: VarArg<T> for variables, Measured<Z>, data.
   const auto& arguments() const { return args_; }
-  /// The residual, in the measurement's units. Sizes `ret` where its length is Dynamic.
+  /// Writes the residual in the measurement's units. Resizes `ret` if the length is Dynamic.
   void evaluate(Residual<residual_dim>& ret) const {
     evaluateTo([&](int size) {
       if constexpr (residual_dim == mtk::Dynamic) ret.resize(size);
       return ret.data();
     });
   }
-  /// The same to r. Returns the length of the residual; nothing is written when it is not `rows`.
+  /// Writes the residual to r. Returns its length; if that is not `rows`, writes nothing.
   int evaluate(int rows, double* r) const {
     return evaluateTo([&](int size) { return size == rows ? r : nullptr; });
   }
 
-  /// Residual (`rows` entries) and derivatives by all unknowns (rows x columns, column-major). Returns the length of the
-  /// residual that the function returned; nothing is written when it is not `rows`.
+  /// Writes the residual (`rows` entries) and the derivatives with respect to all unknowns (rows x columns,
+  /// column-major). Returns the length of the function's residual; if that is not `rows`, writes nothing.
   int linearize(int rows, double* r, double* J) const
     requires(derivatives == DerivativeSource::exact && !vectorized)
   {
@@ -177,7 +183,7 @@ class CallableMeasurement {
     return rows;
   }
 
-  /// Residuals of `count` measurements, which lie one after the other, and, unless J is null, derivatives.
+  /// Writes the residuals of `count` consecutive measurements and, unless J is null, their derivatives.
   static void evaluateMany(const CallableMeasurement* first, int count, double* r, double* J)
     requires(vectorized)
   {
@@ -189,9 +195,8 @@ class CallableMeasurement {
         is_fixed && residual_dim != mtk::Dynamic &&
             (detail::hasFixedSize<detail::ContentOf<Stored<Args>>>() && ...),
         "slom: slom::vectorized needs variables, data and residuals of sizes known at compile time");
-    static_assert(
-        !is_fixed || columns <= detail::kMostPackedColumns,
-        "slom: slom::vectorized has room for 60 unknowns in a measurement; without it there may be more");
+    static_assert(!is_fixed || columns <= detail::kMostPackedColumns,
+                  "slom: slom::vectorized supports at most 60 unknowns in a measurement; remove it for more");
     static_assert(
         (!std::is_void_v<mtk::rebind_t<detail::ContentOf<Stored<Args>>, double>> && ...),
         "slom: slom::vectorized needs variables and data that exist over other scalars: numbers, vectors, mtk's "
@@ -200,7 +205,7 @@ class CallableMeasurement {
     constexpr int width = Evaluation::width, entries = residual_dim * columns;
     for (int left = count; left > 0; left -= width) {
       typename Evaluation::Source source;
-      for (int lane = 0; lane < width; ++lane) {  // the last one fills lanes that are left over
+      for (int lane = 0; lane < width; ++lane) {  // the last one fills unused lanes
         source[static_cast<std::size_t>(lane)] = &first[std::min(lane, left - 1)].args_;
       }
       double rest_r[std::size_t{width * residual_dim}], rest_J[std::size_t{width * entries}];
@@ -239,12 +244,12 @@ class CallableMeasurement {
     return detail::applyTo(args_, [](const auto&... stored) { return detail::findDatum(stored...); });
   }
 
-  /// The function's value for these arguments: the stored ones, or the same over dual numbers.
+  /// Returns the function's value for these arguments: the stored ones, or those over dual numbers.
   template <class Arguments, std::size_t... I>
   auto evaluateWith(const Arguments& arguments, std::index_sequence<I...>) const {
     return detail::call(function(), detail::contentOf(detail::valueAt<I>(arguments))...);
   }
-  /// The blocks of f.jacobian, one after the other.
+  /// Writes the blocks of f.jacobian, one after another.
   template <std::size_t... P, std::size_t... V>
   void writeJacobian(int rows, double* J, std::index_sequence<P...>, std::index_sequence<V...>) const {
     detail::BlockTuple<residual_dim, Stored<Args>...> blocks;
@@ -258,7 +263,7 @@ class CallableMeasurement {
         },
         blocks);
   }
-  /// Writes the residual to where target(its length) says, unless that is null. Returns its length.
+  /// Writes the residual to the place target(its length), unless that is null. Returns the length.
   template <class Target>
   int evaluateTo(const Target& target) const {
     if constexpr (has_datum) {
@@ -283,14 +288,15 @@ class CallableMeasurement {
     }
   }
 
-  /// Number of the first unknown of each argument.
+  /// Returns the number of the first unknown of each argument.
   std::array<int, sizeof...(Args)> offsets(int first) const {
     return detail::applyTo(args_, [&](const auto&... stored) {
       int next = -first;
       return std::array<int, sizeof...(Args)>{std::exchange(next, next + detail::runtimeDof(stored))...};
     });
   }
-  /// Residual and the `width` columns of the derivatives in a window; offset: of each argument's first unknown in it.
+  /// Writes the residual and the `width` columns of the derivatives in a window. offset: place of each argument's first
+  /// unknown in the window.
   template <std::size_t... I>
   SLOM_FLATTEN int linearizeSeeded(std::index_sequence<I...>, const std::array<int, sizeof...(Args)>& offset,
                                    int rows, double* r, double* J, int width) const {
@@ -304,7 +310,7 @@ class CallableMeasurement {
   }
   template <class Result>
   int write(const Result& result, int rows, double* r, double* J, int width) const {
-    // The columns of a small Jacobian are put together in registers. With fewer rows, single stores are hidden by arithmetic.
+    // The columns of a small Jacobian are assembled in registers. With fewer rows, arithmetic hides the single stores.
     constexpr bool in_registers =
         is_fixed && columns == window && residual_dim >= 4 && residual_dim * columns <= kMostInRegisters;
     [[maybe_unused]] mtk::detail::Lanes<double, in_registers ? columns : 1>

@@ -1,4 +1,4 @@
-/// Components of a variable: which of them a member is, and what their coordinates are.
+/// Components of a variable: those that a member consists of, and their coordinates.
 #pragma once
 
 #include <limits>
@@ -15,8 +15,8 @@ namespace slom {
 
 namespace detail {
 
-/// The components [first, first + count) that `member`, a part of x at any depth, makes; first < 0 when it is none. `at`: the
-/// first component of x.
+/// Returns the components [first, first + count) of `member`, a part of x at any depth; first < 0 if it is not a part.
+/// `at`: the first component of x.
 template <class X>
 std::pair<int, int> componentsOf(const X& x, const void* member, const std::type_info& type, int at) {
   if (static_cast<const void*>(&x) == member && typeid(X) == type) return {at, mtk::dof(x)};
@@ -36,8 +36,8 @@ std::pair<int, int> componentsOf(const X& x, const void* member, const std::type
 
 }  // namespace detail
 
-/// Writes the coordinate that each component moves: the number itself for numbers and vectors, NaN for rotations and all
-/// else that is not a vector space.
+/// Writes the coordinate that each component moves: the number itself for numbers and vectors, NaN for rotations and
+/// other types that are not vector spaces.
 template <class X>
 void coordinates(const X& x, double* out) {
   mtk::detail::forEachBasicPart(x, x, 0, [out](const auto& part, const auto&, int at) {
@@ -55,15 +55,15 @@ void coordinates(const X& x, double* out) {
   });
 }
 
-/// The values of those components that have no coordinate, for tables.
+/// A receiver of the values of components without coordinates, for tables.
 struct OrientationSink {
   enum class Kind {
-    angle,            ///< of a rotation in the plane, 1 number [rad]
-    rotation_vector,  ///< of a rotation in space, 3 numbers [rad]
+    angle,            ///< angle of a rotation in the plane, 1 number [rad]
+    rotation_vector,  ///< rotation vector of a rotation in space, 3 numbers [rad]
     direction         ///< a unit vector, 3 numbers
   };
   virtual ~OrientationSink();
-  /// `component`: the first one of this part.
+  /// Takes one value. `component`: the first component of this part.
   virtual void take(Kind kind, int component, const double* numbers) = 0;
 };
 

@@ -1,4 +1,4 @@
-/// What is known beforehand of components of a variable; see Estimator::prior.
+/// ComponentPrior: prior knowledge of components of a variable; see Estimator::prior.
 ///   variable  x    of any type
 ///   path      c    components that are coordinates, to which [+] adds: numbers and entries of vectors, at any depth
 ///   data      z    a number for each component
@@ -18,26 +18,26 @@
 
 namespace slom {
 
-/// The measurement. Derivatives are exact: 1 for the component itself, 0 for all others.
+/// The measurement. Its derivatives are exact: 1 for the component itself, 0 for all others.
 template <class T>
 class ComponentPrior {
  public:
   static constexpr int residual_dim = Dynamic;
   static constexpr DerivativeSource derivatives = DerivativeSource::exact;
-  /// What messages call it.
+  /// Returns the name in messages.
   static std::string groupName() { return "ComponentPrior"; }
 
-  /// `components` are numbers of components of x, as many as `values`.
+  /// Creates a prior on the components of x with these numbers, one for each of `values`.
   ComponentPrior(const VarID<T>& x, std::vector<int> components, std::vector<double> values)
       : x_(x), components_(std::move(components)), values_(std::move(values)) {}
 
-  auto variableArgs() { return detail::listVariables(x_); }  ///< x alone
-  /// The residual, sized here.
+  auto variableArgs() { return detail::listVariables(x_); }  ///< returns x alone
+  /// Writes the residual; resizes `ret`.
   void evaluate(Residual<Dynamic>& ret) const {
     ret.resize(static_cast<Eigen::Index>(values_.size()));
     evaluate(static_cast<int>(values_.size()), ret.data());
   }
-  /// The same to r. Returns its length; nothing is written when that is not `rows`.
+  /// Writes the residual to r. Returns its length; if that is not `rows`, writes nothing.
   int evaluate(int rows, double* r) const {
     const int size = static_cast<int>(values_.size());
     if (rows != size) return size;
@@ -47,7 +47,7 @@ class ComponentPrior {
       r[i] = x[static_cast<std::size_t>(components_[i])] - values_[i];
     return size;
   }
-  /// Residual and Jacobian, rows x dof, column-major.
+  /// Writes residual and Jacobian, rows x dof, column-major.
   int linearize(int rows, double* r, double* J) const {
     const int size = evaluate(rows, r);
     if (size != rows) return size;

@@ -1,4 +1,4 @@
-/// What a callable gets in place of its variables where exact derivatives are wanted: the same types over dual numbers.
+/// Arguments of a callable for exact derivatives: the same types over dual numbers.
 #pragma once
 
 #include <type_traits>
@@ -12,7 +12,7 @@ namespace slom {
 
 namespace detail {
 
-/// J[c * stride] := d[c] for c < N
+/// Sets J[c * stride] := d[c] for c < N.
 template <int N, class Partials>
 void storeStrided(const Partials& d, double* J, int stride) {
   [&]<int... C>(std::integer_sequence<int, C...>) {
@@ -20,10 +20,10 @@ void storeStrided(const Partials& d, double* J, int stride) {
   }(std::make_integer_sequence<int, N>{});
 }
 
-/// Stands for the number of a first unknown that is known only at run time.
+/// A stand-in for the number of a first unknown that is known only at run time.
 inline constexpr int kRuntimeOffset = -1;
 
-/// What the function gets of a stored argument when derivatives are wanted: variables over the dual number D.
+/// The function's argument for a stored one when derivatives are computed. Variables are over the dual number D.
 template <class Stored, class D, int Offset>
 struct DualArgument {
   const Stored& value;
@@ -32,7 +32,7 @@ struct DualArgument {
 template <class T, class D, int Offset>
 struct DualArgument<VarArg<T>, D, Offset> {
   mtk::rebind_t<T, D> value;
-  /// first: the number of its first unknown.
+  /// Seeds the variable. first: the number of its first unknown.
   DualArgument(const VarArg<T>& variable, int first)
       : value(mtk::detail::seededAs<mtk::rebind_t<T, D>>(*variable, Offset == kRuntimeOffset ? first : Offset,
                                                          D::size)) {}
@@ -73,12 +73,13 @@ int runtimeDof(const VarArg<T>& variable) {
   return mtk::dof(*variable);
 }
 
-/// Whether a function's result is made of dual numbers. One that returns doubles whatever it gets is not a function of them.
+/// Returns whether a function's result consists of dual numbers. A function that returns doubles for every input has no
+/// derivatives.
 template <class R>
 constexpr bool carriesDerivatives() {
   if constexpr (mtk::detail::is_std_array<R>) {
     return carriesDerivatives<typename R::value_type>();
-  } else if constexpr (mtk::Manifold<R>) {  // first: to mtk::Scalar, R::Scalar is its own name
+  } else if constexpr (mtk::Manifold<R>) {  // first, because R::Scalar of mtk::Scalar is its own name
     return mtk::detail::is_dual<mtk::scalar_t<R>>;
   } else if constexpr (requires { typename R::Scalar; }) {
     return mtk::detail::is_dual<typename R::Scalar>;
@@ -86,7 +87,7 @@ constexpr bool carriesDerivatives() {
     return requires(const R& x) { x.partials(); };
   }
 }
-/// What the function gets of a DualArgument, without the class around it.
+/// The function's argument for a DualArgument, without the class around it.
 template <class Stored, class D>
 struct DualPassed {
   using type = std::tuple<const Stored&>;
@@ -99,7 +100,7 @@ template <class Z, class D>
 struct DualPassed<Measured<Z>, D> {
   using type = std::tuple<>;
 };
-/// Whether F accepts variables over the dual number D in place of doubles.
+/// Returns whether F accepts variables over the dual number D in place of doubles.
 template <class F, class D, class... Stored>
 constexpr bool acceptsDuals() {
   if constexpr ((is_rebindable_argument<Stored> && ...)) {

@@ -1,4 +1,4 @@
-/// How the library may treat a measurement function: wrappers that the user puts around it.
+/// Wrappers around a measurement function that say how the library may treat it.
 ///     est.insertMeasurement(slom::numeric(f), ...)      derivatives by differences, f sees doubles only
 ///     est.insertMeasurement(slom::vectorized(f), ...)   several measurements at once, f sees packs of numbers
 #pragma once
@@ -10,8 +10,8 @@
 
 #include "mtk/detail/cpp20.hpp"
 
-/// Before a function that is to be compiled as one piece, with all that it calls: dual numbers stay in registers. Left out
-/// under sanitizers and with SLOM_NO_FLATTEN, which compile faster.
+/// Marks a function to be compiled as one piece with all functions that it calls, so dual numbers stay in registers. It
+/// is empty under sanitizers and with SLOM_NO_FLATTEN, which compile faster.
 #if defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(SLOM_NO_FLATTEN)
 #define SLOM_FLATTEN __attribute__((flatten))
 #else
@@ -20,14 +20,14 @@
 
 namespace slom {
 
-/// Where a measurement's derivatives come from.
+/// Source of a measurement's derivatives.
 enum class DerivativeSource {
   exact,   ///< dual numbers: the chain rule on the function itself
-  given,   ///< the functor's own `jacobian`
+  given,   ///< the member `jacobian` of the functor
   numeric  ///< central differences in the tangent space
 };
 
-/// One word: "exact".
+/// Returns one word: "exact".
 constexpr const char* toString(DerivativeSource source) {
   switch (source) {
     case DerivativeSource::exact:
@@ -40,25 +40,27 @@ constexpr const char* toString(DerivativeSource source) {
   return "unknown";
 }
 
-/// Central differences at several step widths, extrapolated: three times the evaluations or more, error of order h^4; the step follows
-/// functions that are narrow beside their argument.
+/// Central differences at several step widths, extrapolated. They take at least 3 times the evaluations and have an
+/// error of order h^4. The steps adapt to functions that are narrow compared with their argument.
 struct Richardson {};
 
-/// Steps of central differences that the user chooses, as for a simulator that rounds its output.
+/// Step widths of central differences chosen by the user, for example for a simulator that rounds its output.
 struct DifferenceStep {
-  double relative = 0;  ///< step of a component over its typical size, > 0
-  std::vector<double>
-      sizes;  ///< typical sizes of the components of all variables, in their order; empty: |x|, and 1 where that is 0
+  double relative = 0;  ///< step of a component divided by its typical size, > 0
+  /// Typical sizes of the components of all variables, in their order; empty: |x|, and 1 if that is 0.
+  std::vector<double> sizes;
 };
 
-/// Steps of `relative` times the typical size of each component: `slom::numeric(f, slom::differences(1e-2))`. As diff_step of SciPy's
-/// least_squares. `sizes`: typical sizes of the components of all variables of the measurement, in their order; empty: |x|, and 1 where
-/// that is 0. Throws [slom.bad-option] unless all are positive and finite.
+/// Returns steps of `relative` times the typical size of each component: `slom::numeric(f, slom::differences(1e-2))`.
+/// This corresponds to diff_step of SciPy's least_squares. `sizes`: typical sizes of the components of all variables of
+/// the measurement, in their order; empty: |x|, and 1 if that is 0. Throws [slom.bad-option] unless all are positive
+/// and finite.
 DifferenceStep differences(double relative, std::vector<double> sizes = {});
 
 namespace detail {
 
-/// std::invoke(f, x...); what is not a pointer to a member is called without its three layers, which would be compiled for each f.
+/// Returns std::invoke(f, x...). Only pointers to members go through std::invoke, whose three layers would be compiled
+/// for each f.
 template <class F, class... A>
 decltype(auto) call(const F& f, const A&... x) {
   if constexpr (std::is_member_pointer_v<F>) {
@@ -106,11 +108,11 @@ inline constexpr bool is_vectorized = false;
 template <class F>
 inline constexpr bool is_vectorized<VectorizedFunction<F>> = true;
 
-/// A functor that is vectorised without being asked, wherever its arguments allow it.
+/// A functor that is vectorised without a wrapper if its arguments allow it.
 template <class F>
 concept VectorizedByItself = requires { requires bool(F::is_vectorized); };
 
-/// The user's function inside the wrappers.
+/// The user's function without the wrappers.
 template <class F>
 struct Unwrapped {
   using type = F;
@@ -126,27 +128,27 @@ struct Unwrapped<VectorizedFunction<F>> {
 
 }  // namespace detail
 
-/// Asks for derivatives by central differences: for functions that cannot be evaluated on dual numbers, or to compare.
+/// Selects derivatives by central differences, for functions that cannot be evaluated on dual numbers, or to compare.
 template <class F>
 auto numeric(F f) {
   return detail::NumericFunction<F, detail::NoExtrapolation>{std::move(f)};
 }
-/// The same with Richardson's extrapolation: `slom::numeric(f, slom::Richardson())`.
+/// Selects differences with Richardson's extrapolation: `slom::numeric(f, slom::Richardson())`.
 template <class F>
 auto numeric(F f, Richardson) {
   return detail::NumericFunction<F, Richardson>{std::move(f)};
 }
-/// The same with steps of one's own: `slom::numeric(f, slom::differences(1e-2))`.
+/// Selects differences with the user's steps: `slom::numeric(f, slom::differences(1e-2))`.
 template <class F>
 auto numeric(F f, DifferenceStep step) {
   return detail::NumericFunction<F, DifferenceStep>{std::move(f), std::move(step)};
 }
 
-/// Lets f work on several measurements at once: all its parameters, data included, are `const auto&`, numbers are never
-/// declared as double, and in place of `if` on computed numbers stands mtk::select. Each variable's derivatives are
-/// carried only as far as they reach, so that numbers that depend on different variables have different types.
-/// A functor with the member `static constexpr bool is_vectorized = true;` does without this wrapper, and is evaluated one
-/// by one where its arguments do not exist in packs.
+/// Lets f work on several measurements at once. All parameters of f, including data, must be `const auto&`. f must not
+/// declare numbers as double, and must use mtk::select in place of `if` on computed numbers. A number carries only the
+/// derivatives of the variables that it depends on, so numbers that depend on different variables have different types.
+/// A functor with the member `static constexpr bool is_vectorized = true;` needs no wrapper. If its arguments do not
+/// exist in packs, its measurements are evaluated one by one.
 template <class F>
 auto vectorized(F f) {
   return detail::VectorizedFunction<F>{std::move(f)};

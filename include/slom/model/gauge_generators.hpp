@@ -1,5 +1,5 @@
-/// How a variable follows when the world that it is part of is moved, turned or scaled: this distinguishes a free gauge from
-/// missing measurements.
+/// Gauge generators: how a variable moves if the world around it is shifted, rotated or scaled. They distinguish a free
+/// gauge from missing measurements.
 #pragma once
 
 #include <array>
@@ -11,18 +11,20 @@
 
 namespace slom {
 
-/// What poses, rotations and vectors are to the world.
+/// Relation of poses, rotations and vectors to the world.
 enum class WorldRole {
-  in_world,    ///< they lead from their own coordinates to the world's; vectors are points of it
-  sees_world,  ///< they lead from the world's coordinates to their own; vectors are differences of its points
+  in_world,    ///< poses map their own coordinates to the world's; vectors are points of the world
+  sees_world,  ///< poses map the world's coordinates to their own; vectors are differences of points
 };
 
-/// Translation along x, y, z, rotation about x, y, z (all about the origin), scale. In the plane: x, y, about z, scale.
+/// Number of generators: translation along x, y, z, rotation about x, y, z (all about the origin), scale. In the plane:
+/// translation along x, y, rotation about z, scale.
 inline constexpr int kGaugeGenerators = 7;
 
 namespace detail {
 
-/// The tangent vectors of one part, in the rows from `at` of a matrix with `dof` rows and kGaugeGenerators columns of zeros.
+/// Writes the tangent vectors of one part to the rows from `at` of a matrix with `dof` rows and kGaugeGenerators
+/// columns of zeros.
 class GaugeGeneratorWriter {
  public:
   GaugeGeneratorWriter(double* out, int dof, WorldRole role) : out_(out), dof_(dof), role_(role) {}
@@ -30,7 +32,7 @@ class GaugeGeneratorWriter {
   template <class P>
   void add(const P& part, int at) const {
     if constexpr (requires { requires P::has_separate_entries; }) {
-      return;  // numbers side by side, as focal length and distortion, are no vector of space
+      return;  // separate numbers, such as focal length and distortion, are not a vector in space
     } else if constexpr (mtk::detail::is_trafo<P>) {
       addPose(part, at);
     } else if constexpr (mtk::detail::is_rotation<P>) {
@@ -58,7 +60,7 @@ class GaugeGeneratorWriter {
   using Vector = std::array<double, 3>;
   using Matrix = std::array<Vector, 3>;  // rows
 
-  // The arithmetic is compiled once, in the library.
+  // Arithmetic compiled once, in the library.
   void addVector(const Vector& p, int dim, int at) const;
   void addRotation2(int at) const;
   void addRotation3(const Matrix& rotation, int at) const;
@@ -102,7 +104,7 @@ class GaugeGeneratorWriter {
 
 }  // namespace detail
 
-/// Writes how x moves with each gauge generator, dof(x) x kGaugeGenerators, column-major, 0 for parts that are of no known
+/// Writes how x moves with each gauge generator: dof(x) x kGaugeGenerators, column-major, 0 for parts of no known
 /// geometric kind.
 template <class X>
 void gaugeGenerators(const X& x, WorldRole role, double* out) {

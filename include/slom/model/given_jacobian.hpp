@@ -1,4 +1,4 @@
-/// Derivatives that a callable brings along: `f.jacobian(arguments..., blocks...)`.
+/// Derivatives given by a callable: `f.jacobian(arguments..., blocks...)`.
 #pragma once
 
 #include <tuple>
@@ -12,13 +12,12 @@ namespace slom {
 
 namespace detail {
 
-/// One block of a hand-written Jacobian: rows x dof, filled with NaN before.
+/// One block of a hand-written Jacobian: rows x dof, filled with NaN before the call.
 template <int Rows, int Dof>
-using JacobianBlock =
-    Eigen::Matrix<double, Rows, Dof,
-                  Eigen::DontAlign |
-                      (Rows == 1 && Dof != 1 ? Eigen::RowMajor
-                                             : Eigen::ColMajor)>;  // rows are row-major to Eigen
+using JacobianBlock = Eigen::Matrix<double, Rows, Dof,
+                                    Eigen::DontAlign |
+                                        // Eigen demands row-major storage for row vectors.
+                                        (Rows == 1 && Dof != 1 ? Eigen::RowMajor : Eigen::ColMajor)>;
 template <int Rows, class A>
 struct BlockFor {
   using type = std::tuple<>;

@@ -1,5 +1,5 @@
-/// A set of small numbers, in ascending order: a bit for each number up to the largest. Putting in and taking out cost the same
-/// whatever the size of the set.
+/// IndexSet: a set of small numbers in ascending order, with a bit for each number up to the largest. Adding and
+/// removing take the same time for any size of the set.
 #pragma once
 
 #include <bit>
@@ -17,7 +17,7 @@ class IndexSet {
   /// Visits the numbers in ascending order.
   class Iterator {
    public:
-    /// At the first number from 64 word on, or at the end.
+    /// Starts at the first number >= 64 * word, or at the end.
     Iterator(const std::vector<std::uint64_t>& words, std::size_t word) : words_(&words), word_(word) {
       skipEmptyWords();
     }
@@ -47,7 +47,7 @@ class IndexSet {
   Iterator begin() const { return {words_, empty() ? words_.size() : 0}; }
   Iterator end() const { return {words_, words_.size()}; }
 
-  /// Puts i in (or takes it out); nothing happens when it is there already (or is not).
+  /// Adds i to the set or removes it. Does nothing if i is already there or already absent.
   void set(int i, bool is_in);
 
  private:

@@ -1,4 +1,4 @@
-/// Selecting from a list of types.
+/// Selection from a list of types.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace slom::detail {
 
-/// The positions of the true ones, as a std::index_sequence.
+/// Returns the positions of the true values as a std::index_sequence.
 template <bool... Wanted>
 constexpr auto indicesWhere() {
   constexpr std::size_t count = (std::size_t{Wanted} + ... + 0);

@@ -1,5 +1,5 @@
-/// What may follow a measurement's variables and data at its insertion, in any order: noise, a robust loss,
-/// a name for its group, groups of measurements that share errors.
+/// Options after a measurement's variables and data at its insertion, in any order: noise, a robust loss, a name for
+/// its group, groups of measurements that share errors.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct Named {
   std::string_view label;
 };
 
-/// Puts a measurement into the group with this name, for messages, reports and the summary. Without it the group has the
-/// name of the measurement's type.
+/// Puts a measurement into the group with this name, for messages, reports and the summary. Without a label, the group
+/// has the name of the measurement's type.
 inline Named named(std::string_view label) { return {label}; }
 
 namespace detail {
@@ -30,7 +30,7 @@ inline constexpr bool is_named = std::is_same_v<T, Named>;
 template <class T>
 inline constexpr bool is_option = IsNoise<T> || IsLoss<T> || is_named<T> || is_group<T>;
 
-/// Position of the only T in Tuple for which `Is` holds, -1 without one, -2 for more than one.
+/// Returns the position of the only true entry; -1 if there is none, -2 if there are several.
 template <class... T>
 constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
   int found = -1;
@@ -40,9 +40,9 @@ constexpr int findOnly(const std::array<bool, sizeof...(T)>& is) {
   return found;
 }
 
-// `all` is Values<const T&...>, which g++ 12 cannot name in a signature.
+// g++ 12 cannot name the type of `all`, Values<const T&...>, in a signature.
 
-/// The noise among the arguments; without one, that of unit covariance.
+/// Returns the noise among the arguments; unit covariance if there is none.
 template <class... T, class All>
 NoiseView noiseAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsNoise<T>...});
@@ -55,7 +55,7 @@ NoiseView noiseAmong(const All& all) {
     return {};
   }
 }
-/// The loss among the arguments; without one, none.
+/// Returns the loss among the arguments; no loss if there is none.
 template <class... T, class All>
 Loss lossAmong(const All& all) {
   constexpr int found = findOnly<T...>({IsLoss<T>...});
@@ -68,7 +68,7 @@ Loss lossAmong(const All& all) {
     return {};
   }
 }
-/// The label among the arguments, empty without one.
+/// Returns the label among the arguments; empty if there is none.
 template <class... T, class All>
 std::string_view labelAmong(const All& all) {
   constexpr int found = findOnly<T...>({is_named<T>...});
@@ -80,7 +80,7 @@ std::string_view labelAmong(const All& all) {
   }
 }
 
-/// The groups among the arguments. Throws [slom.bad-group].
+/// Returns the groups among the arguments. Throws [slom.bad-group].
 template <class... T, class All>
 auto groupsAmong(const All& all) {
   Groups<group_count<T...>> groups;
@@ -91,7 +91,7 @@ auto groupsAmong(const All& all) {
   return groups;
 }
 
-/// Numbers of the arguments that are not options.
+/// Positions of the arguments that are not options.
 template <class... Args>
 using DataIndices = decltype(indicesWhere<!is_option<Args>...>());
 

@@ -1,4 +1,4 @@
-/// MeasID<M>: the user's handle to a measurement; AnyMeasID: to one of any type.
+/// MeasID<M>: the user's handle to a measurement. AnyMeasID: a handle to a measurement of any type.
 ///     std::vector<slom::AnyMeasID> all;
 ///     all.push_back(est.insertMeasurement(...));   // whatever its type
 #pragma once
@@ -13,17 +13,17 @@ namespace slom {
 class MeasurementPool;
 class Problem;
 
-/// Whether the pool that a handle refers to is there, which handles may outlive.
+/// Presence of the pool that handles refer to; handles may outlive the pool.
 struct PoolPresence {
-  const MeasurementPool* pool;  ///< null: it is gone
+  const MeasurementPool* pool;  ///< null: the pool no longer exists
 };
 
 /// The part of a MeasID that does not depend on the type.
 class MeasurementHandle {
  public:
-  /// Refers to nothing.
+  /// Creates a handle that refers to nothing.
   MeasurementHandle();
-  /// Of a measurement; made by the library.
+  /// Creates a handle of a measurement. Used by the library.
   MeasurementHandle(std::shared_ptr<const PoolPresence> presence, SlotRef ref);
   MeasurementHandle(const MeasurementHandle&);
   MeasurementHandle(MeasurementHandle&&) noexcept;
@@ -31,7 +31,7 @@ class MeasurementHandle {
   MeasurementHandle& operator=(MeasurementHandle&&) noexcept;
   ~MeasurementHandle();
 
-  /// Whether the measurement exists: not after removeMeasurement, nor once the estimator is gone.
+  /// Returns whether the measurement exists: false after removeMeasurement and after the end of the estimator.
   bool isValid() const;
 
  protected:
@@ -47,12 +47,12 @@ class MeasurementHandle {
   SlotRef ref_;
 };
 
-/// A cheap value type. It stays valid whatever else is inserted or removed; after removeMeasurement it is stale, and
-/// using it throws [slom.stale-handle].
+/// A cheap value type. It stays valid if other measurements are inserted or removed. After removeMeasurement it is
+/// stale, and using it throws [slom.stale-handle].
 template <class M>
 class MeasID : public MeasurementHandle {
  public:
-  /// Refers to nothing; using it throws.
+  /// Creates a handle that refers to nothing; using it throws.
   MeasID() = default;
 
   friend bool operator==(const MeasID& a, const MeasID& b) { return a.equals(b); }
@@ -62,16 +62,16 @@ class MeasID : public MeasurementHandle {
   explicit MeasID(MeasurementHandle handle) : MeasurementHandle(std::move(handle)) {}
 };
 
-/// Made of any MeasID; the estimator takes it wherever it takes one.
+/// A handle made from any MeasID. The estimator accepts it in place of a MeasID.
 class AnyMeasID : public MeasurementHandle {
  public:
-  /// Refers to nothing; using it throws.
+  /// Creates a handle that refers to nothing; using it throws.
   AnyMeasID() = default;
-  /// From the handle to a measurement of any type, implicitly.
+  /// Converts the handle to a measurement of any type, implicitly.
   template <class M>
   AnyMeasID(const MeasID<M>& id)  // NOLINT(google-explicit-constructor): a MeasID is one of any type
       : MeasurementHandle(id) {}
-  /// Used by the library, for measurements whose type only their pool knows.
+  /// Creates a handle for a measurement whose type only its pool has. Used by the library.
   explicit AnyMeasID(MeasurementHandle handle) : MeasurementHandle(std::move(handle)) {}
 
   friend bool operator==(const AnyMeasID& a, const AnyMeasID& b) { return a.equals(b); }

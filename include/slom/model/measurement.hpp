@@ -1,12 +1,12 @@
-/// Measurements as the paper declares them: named variables and data, and a body that writes `ret`.
+/// Measurements declared as in the paper: named variables and data, and a body that writes `ret`.
 ///
 ///     SLOM_BUILD_MEASUREMENT(Observation, 2, ((Pose, pose)) ((vec2, landmark)), ((vec2, coords)))
 ///     SLOM_IMPLEMENT_MEASUREMENT(Observation, ret) { ret = pose->inverse() * *landmark - coords; }
 ///
-/// The second parameter is the length of the residual, mtk::Dynamic when it is known only at run time (then the
-/// body sizes `ret`). The data list may be empty: `SLOM_BUILD_MEASUREMENT(Prior, 1, ((Scalar, x)), )`. The body is
-/// written once, in a source file; in a header put `inline` before SLOM_IMPLEMENT_MEASUREMENT.
-/// `ret` starts as NaN, so that an entry that was forgotten is found.
+/// The second parameter is the length of the residual. If the length is known only at run time, it is mtk::Dynamic, and
+/// the body resizes `ret`. The data list may be empty: `SLOM_BUILD_MEASUREMENT(Prior, 1, ((Scalar, x)), )`. Write the
+/// body once, in a source file. In a header, put `inline` before SLOM_IMPLEMENT_MEASUREMENT. `ret` starts as NaN, so a
+/// forgotten entry is found.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ namespace slom {
 
 inline constexpr int Dynamic = mtk::Dynamic;
 
-/// What `ret` is: a column vector, fixed or of run-time size (then Eigen::VectorXd).
+/// The type of `ret`: a column vector of fixed or run-time size (then Eigen::VectorXd).
 template <int Rows>
 using Residual =
     Eigen::Matrix<double, Rows, 1,
@@ -46,7 +46,7 @@ template <class... T>
 inline constexpr bool is_variable_list<VariableList<T...>> = true;
 }  // namespace detail
 
-/// A type whose objects are measurements: they know their variables and write their residual.
+/// A type whose objects are measurements: they list their variables and write their residual.
 template <class M>
 concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret) {
   { m.variableArgs() };
@@ -54,14 +54,14 @@ concept Measurement = requires(M& m, const M& c, Residual<M::residual_dim>& ret)
 } && detail::is_variable_list<decltype(std::declval<M&>().variableArgs())>;
 
 namespace detail {
-/// References to all arguments but the first, which lets a list be empty.
+/// Returns references to all arguments except the first. So a list may be empty.
 template <class... T>
 std::tuple<const T&...> tieBehind(int, const T&... x) {
   return {x...};
 }
 
-/// Writes the residual, `rows` entries, to r; entries that the measurement leaves out are NaN. Returns the residual's length;
-/// nothing is written when that is not `rows`.
+/// Writes the residual, `rows` entries, to r. Entries that the measurement does not write are NaN. Returns the
+/// residual's length; if that is not `rows`, writes nothing.
 template <Measurement M>
 int evaluatePoisoned(const M& measurement, int rows, double* r) {
   Residual<M::residual_dim> ret;

@@ -1,12 +1,12 @@
-/// How uncertain a measurement is, in the user's choice of form.
+/// Uncertainty of a measurement, in the form that the user chooses.
 ///
 /// For a residual r of length n with covariance Sigma:
 ///   Covariance(x)            Sigma                      scalar: x * I, vector: diag(x), matrix: symmetric
 ///   StandardDeviation(x)     L with Sigma = L L^T       scalar, vector, lower triangular matrix
 ///   InvCovariance(x)         Sigma^-1 (information)     scalar, vector, symmetric matrix
 ///   InvStandardDeviation(x)  L^-1                       scalar, vector, lower triangular matrix
-/// A measurement without any of them has unit covariance. The estimator minimises |W r|^2 with W^T W = Sigma^-1.
-/// Everything is checked at insertion: size, finiteness, symmetry, positive definiteness.
+/// A measurement without any of these has unit covariance. The estimator minimises |W r|^2 with W^T W = Sigma^-1.
+/// Insertion checks everything: size, finiteness, symmetry, positive definiteness.
 #pragma once
 
 #include <string>
@@ -24,10 +24,11 @@ enum class NoiseForm {
   standard_deviation,
   inv_covariance,
   inv_standard_deviation,
-  whitening  ///< W itself, of any shape, as a NoiseView alone: for problems that are loaded
+  /// W itself, of any shape. Only as a NoiseView, for problems that are loaded.
+  whitening
 };
 
-/// Value and form; T is double or a dense Eigen type of doubles.
+/// Value and form. T is double or a dense Eigen type of doubles.
 template <NoiseForm Form, class T>
 struct Noise {
   static constexpr NoiseForm form = Form;
@@ -43,7 +44,7 @@ auto plainNoise(const T& value) {
     return static_cast<double>(value);
   } else {
     static_assert(
-        requires { typename T::PlainObject; }, "slom: noise is given by a number, a vector or a matrix");
+        requires { typename T::PlainObject; }, "slom: noise must be a number, a vector or a matrix");
     return typename T::PlainObject(value);
   }
 }
@@ -54,7 +55,7 @@ using PlainNoise = decltype(plainNoise(std::declval<const T&>()));
 /// Sigma: a number (times the identity), a vector (the diagonal), or a symmetric matrix.
 template <class T = double>
 struct Covariance : Noise<NoiseForm::covariance, T> {
-  /// x in squared units of the residual.
+  /// Sets the covariance x in squared units of the residual.
   template <class X>
   explicit Covariance(const X& x) : Noise<NoiseForm::covariance, T>{detail::plainNoise(x)} {}
 };
@@ -64,7 +65,7 @@ Covariance(const X&) -> Covariance<detail::PlainNoise<X>>;
 /// L with Sigma = L L^T: a number (times the identity), a vector (the diagonal), or a lower triangular matrix.
 template <class T = double>
 struct StandardDeviation : Noise<NoiseForm::standard_deviation, T> {
-  /// x in units of the residual.
+  /// Sets the standard deviation x in units of the residual.
   template <class X>
   explicit StandardDeviation(const X& x) : Noise<NoiseForm::standard_deviation, T>{detail::plainNoise(x)} {}
 };
@@ -74,7 +75,7 @@ StandardDeviation(const X&) -> StandardDeviation<detail::PlainNoise<X>>;
 /// Sigma^-1, the information: a number (times the identity), a vector (the diagonal), or a symmetric matrix.
 template <class T = double>
 struct InvCovariance : Noise<NoiseForm::inv_covariance, T> {
-  /// x in inverse squared units of the residual.
+  /// Sets the information x in inverse squared units of the residual.
   template <class X>
   explicit InvCovariance(const X& x) : Noise<NoiseForm::inv_covariance, T>{detail::plainNoise(x)} {}
 };
@@ -84,7 +85,7 @@ InvCovariance(const X&) -> InvCovariance<detail::PlainNoise<X>>;
 /// L^-1: a number (times the identity), a vector (the diagonal), or a lower triangular matrix.
 template <class T = double>
 struct InvStandardDeviation : Noise<NoiseForm::inv_standard_deviation, T> {
-  /// x in inverse units of the residual.
+  /// Sets x in inverse units of the residual.
   template <class X>
   explicit InvStandardDeviation(const X& x)
       : Noise<NoiseForm::inv_standard_deviation, T>{detail::plainNoise(x)} {}
@@ -92,15 +93,15 @@ struct InvStandardDeviation : Noise<NoiseForm::inv_standard_deviation, T> {
 template <class X>
 InvStandardDeviation(const X&) -> InvStandardDeviation<detail::PlainNoise<X>>;
 
-/// No statement about the noise: unit covariance.
+/// No stated noise: unit covariance.
 struct UnitCovariance {};
 
-/// What insertMeasurement takes for a statement about the noise.
+/// A type that insertMeasurement accepts as noise.
 template <class T>
 concept IsNoise = std::is_same_v<T, UnitCovariance> ||
                   requires(const T& n) { []<NoiseForm F, class V>(const Noise<F, V>&) {}(n); };
 
-/// The numbers of a noise statement without its type: entries column by column.
+/// The numbers of stated noise without its type; entries column by column.
 struct NoiseView {
   enum class Shape { unit, scalar, vector, matrix };
   Shape shape = Shape::unit;
@@ -110,7 +111,7 @@ struct NoiseView {
   int cols = 0;
 };
 
-/// The numbers of a statement about the noise, which must outlive the view.
+/// Returns a view of the numbers of stated noise, which must outlive the view.
 inline NoiseView viewNoise(const UnitCovariance&) { return {}; }
 
 template <NoiseForm F, class T>
@@ -118,8 +119,8 @@ NoiseView viewNoise(const Noise<F, T>& noise) {
   if constexpr (std::is_same_v<T, double>) {
     return {NoiseView::Shape::scalar, F, &noise.value, 1, 1};
   } else {
-    static_assert(std::is_same_v<typename T::Scalar, double>, "slom: noise is given in double precision");
-    static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "slom: noise matrices are column-major");
+    static_assert(std::is_same_v<typename T::Scalar, double>, "slom: noise must have double precision");
+    static_assert(!T::IsRowMajor || T::IsVectorAtCompileTime, "slom: noise matrices must be column-major");
     const bool vector = T::IsVectorAtCompileTime;
     return {vector ? NoiseView::Shape::vector : NoiseView::Shape::matrix, F, noise.value.data(),
             static_cast<int>(vector ? noise.value.size() : noise.value.rows()),
@@ -127,22 +128,23 @@ NoiseView viewNoise(const Noise<F, T>& noise) {
   }
 }
 
-/// W with W^T W = Sigma^-1, in the cheapest form that holds it: no numbers, one, `dim` of them (diagonal), or
-/// dim x dim column by column.
+/// W with W^T W = Sigma^-1, in its most compact form: no numbers, one number, `dim` numbers (diagonal), or dim x dim
+/// numbers column by column.
 enum class WhiteningKind : unsigned char { unit, scalar, diagonal, full };
 
 namespace detail {
 struct NoiseComplaint {
   std::string id, name, value, remedy;
 };
-/// Appends the numbers of W to `store`. On a fault leaves `store` alone, fills `complaint` and returns false.
+/// Appends the numbers of W to `store`. If there is a fault, leaves `store` unchanged, fills `complaint` and returns
+/// false.
 bool appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store, WhiteningKind& kind,
                      NoiseComplaint& complaint);
 [[noreturn]] void raiseNoiseError(const NoiseComplaint& complaint, const std::string& measurement);
 }  // namespace detail
 
-/// Appends the numbers of W for residuals of length `dim` to `store`. Throws mtk::Error that names `subject()`, which
-/// is called only then; `store` stays as it was.
+/// Appends the numbers of W for residuals of length `dim` to `store`. If there is a fault, throws mtk::Error with the
+/// name `subject()`, which is called only then, and leaves `store` unchanged.
 template <class Subject>
 WhiteningKind appendWhitening(const NoiseView& noise, int dim, std::vector<double>& store,
                               Subject&& subject) {
@@ -153,7 +155,7 @@ WhiteningKind appendWhitening(const NoiseView& noise, int dim, std::vector<doubl
   return kind;
 }
 
-/// Number of entries that W of this kind has in the store.
+/// Returns the number of entries of W of this kind in the store.
 constexpr int whiteningSize(WhiteningKind kind, int dim) {
   switch (kind) {
     case WhiteningKind::unit:
@@ -168,7 +170,7 @@ constexpr int whiteningSize(WhiteningKind kind, int dim) {
   return 0;
 }
 
-/// m := W m for the `dim` x `cols` matrix m, column-major.
+/// Computes m := W m for the `dim` x `cols` matrix m, column-major.
 void whiten(WhiteningKind kind, const double* W, double* m, int dim, int cols);
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-/// Members of a class that only its source file knows.
+/// Pimpl: owns the members of a class that only its source file defines.
 #pragma once
 
 #include <utility>
@@ -7,9 +7,9 @@
 
 namespace slom::detail {
 
-/// Owns a T that is not a complete type where the owning class is declared. It does what std::unique_ptr does, without its hundred
-/// or so templates, which every program that includes the header would compile again for each T. OnEmpty is called when it is
-/// used after it was moved from, and throws.
+/// Owns a T that may be incomplete where the owning class is declared. It works like std::unique_ptr but without about
+/// a hundred templates, which every program that includes the header would compile again for each T. OnEmpty is called
+/// if the object is used after a move from it; OnEmpty throws.
 template <class T, void (*OnEmpty)() = nullptr>
 class Pimpl {
  public:

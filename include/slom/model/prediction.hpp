@@ -1,5 +1,5 @@
-/// What a measurement function's result stands for, row by row: the residual itself, or the prediction of a datum on any
-/// manifold, of which the residual is f(Y) [-] z unless f itself says how the two are compared.
+/// Interpretation of a measurement function's result, row by row. The result is the residual itself, or the prediction
+/// of a datum on any manifold. The residual is then f(Y) [-] z, unless f itself defines the comparison.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace slom::detail {
 
-/// The number itself where x derives from one, as mtk::Scalar of dual numbers does.
+/// Returns the number itself if x derives from one, as mtk::Scalar of dual numbers does.
 template <class X>
 const X& plainNumber(const X& x) {
   return x;
@@ -21,7 +21,7 @@ const mtk::SparseDual<S, C>& plainNumber(const mtk::Scalar<mtk::SparseDual<S, C>
   return x;
 }
 
-/// Number of entries where the type says it, otherwise -1.
+/// Returns the number of entries if the type states it, otherwise -1.
 template <class V>
 constexpr int sizeOf() {
   if constexpr (requires { V::SizeAtCompileTime; }) {
@@ -30,13 +30,13 @@ constexpr int sizeOf() {
     return -1;
   }
 }
-/// f(i) for each entry i of v.
+/// Calls f(i) for each entry i of v.
 template <class V, class F>
 void eachIndex(const V& v, const F& f) {
   mtk::detail::forEachEntry<sizeOf<V>()>(static_cast<Eigen::Index>(v.size()), f);
 }
 
-/// sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.
+/// Calls sink(row, number) for each entry of a residual: a number, an Eigen vector or a std::array.
 template <class R, class Sink>
 void eachRow(const R& value, const Sink& sink) {
   if constexpr (requires { value.template get<0>(); }) {
@@ -55,8 +55,8 @@ void eachRow(const R& value, const Sink& sink) {
   }
 }
 
-/// sink(row, number) for each entry of x [-] z, counted from `row`. x is over dual numbers or packs, and its parts may be
-/// over different ones; z is over plain numbers.
+/// Calls sink(row, number) for each entry of x [-] z, counted from `row`. x is over dual numbers or packs, and its
+/// parts may be over different ones. z is over plain numbers.
 template <class X, class Z, class Sink>
 void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
   const auto entries = [&](const auto& v) { eachIndex(v, [&](int i) { sink(row + i, v[i]); }); };
@@ -96,8 +96,9 @@ void eachDifference(const X& x, const Z& z, int row, const Sink& sink) {
   }
 }
 
-/// sink(row, number) for each entry of the residual that function F has for the prediction y of the datum z: y [-] z, or
-/// what its static member `residualFromDatum(y, z)` returns, a vector of as many entries.
+/// Calls sink(row, number) for each entry of the residual of function F for the prediction y of the datum z. The
+/// residual is y [-] z or, if F has the static member `residualFromDatum(y, z)`, the vector that it returns, of the
+/// same length.
 template <class F, class Y, class Z, class Sink>
 void eachResidual(const Y& y, const Z& z, const Sink& sink) {
   if constexpr (requires { F::residualFromDatum(y, z); }) {

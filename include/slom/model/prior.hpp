@@ -1,4 +1,4 @@
-/// The function of a prior: the variable itself. See slom/measurements/prior.hpp.
+/// The function of a prior, which returns the variable itself. See slom/measurements/prior.hpp.
 #pragma once
 
 #include "mtk/detail/cpp20.hpp"

@@ -1,4 +1,4 @@
-/// The residual that a callable's return value stands for.
+/// Conversion of a callable's return value to a residual.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace slom {
 
 namespace detail {
 
-/// The residual that a callable's return value stands for.
+/// The residual for a callable's return value of type R.
 template <class R>
 struct Returned {
   static_assert(
@@ -33,8 +33,8 @@ template <class R>
 struct Returned<R> {
   static_assert(
       requires(const R& x) { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); },
-      "slom: the measurement function returns an unevaluated Eigen expression, which may refer to temporaries "
-      "that are gone; return its value, as eval of Eigen gives it, or give the function a return type");
+      "slom: the measurement function returns an unevaluated Eigen expression, which may refer to "
+      "destroyed temporaries; return its value by .eval(), or give the function a return type");
   static_assert(R::ColsAtCompileTime == 1, "slom: a measurement function must return a column vector");
   static_assert(std::is_same_v<typename R::Scalar, double>,
                 "slom: a measurement function must return a vector of doubles");

@@ -1,4 +1,4 @@
-/// Measurements whose variables are chosen at run time: how many there are, of which types, and how long the residual is.
+/// Measurements whose variables are chosen at run time: their number, their types and the length of the residual.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace slom {
 
-/// What all run-time measurements of one class have in common.
+/// Common properties of all run-time measurements of one class.
 struct RuntimeKind {
   const std::type_info* id;
   DerivativeSource derivatives;
@@ -22,37 +22,41 @@ struct RuntimeKind {
   bool states_noise;      ///< the residual is in units of its standard deviation
 };
 
-/// The base of all of them. They are reached by virtual calls, one for each measurement.
+/// Base class of run-time measurements. The library reaches them by virtual calls, one for each measurement.
 class RuntimeMeasurement {
  public:
   virtual ~RuntimeMeasurement();
 
-  /// What all measurements of this class have in common; which is the same object for each of them.
+  /// Returns the common properties of this class, the same object for all its measurements.
   virtual const RuntimeKind& kind() const = 0;
-  /// The residual. Writes `rows` entries to r, or nothing when r is null or the length is another one. Returns the length.
+  /// Computes the residual. Writes `rows` entries to r, or nothing if r is null or the length differs. Returns the
+  /// length.
   virtual int evaluate(int rows, double* r) const = 0;
-  /// Residual and Jacobian, rows x (degrees of freedom of all variables), column-major. For kinds whose derivatives are not numeric.
+  /// Writes residual and Jacobian, rows x (degrees of freedom of all variables), column-major. For kinds whose
+  /// derivatives are not numeric.
   virtual int linearize(int rows, double* r, double* J) const;
 
-  /// The value at which all measurements of variable k are linearised for as long as this one is there; null: their current values. The
-  /// value stays where it is while this measurement lives.
+  /// Returns the value at which all measurements of variable k are linearised while this one exists; null: their
+  /// current values. The value must stay in place while this measurement lives.
   virtual const void* firstEstimate(int k) const;
 
-  /// The same measurement over other variables of the same types, for Estimator::clone(); null: there is none.
+  /// Returns this measurement over other variables of the same types, for Estimator::clone(); null if it cannot be
+  /// copied.
   virtual std::unique_ptr<RuntimeMeasurement> copyOver(std::vector<AnyVarID> variables) const;
-  /// Used by the library: makes variable k another one of the same type.
+  /// Replaces variable k by another of the same type. Used by the library.
   void setVariable(int k, const VariableHandle& id);
 
-  /// The variables, in the order of the columns of the Jacobian.
+  /// Returns the variables, in the order of the columns of the Jacobian.
   const std::vector<AnyVarID>& variables() const { return ids_; }
-  /// The number of variables.
+  /// Returns the number of variables.
   int arity() const { return static_cast<int>(ids_.size()); }
-  /// The variables at which it is evaluated, which differences redirect.
+  /// Returns the views of the variables for evaluation; differences redirect them.
   std::vector<VariableView>& views() { return views_; }
   const std::vector<VariableView>& views() const { return views_; }
 
  protected:
-  /// Throws [slom.no-variables] or [slom.stale-handle]; `subject` is what the former calls the measurement.
+  /// Checks the variables. Throws [slom.no-variables] or [slom.stale-handle]; the first calls the measurement
+  /// `subject`.
   RuntimeMeasurement(const std::string& subject, std::vector<AnyVarID> variables);
   RuntimeMeasurement(const RuntimeMeasurement&);
   RuntimeMeasurement(RuntimeMeasurement&&) noexcept;
@@ -64,14 +68,16 @@ class RuntimeMeasurement {
   std::vector<VariableView> views_;
 };
 
-/// A callable f(variables, data...) over a list of variables, `variables` a std::span<const VariableView>. It returns the residual,
-/// as other measurement functions do. Derivatives are central differences in the tangent space: the types that f asks for are
-/// known only while it runs, so that it cannot be handed dual numbers.
+/// A callable f(variables, data...) over a list of variables, with `variables` a std::span<const VariableView>. It
+/// returns the residual, like other measurement functions. Derivatives are central differences in the tangent space.
+/// Dual numbers are not possible, because the types that f asks for are known only while it runs.
 template <class F, class... Data>
 class ListMeasurement final : public RuntimeMeasurement {
   using Variables = std::span<const VariableView>;
-  static_assert(!(detail::is_var_id<Data> || ...),
-                "slom: all variables of a measurement over a list are in the list: put this VarID into it");
+  static_assert(
+      !(detail::is_var_id<Data> || ...),
+      "slom: a measurement over a list takes its variables only from the list: put this VarID into the "
+      "list");
   static_assert(
       std::is_invocable_v<const F&, Variables, const Data&...>,
       "slom: a measurement function over a list of variables gets a std::span<const slom::VariableView> and a "
@@ -80,7 +86,7 @@ class ListMeasurement final : public RuntimeMeasurement {
   using Returned = detail::Returned<Result>;
 
  public:
-  /// Of f(variables, data...). Throws [slom.no-variables] or [slom.stale-handle].
+  /// Creates the measurement f(variables, data...). Throws [slom.no-variables] or [slom.stale-handle].
   ListMeasurement(std::vector<AnyVarID> variables, F f, const Data&... data)
       : RuntimeMeasurement("the measurement over a list", std::move(variables)),
         f_(std::move(f)),
@@ -107,7 +113,7 @@ class ListMeasurement final : public RuntimeMeasurement {
       return nullptr;
     }
   }
-  /// The data, which are stored by value.
+  /// Returns the data, which are stored by value.
   const detail::Values<Data...>& data() const { return data_; }
 
  private:

@@ -1,4 +1,4 @@
-/// A growing array of values whose type only its owner knows: chunks of contiguous values that never move.
+/// ValueArray: a growing array of values whose type only its owner has. Its chunks of contiguous values never move.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace slom {
 
-/// Memory alone: the owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.
+/// Memory only. The owner constructs each value in `place()`, counts it by `grow()` and destroys it at the end.
 class ValueArray {
  public:
-  /// Of values of this size and alignment [bytes].
+  /// Creates an array for values of this size and alignment [bytes].
   ValueArray(std::size_t value_size, std::size_t alignment)
       : value_size_(value_size), alignment_(alignment) {}
   ValueArray(const ValueArray&) = delete;
@@ -20,14 +20,14 @@ class ValueArray {
 
   std::size_t size() const { return size_; }
   void* operator[](std::size_t i) { return chunks_[i / kChunk] + (i % kChunk) * value_size_; }
-  /// Value i.
+  /// Returns value i.
   const void* at(std::size_t i) const { return chunks_[i / kChunk] + (i % kChunk) * value_size_; }
-  /// Value i, which is a T.
+  /// Returns value i as a T.
   template <class T>
   T& as(std::size_t i) const {
     return reinterpret_cast<T*>(chunks_[i / kChunk])[i % kChunk];
   }
-  /// Where the next value belongs.
+  /// Returns the place of the next value.
   void* place();
   /// Counts the value that was constructed in place().
   void grow() { ++size_; }

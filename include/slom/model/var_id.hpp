@@ -16,9 +16,9 @@ class StoredProblem;
 /// The part of a VarID that does not depend on the type.
 class VariableHandle {
  public:
-  /// Refers to nothing.
+  /// Creates a handle that refers to nothing.
   VariableHandle();
-  /// Of a variable; made by the library.
+  /// Creates a handle of a variable. Used by the library.
   VariableHandle(std::shared_ptr<VariableStoreBase> store, SlotRef ref);
   VariableHandle(const VariableHandle&);
   VariableHandle(VariableHandle&&) noexcept;
@@ -26,7 +26,7 @@ class VariableHandle {
   VariableHandle& operator=(VariableHandle&&) noexcept;
   ~VariableHandle();
 
-  /// Whether the variable exists.
+  /// Returns whether the variable exists.
   bool isValid() const { return store_ && store_->isCurrent(ref_); }
 
  protected:
@@ -42,15 +42,15 @@ class VariableHandle {
   SlotRef ref_;
 };
 
-/// Reads the current value by `*id` and `id->member`. A cheap value type: copy it, store it, compare it. It stays
-/// valid whatever else is inserted or removed. After removeRV it is stale, and reading it throws
-/// [slom.stale-handle]; after the estimator is gone the last value can still be read.
+/// A handle that reads the current value by `*id` and `id->member`. It is a cheap value type to copy, store and
+/// compare. It stays valid if other variables are inserted or removed. After removeRV it is stale, and reading it
+/// throws [slom.stale-handle]. After the end of the estimator, the last value can still be read.
 template <class T>
 class VarID : public VariableHandle {
  public:
   using Value = T;
 
-  /// Refers to nothing; reading it throws.
+  /// Creates a handle that refers to nothing; reading it throws.
   VarID() = default;
 
   const T& operator*() const { return current(); }
@@ -75,19 +75,19 @@ class VarID : public VariableHandle {
 /// The part of a VarArg that does not depend on the type.
 class VariableArgument {
  public:
-  /// Used by the library: where the value comes from, and what the measurement is evaluated at.
+  /// Returns the store of the variable. Used by the library.
   const VariableStoreBase* store() const { return store_; }
-  /// The place of the variable in its store.
+  /// Returns the place of the variable in its store.
   SlotRef slotRef() const { return ref_; }
-  /// The value that the measurement is evaluated at, of the variable's type.
+  /// Returns the value at which the measurement is evaluated, of the variable's type.
   const void* pointer() const { return value_; }
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdangling-pointer"  // numeric derivatives put the old pointer back
 #endif
-  /// Has the measurement evaluated at another value, which must outlive the evaluation.
+  /// Sets another value for evaluation, which must outlive the evaluation.
   void setPointer(const void* value) { value_ = value; }
-  /// Makes it another variable of the same type, with its current value.
+  /// Replaces the variable by another of the same type, with its current value.
   void rebind(const VariableHandle& id) {
     store_ = id.store_.get();
     ref_ = id.ref_;
@@ -108,14 +108,14 @@ class VariableArgument {
   SlotRef ref_;
 };
 
-/// A variable as a measurement sees it: `*pose`, `pose->pos`. Made from a VarID. Not owning; while a measurement
-/// is in an estimator its variables cannot be removed.
+/// A variable in a measurement: `*pose`, `pose->pos`. Made from a VarID. It does not own the variable, but while a
+/// measurement is in an estimator, its variables cannot be removed.
 template <class T>
 class VarArg : public VariableArgument {
  public:
   using Value = T;
 
-  /// From the handle, implicitly. Throws [slom.stale-handle].
+  /// Converts a handle, implicitly. Throws [slom.stale-handle].
   VarArg(const VarID<T>& id)  // NOLINT(google-explicit-constructor): measurements are built from VarIDs
       : VariableArgument(id, &*id) {}
 

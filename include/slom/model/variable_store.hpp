@@ -1,4 +1,4 @@
-/// The values of all variables of one type, in slots that handles refer to.
+/// The values of all variables of one type. Handles refer to their slots.
 #pragma once
 
 #include <cstddef>
@@ -21,108 +21,109 @@ namespace slom {
 
 using mtk::Error;
 
-/// A place in a store. A slot is used again after its variable was removed; `generation` distinguishes the two.
+/// A place in a store. A slot is reused after its variable is removed; `generation` distinguishes the variables.
 struct SlotRef {
   std::uint32_t slot = 0;
   std::uint32_t generation = 0;
 };
 
 namespace detail {
-/// What `write(stream, value)` writes, as a string. Compiled once: streams are expensive for every file that makes one.
+/// Returns what `write(stream, value)` writes. Compiled once, because each file that makes a stream compiles much.
 std::string textOf(const void* value, void (*write)(std::ostream&, const void*));
 [[noreturn]] void raiseStaleHandle(std::string (*type)(), bool was_valid);
-/// The same for a handle that is not a VarID: `handle` names it.
+/// Throws for a handle that is not a VarID; `handle` names it.
 [[noreturn]] void raiseStaleHandle(const std::string& handle, bool was_valid);
 }  // namespace detail
 
-/// The values of all variables of one type. What does not depend on the type is compiled once; the type's part is how one
-/// value is made, moved and described.
+/// The values of all variables of one type. Code that does not depend on the type is compiled once. Derived classes
+/// make, move and describe one value.
 class VariableStoreBase {
  public:
   virtual ~VariableStoreBase();
   VariableStoreBase(const VariableStoreBase&) = delete;
   VariableStoreBase& operator=(const VariableStoreBase&) = delete;
 
-  /// The name of T, as messages print it.
+  /// Returns the name of T for messages.
   virtual std::string typeName() const = 0;
-  /// A name for each degree of freedom, with `path` in front: `pose.pos.x`.
+  /// Returns a name for each degree of freedom, with `path` in front: `pose.pos.x`.
   virtual std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const = 0;
-  /// The value as text, for messages.
+  /// Returns the value as text, for messages.
   virtual std::string valueText(std::uint32_t slot) const = 0;
 
-  // One value. Pointers are to the type of this store.
+  // Operations on one value. Pointers are to the type of this store.
 
-  /// Copies `value` into memory that holds none yet.
+  /// Copies `value` into uninitialised memory.
   virtual void construct(void* place, const void* value) const = 0;
   /// Calls the destructor.
   virtual void destroy(void* value) const noexcept = 0;
-  /// to := from
+  /// Assigns to := from.
   virtual void assign(void* to, const void* from) const = 0;
-  /// Degrees of freedom of this value.
+  /// Returns the degrees of freedom of this value.
   virtual int dofOf(const void* value) const = 0;
-  /// value := value [+] d, d of dofOf(value) entries.
+  /// Computes value := value [+] d; d has dofOf(value) entries.
   virtual void boxplus(void* value, const double* d) const = 0;
   /// Writes x [-] y, dofOf(y) entries, to out.
   virtual void boxminus(double* out, const void* x, const void* y) const = 0;
-  /// Writes the derivative of (x [+] d) [-] y by d at d = 0 (dof x dof, column-major).
+  /// Writes the derivative of (x [+] d) [-] y with respect to d at d = 0 (dof x dof, column-major).
   virtual void boxminusDerivative(const void* x, const void* y, double* D) const = 0;
   /// Writes |x_i| of every component (1 for angles) to out.
   virtual void typicalSizesOf(const void* value, double* out) const = 0;
-  /// Writes A (dof x dof, column-major): the perturbation A d on the right does what d does on the left of rotations.
+  /// Writes A (dof x dof, column-major) such that the perturbation A d on the right does what d does on the left of
+  /// rotations.
   virtual void leftPerturbation(const void* value, double* A) const = 0;
-  /// Writes the coordinate of each component, NaN where it has none, as rotations.
+  /// Writes the coordinate of each component; NaN for components without one, such as those of rotations.
   virtual void coordinates(const void* value, double* out) const = 0;
-  /// Passes each rotation and direction among its parts to `sink`.
+  /// Passes each rotation and direction in the value to `sink`.
   virtual void visitOrientations(const void* value, OrientationSink& sink) const = 0;
   /// Writes how the value moves with the world (dof x kGaugeGenerators, column-major).
   virtual void gaugeGenerators(const void* value, WorldRole role, double* out) const = 0;
-  /// Of T [bytes].
+  /// Returns the size of T [bytes].
   std::size_t valueSize() const { return value_size_; }
-  /// Of T [bytes].
+  /// Returns the alignment of T [bytes].
   std::size_t alignment() const { return alignment_; }
 
-  // All values.
+  // Operations on all values.
 
   /// Stores `value` as the variable with index `variable`.
   SlotRef insert(const void* value, int variable);
-  /// The value in a slot, which stays where it is while the store lives.
+  /// Returns the value in a slot. It stays in place while the store lives.
   void* valueAt(std::uint32_t slot) { return values_[slot]; }
-  /// T is the type of this store.
+  /// Returns the value in a slot. T is the type of this store.
   template <class T>
   const T& value(std::uint32_t slot) const {
     return values_.as<T>(slot);
   }
-  /// Degrees of freedom of the value in a slot.
+  /// Returns the degrees of freedom of the value in a slot.
   int dof(std::uint32_t slot) { return dofOf(values_[slot]); }
-  /// The same as typicalSizesOf for the value in a slot.
+  /// Calls typicalSizesOf for the value in a slot.
   void typicalSizes(std::uint32_t slot, double* out) { typicalSizesOf(values_[slot], out); }
-  /// Remembers all values; `restore` brings them back.
+  /// Saves all values for `restore`.
   void save();
-  /// Brings back the values that `save` has remembered.
+  /// Restores the values of the last `save`.
   void restore();
-  /// x := x [+] step[offset[v] ...] for each variable v of this store with offset[v] < offset[v + 1].
+  /// Computes x := x [+] step[offset[v] ...] for each variable v of this store with offset[v] < offset[v + 1].
   void applyStep(const std::vector<int>& offset, const double* step);
 
-  /// Index of the slot's variable in the problem, -1 when the slot is free.
+  /// Returns the index of the slot's variable in the problem; -1 if the slot is free.
   int variable(std::uint32_t slot) const { return variable_[slot]; }
-  /// Whether the slot still holds the variable that the handle was made for.
+  /// Returns whether the slot still holds the variable that the handle was made for.
   bool isCurrent(SlotRef ref) const {
     return ref.slot < generation_.size() && generation_[ref.slot] == ref.generation &&
            variable_[ref.slot] >= 0;
   }
-  /// What handles to the variable in this slot hold.
+  /// Returns the reference that handles to the variable in this slot hold.
   SlotRef refTo(std::uint32_t slot) const { return {slot, generation_[slot]}; }
   /// Frees the slot; handles to it become stale.
   void release(std::uint32_t slot);
-  /// Copies all slots of a store of the same type into this one, which is empty.
+  /// Copies all slots of a store of the same type into this one, which must be empty.
   void copyFrom(const VariableStoreBase& other);
-  /// The generation of each slot, kFree of free ones.
+  /// Returns the generation of each slot; kFree for free ones.
   std::vector<std::uint32_t> generations() const;
   static constexpr std::uint32_t kFree = ~std::uint32_t{0};
 
  protected:
   VariableStoreBase(std::size_t value_size, std::size_t alignment);
-  /// Destroys all values, which the derived class has to do while it is still there.
+  /// Destroys all values. The derived class must call it in its destructor.
   void clear() noexcept;
 
  private:
@@ -249,14 +250,14 @@ void VariableStore<T>::typicalSizesOf(const void* value, double* out) const {
   mtk::typicalSizes<T>(mtk::vectview<double, mtk::DOF_v<T>>(out, mtk::dof(x)), x);
 }
 
-/// A new store for values of type T. Not inline, and declared for the types that many programs use: files that use these
-/// compile nothing of their stores.
+/// Creates a store for values of type T. It is not inline, and the library instantiates it for frequent types. So files
+/// that use these types compile nothing of their stores.
 template <class T>
 VariableStoreBase* makeVariableStore() {
   return new VariableStore<T>;
 }
 extern template VariableStoreBase* makeVariableStore<double>();
-// Other flags (-march=native) and macros (EIGEN_DONT_ALIGN) make Eigen align in other ways than in the library.
+// With other flags (-march=native) and macros (EIGEN_DONT_ALIGN), Eigen aligns otherwise than in the library.
 #if EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MAX_STATIC_ALIGN_BYTES == 16
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector2d>();
 extern template VariableStoreBase* makeVariableStore<Eigen::Vector3d>();

@@ -1,6 +1,6 @@
-/// Evaluates a measurement function on several measurements at once: their variables and data are gathered into packs of
-/// numbers (mtk::Pack), the function runs once, and residuals and derivatives are scattered to where each belongs.
-/// Derivatives are dual numbers over packs whose type says which unknowns a number depends on (mtk::SparseDual), so that
+/// Evaluation of a measurement function on several measurements at once. Their variables and data are gathered into
+/// packs of numbers (mtk::Pack), the function runs once, and residuals and derivatives are scattered to their places.
+/// Derivatives are dual numbers over packs (mtk::SparseDual). Their type says which unknowns a number depends on, so
 /// the zeros of the chain rule cost nothing.
 #pragma once
 
@@ -33,7 +33,7 @@ inline constexpr bool is_measured = false;
 template <class Z>
 inline constexpr bool is_measured<Measured<Z>> = true;
 
-/// What a measurement stores for an argument, as the function gets it or the library subtracts it.
+/// Returns the content of a stored argument, as the function gets it or the library subtracts it.
 template <class A>
 const A& contentOf(const A& datum) {
   return datum;
@@ -49,16 +49,16 @@ const Z& contentOf(const Measured<Z>& datum) {
 template <class Stored>
 using ContentOf = std::remove_cvref_t<decltype(contentOf(std::declval<const Stored&>()))>;
 
-/// The number of unknowns that columns of packs can distinguish, besides those that mtk::preaccumulation takes.
+/// The number of unknowns that columns of packs can distinguish, without the columns that mtk::preaccumulate uses.
 inline constexpr int kMostPackedColumns = mtk::detail::kFirstLocalColumn - 1;
 
-/// How many measurements are evaluated at once: as many as a register has lanes, but at most 4 where the derivatives (`entries` of a
-/// Jacobian) exceed what the registers hold, which is faster.
+/// Returns how many measurements are evaluated at once: the number of lanes of a register. If the derivatives
+/// (`entries` of a Jacobian) do not fit into the registers, at most 4, which is faster.
 constexpr int packWidth(int entries) {
   return entries <= 80 ? mtk::kPackWidth : std::min(mtk::kPackWidth, 4);
 }
 
-/// An argument in packs.
+/// An argument as packs.
 template <class Stored, int Width>
 struct PackedArgument {
   using Numbers = mtk::Pack<Width>;
@@ -71,7 +71,7 @@ struct PackedArgument {
   }
   PackedArgument(const PackedArgument&) = delete;
 };
-/// The same argument where derivatives are wanted.
+/// An argument as packs with derivatives.
 template <class Stored, int Width, int Offset>
 struct SeededArgument {
   const typename PackedArgument<Stored, Width>::Packed& value;
@@ -88,7 +88,7 @@ struct SeededArgument<VarArg<T>, Width, Offset> {
 
 template <class... M>
 constexpr bool arePackable(std::type_identity<std::tuple<M&...>>);
-/// Whether values of T fill packs: its size is fixed, and it is made of the library's types.
+/// Returns whether values of T fill packs: T has a fixed size and consists of the library's types.
 template <class T>
 constexpr bool isPackable() {
   if constexpr (!mtk::Manifold<T> || std::is_void_v<mtk::rebind_t<T, mtk::Pack<mtk::kPackWidth>>>) {
@@ -105,8 +105,8 @@ template <class... M>
 constexpr bool arePackable(std::type_identity<std::tuple<M&...>>) {
   return (isPackable<M>() && ...);
 }
-/// Evaluates f for `width` sets of arguments. Rows and Columns: length of the residual, number of unknowns. What
-/// belongs to the same set lies together in r and J.
+/// Evaluates f for `width` sets of arguments. Rows and Columns: length of the residual, number of unknowns. The results
+/// of one set are contiguous in r and J.
 template <class F, int Rows, int Columns, class Offsets, class... Stored>
 class PackEvaluation;
 
@@ -161,7 +161,7 @@ class PackEvaluation<F, Rows, Columns, std::integer_sequence<int, Offset...>, St
     return {{PackedArgument<Stored, width>(
         contents<I, Stored>(source, std::make_index_sequence<std::size_t{width}>{}))}...};
   }
-  /// Written out: of a loop over pointers compilers make gathering loads, which are slow.
+  /// Written out, because compilers turn a loop over pointers into gathering loads, which are slow.
   template <std::size_t I, class A, std::size_t... Lane>
   static std::array<const ContentOf<A>*, std::size_t{width}> contents(const Source& source,
                                                                       std::index_sequence<Lane...>) {

@@ -1,4 +1,4 @@
-/// The problem as an algorithm sees it: a point, its linearisation, and steps that can be taken back.
+/// Evaluator: the problem for an algorithm. It holds a point and its linearisation, and tries and undoes steps.
 #pragma once
 
 #include <algorithm>
@@ -19,128 +19,139 @@ namespace slom {
 
 class Evaluator {
  public:
-  /// Of a problem, which must outlive it.
+  /// Evaluates a problem, which must outlive the evaluator.
   Evaluator(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
   ~Evaluator();
 
-  /// Uses this solver from now on. Not owned.
+  /// Sets the solver, which is not owned.
   void setSolver(LinearSolver& solver);
 
-  /// The structure of the problem as it is now.
+  /// Returns the present structure of the problem.
   const ProblemStructure& structure();
-  /// The solver, analysed for the structure, for others to fill: its content is lost.
+  /// Returns the solver, analysed for the structure, for others to fill. Its content is lost.
   LinearSolver& lendSolver();
-  /// Whether the solver, analysed for the structure, is exact (LinearSolver::isExact). Its content stays.
+  /// Returns whether the solver, analysed for the structure, is exact (LinearSolver::isExact). Its content stays.
   bool isSolverExact();
-  /// Changes whenever the solver gets other numbers.
+  /// Returns a number that changes whenever the solver gets other numbers.
   std::uint64_t contentOfSolver() const { return content_of_solver_; }
-  /// Linearises at the current values unless that has been done; returns the RSS.
+  /// Linearises at the current values unless that has been done, and returns the RSS.
   double linearize();
-  /// The solver set, or its careful one where it has found no rank and that does: from then on until the structure changes.
+  /// Returns the solver that was set. If it found no full rank and its careful solver did, returns the careful solver
+  /// until the structure changes.
   LinearSolver& solver() { return *solver_; }
   const LinearSolver& solver() const { return *solver_; }
 
-  /// Moves all values by `d` and returns the RSS there, NaN when a residual is not finite. A user's function that
-  /// throws leaves the values where they were.
+  /// Moves all values by `d` and returns the RSS there; NaN if a residual is not finite. If a user's function throws,
+  /// the values stay unchanged.
   double tryStep(const Eigen::VectorXd& d);
-  /// The same for a step that is likely to stay: linearises there at once where derivatives cost little.
+  /// Does the same for a step that will probably be accepted: linearises there at once if derivatives cost little.
   double tryLikelyStep(const Eigen::VectorXd& d);
-  /// Whether the last step led closer to the solution, judged without the RSS: linearises there, and checks whether the decrease
-  /// predicted for the solver's step with this damping is below `promised`, the predictedDecrease from before. Returns false where a
-  /// derivative is not finite.
+  /// Returns whether the last step led closer to the solution, judged without the RSS. Linearises there and compares
+  /// the decrease predicted for the solver's step with this damping to `promised`, the predictedDecrease before the
+  /// step. Returns false if the predicted decrease is not smaller, or if a derivative is not finite.
   bool cameCloser(const Eigen::VectorXd& damping, double promised);
-  /// Linearises where the last tried step has led to. Returns false where a derivative or the RSS is not finite there. An algorithm accepts
-  /// a step only if it returns true.
+  /// Linearises at the values after the last tried step. Returns false if a derivative or the RSS is not finite there.
+  /// An algorithm may accept a step only if this returns true.
   bool hasFiniteDerivatives();
-  /// `d`, shortened in each component that it would take beyond a bound.
+  /// Returns `d`, shortened in each component that would go beyond a bound.
   Eigen::VectorXd withinBounds(const Eigen::VectorXd& d) const;
-  /// Takes the last tried step back; the linearisation is valid again.
+  /// Undoes the last tried step; the linearisation before it is valid again.
   void undo();
 
-  /// The RSS at the current values, without derivatives; NaN when a residual is not finite.
+  /// Returns the RSS at the current values, without derivatives; NaN if a residual is not finite.
   double rss() { return linearizer_.rss(problem_); }
 
-  /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the losses as given.
+  /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the given losses.
   void setLossGraduation(double mu);
-  /// The graduation parameter mu of the losses; 1: the losses as given.
+  /// Returns the graduation parameter mu of the losses; 1: the given losses.
   double lossGraduation() const { return linearizer_.lossGraduation(); }
-  /// max |W r|^2 / c^2 over the measurements with a loss of scale c at the current values; -1 when there are none.
+  /// Returns max |W r|^2 / c^2 over the measurements with a loss of scale c, at the current values; -1 if there are
+  /// none.
   double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
 
-  /// max_i |g_i| / (|J_i| |r|) of the linearisation, where losses have reweighted r and J; 0 for a perfect fit.
+  /// Returns max_i |g_i| / (|J_i| |r|) of the linearisation, with r and J reweighted by losses; 0 for a perfect fit.
   double orthogonality() const;
-  /// The same of g = J^T r, the diagonal of J^T J and |r|^2.
+  /// Returns the orthogonality for g = J^T r, the diagonal of J^T J and |r|^2.
   static double orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
                               double squared_norm);
-  /// max_i g_i^2 / H_ii: the predicted decrease for the best step of a single unknown, a lower bound of that for all.
+  /// Returns max_i g_i^2 / H_ii: the predicted decrease for the best step of a single unknown. It is a lower bound of
+  /// the predicted decrease for all unknowns.
   double promiseOfOneUnknown() const;
-  /// max_i |d_i| |J_i|
+  /// Returns max_i |d_i| |J_i|.
   double stepInDeviations(const Eigen::VectorXd& d) const;
-  /// Whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
+  /// Returns whether |d_i| <= tolerance (|x_i| + 1 / |J_i|) for all i, at the current values.
   bool isNegligible(const Eigen::VectorXd& d, double tolerance);
-  /// The step and the decrease that the linear model predicts without damping. Where the solver finds no unique solution, with the least
-  /// damping that makes it unique: a direction in which no residual changes contributes nothing.
+  /// The step and the decrease that the linear model predicts without damping. If the solver finds no unique solution,
+  /// the least damping that makes the solution unique is added. A direction in which no residual changes then
+  /// contributes nothing.
   struct Promise {
     bool is_known = false;
     bool has_full_rank = false;
     double decrease = 0;  ///< predicted decrease of the RSS: g^T H^-1 g
     Eigen::VectorXd step;
   };
-  /// `carefully`: also tries the careful solver where the other finds no full rank. J itself is factorised, which may take longer than the
-  /// fit, to look for decreases that J^T J does not show, but only where the one that it shows is at most `most`.
+  /// Returns the promise at the current values. With `carefully`, the careful solver is tried too if the other finds no
+  /// full rank. It factorises J itself, which may take longer than the fit, to find decreases that J^T J does not show.
+  /// It is tried only if the decrease from J^T J is at most `most`.
   Promise promise(bool carefully = true, double most = std::numeric_limits<double>::infinity());
-  /// Takes the step of a promise if the RSS falls by at least a quarter of the predicted decrease. Returns whether it has.
+  /// Takes the step of a promise if the RSS falls by at least a quarter of the predicted decrease. Returns whether it
+  /// did.
   bool advance(const Promise& promise);
-  /// Unknowns whose columns of J are so short that moving them by their own size changes no residual beyond rounding, and whose moves by
-  /// 1 / |J_i| do not change the residuals as the column says: a fit has led to where nothing depends on them. Linearise first.
+  /// Returns the unknowns on which no residual depends at the current values. Their columns of J are so short that
+  /// moving an unknown by its own size changes no residual beyond rounding. Moves by 1 / |J_i| do not change the
+  /// residuals as the column predicts, either. Linearise first.
   std::vector<int> unseenAtRest();
-  /// |x_i| of every unknown (1 for angles).
+  /// Returns |x_i| of every unknown (1 for angles).
   Eigen::VectorXd typicalSizes();
-  /// The share of the length of a column of J above which it is more than errors of the derivatives and rounding in long chains of unknowns.
+  /// Returns a fraction of the length of a column of J. Parts above it are more than errors of the derivatives and
+  /// rounding in long chains of unknowns.
   static double digitsOfDerivatives(const Problem& problem);
   static constexpr double kExactDigits = 1e-10, kNumericDigits = 1e-8;
-  /// The squared change of the residuals by rounding of the values: a predicted decrease below it cannot be achieved.
+  /// Returns the squared change of the residuals by rounding of the values. A smaller predicted decrease cannot be
+  /// achieved.
   double roundingOfPromises();
 
-  /// Whether the last solution without damping was unique, for the structure as it is now; false where none was asked for, or
+  /// Returns whether the last undamped solution was unique, for the present structure. False if there was none or if
   /// the solver is not exact.
   bool hadFullRank() const { return full_rank_at_ == structured_at_ && solver_->isExact(); }
 
-  /// Asked by mustStop(); none: never.
+  /// Sets the function that mustStop() calls; none: never stop.
   void setInterruption(std::function<bool()> must_stop) { must_stop_ = std::move(must_stop); }
-  /// Whether the fit is to end: an algorithm that tries several steps asks before each.
+  /// Returns whether the fit must end. An algorithm that tries several steps asks before each.
   bool mustStop() const { return must_stop_ && must_stop_(); }
 
-  /// The Gauss-Newton step. Fails also at an unknown whose column of J is rounding error, so that no residual depends on it: one that
-  /// the step would move by more than its typical size, though such a move changes the residuals by less than rounding does, and
-  /// whose moves do not change the residuals as the column says.
+  /// Computes the Gauss-Newton step. Also fails at a hidden unknown, whose column of J is only rounding error, so that
+  /// no residual depends on it. The step would move a hidden unknown by more than its typical size, but this move
+  /// changes the residuals by less than rounding. Also, its moves do not change the residuals as the column predicts.
   SolveStatus solveUndamped(Eigen::VectorXd& step);
-  /// Whether the last solveUndamped has failed at such an unknown, and not for the rank of J.
+  /// Returns whether the last solveUndamped failed at a hidden unknown, and not because of the rank of J.
   bool wasHidden() const { return was_hidden_; }
-  /// The step with this damping, in which such unknowns stay where they are.
+  /// Computes the step with this damping, in which hidden unknowns stay unchanged.
   SolveStatus solveDamped(const Eigen::VectorXd& damping, Eigen::VectorXd& step);
-  /// The decrease of the RSS that the linear model predicts for the step d: -(2 g d + |J d|^2).
+  /// Returns the decrease of the RSS that the linear model predicts for the step d: -(2 g d + |J d|^2).
   double predictedDecrease(const Eigen::VectorXd& d) const;
-  /// The same for a d that the solver found with this damping (by unknown, or empty): -g d + sum damping d^2.
+  /// Returns the predicted decrease for a d that the solver found with this damping (one for each unknown, or empty):
+  /// -g d + sum damping d^2.
   double predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const;
 
-  /// Whether a change of the RSS may be rounding error, and that of the residuals is often many times larger than that of
-  /// their sum of squares.
+  /// Returns whether a change of the RSS may be rounding error. The rounding error of the residuals is often many times
+  /// larger than that of their sum of squares.
   bool mayBeRounding(double change) const;
   static constexpr double kRounding = 1e-14;  ///< relative rounding error of a sum of squares
   static constexpr double kNoise = 1e-13;  ///< rounding error of a difference of two sums, relative to them
-  static constexpr double kNothing =
-      1e-30;  ///< least predicted decrease, relative to the RSS, of a step worth a trial
-  /// Whether the predicted decrease for a step nearly without damping is so small that Convergence decides, not shorter steps.
+  /// Least predicted decrease, relative to the RSS, for which a step is tried.
+  static constexpr double kNothing = 1e-30;
+  /// Returns whether the predicted decrease of a nearly undamped step is so small that Convergence decides, instead of
+  /// shorter steps.
   bool isNearlyNothing(double promised, const Options& options) const {
     return promised <= std::min(std::max(options.decrease_tolerance, kRounding) * rss_,
                                 options.deviation_tolerance * options.deviation_tolerance);
   }
 
-  /// Where time went since construction.
+  /// Returns the time spent in each phase since construction.
   PhaseSeconds seconds() const;
 
-  /// The problem that is evaluated.
+  /// Returns the evaluated problem.
   Problem& problem() { return problem_; }
 
  private:
@@ -169,11 +180,11 @@ class Evaluator {
   std::uint64_t linearized_at_ = ~std::uint64_t{0};
   std::uint64_t content_of_solver_ = 0;
   double rss_ = 0;
-  double squared_norm_ = 0;  // of r as the solver got it
+  double squared_norm_ = 0;  // of r as passed to the solver
   std::function<bool()> must_stop_;
   bool was_hidden_ = false;
-  bool saved_is_linearized_ =
-      false;  // the linearisation is that of the values before the step that was tried last
+  // The linearisation is that of the values before the last tried step.
+  bool saved_is_linearized_ = false;
   double setup_seconds_ = 0, linearize_seconds_ = 0;
 };
 

@@ -1,4 +1,4 @@
-/// The algorithms of the library by name, for programs whose users choose one, as those of the command do by `--algorithm`.
+/// The algorithms of the library by name, for programs whose users choose one, like the option `--algorithm` of slom.
 ///
 ///     if (const slom::NamedAlgorithm* found = slom::algorithmNamed("dogleg"))
 ///       est.changeAlgorithm(found->make().release());
@@ -12,16 +12,16 @@
 
 namespace slom {
 
-/// An algorithm that users of a program choose by its name.
+/// An algorithm with the name by which users of a program choose it.
 struct NamedAlgorithm {
   const char* name;                      ///< `lm`
-  const char* description;               ///< what it is, in a few words
+  const char* description;               ///< a few words for help texts
   std::unique_ptr<Algorithm> (*make)();  ///< with default options
 };
 
-/// The first one is the default of the Estimator.
+/// Returns all algorithms; the first one is the default of the Estimator.
 std::span<const NamedAlgorithm> algorithms();
-/// Null: there is none of this name.
+/// Returns the algorithm of this name; null if there is none.
 const NamedAlgorithm* algorithmNamed(std::string_view name);
 
 }  // namespace slom

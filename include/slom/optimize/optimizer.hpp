@@ -1,4 +1,4 @@
-/// The loop of a fit.
+/// The optimisation loop.
 #pragma once
 
 #include <functional>
@@ -10,24 +10,24 @@
 
 namespace slom {
 
-/// The directions in which the unknowns can move at the current values without changing any residual, to first order.
+/// The directions at the current values in which the unknowns can move without changing any residual, to first order.
 struct FreeDirections {
   int count = 0;          ///< dimension of the null space of J
-  int gauge = 0;          ///< of these: motions of the whole world, and its scale
-  Eigen::MatrixXd basis;  ///< unknowns x count, with few entries that are not 0
+  int gauge = 0;          ///< of these, motions of the whole world and its scale
+  Eigen::MatrixXd basis;  ///< unknowns x count, mostly zeros
 };
 
-/// Where the rank of a fit ended.
+/// The rank of J at the end of a fit.
 struct RankAtEnd {
-  SolveStatus singular_at;  ///< of the solver, when the rank ran out
-  /// Unknowns that the measurements determined at the start and do not determine where the fit has ended; empty: none.
+  SolveStatus singular_at;  ///< status of the solver when J lost full rank
+  /// Unknowns that the measurements determined at the start but do not determine at the end of the fit; empty: none.
   std::vector<int> lost;
 };
 
-/// Steps until a test of `options` holds. Fills the summary's trace, stop reason, iterations, RSS and warnings about
-/// changes of the algorithm, and `rank`. `find_free` examines the current values; it is asked only where a fit ends without the solver
-/// having found full rank. With `sigma_is_estimated` standard deviations are estimated from the residuals. Throws [slom.bad-option]. If
-/// a user's function throws, the values are the best ones reached.
+/// Takes steps until a test of `options` holds. Fills `rank` and in the summary the trace, stop reason, iterations, RSS
+/// and warnings about changes of the algorithm. `find_free` examines the current values. It is called only if a fit
+/// ends and the solver has not found full rank. With `sigma_is_estimated`, standard deviations are estimated from the
+/// residuals. Throws [slom.bad-option]. If a user's function throws, the values are the best ones reached.
 Summary runAlgorithm(Evaluator& evaluator, Algorithm& algorithm, const Options& options,
                      bool sigma_is_estimated, RankAtEnd& rank,
                      const std::function<FreeDirections()>& find_free);

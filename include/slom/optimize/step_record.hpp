@@ -1,4 +1,4 @@
-/// What one step of an optimisation did.
+/// Record of one step of an optimisation.
 ///
 ///     while (est.optimizeStep() > 1e-6) {}          // the relative gain, as published
 ///     const slom::StepRecord step = est.optimizeStep();
@@ -11,31 +11,32 @@
 
 namespace slom {
 
-/// Returned by Estimator::optimizeStep(). It converts to the relative gain.
+/// Result of Estimator::optimizeStep(). It converts to the relative gain.
 struct StepRecord {
-  double gain =
-      0;  ///< (old RSS - new RSS) / old RSS; negative when the step led uphill, 0 where the RSS was 0
+  /// (old RSS - new RSS) / old RSS; negative if the step led uphill, 0 if the RSS was 0.
+  double gain = 0;
   double rss_before = 0;
   double rss_after = 0;
-  bool is_accepted =
-      false;           ///< false: no step that was tried made the RSS smaller, and the values are as before
+  /// False if no tried step reduced the RSS; then the values are unchanged.
+  bool is_accepted = false;
   int trials = 0;      ///< steps tried
   double damping = 0;  ///< Levenberg-Marquardt's mu, dog leg's radius; 0: none
-  /// Directions in which the unknowns can move without changing a residual. 0 where the step was that of an undamped system with one
-  /// solution. After others they are counted, at the values that the step has led to, in problems with at most kMostUnknowns unknowns
-  /// and kMostResiduals residuals, for larger ones by Estimator::diagnose(). kNotCounted: not counted.
+  /// Number of directions in which the unknowns can move without changing a residual. 0 if the step solved an undamped
+  /// system with a unique solution. After other steps they are counted at the new values, in problems with at most
+  /// kMostUnknowns unknowns and kMostResiduals residuals. In larger problems the value is kNotCounted;
+  /// Estimator::diagnose() counts them.
   int free_directions = kNotCounted;
-  double seconds = 0;   ///< of the step; without counting free directions
+  double seconds = 0;   ///< time of the step, without counting free directions
   PhaseSeconds phases;  ///< parts of `seconds`
 
   static constexpr int kNotCounted = -1;
   static constexpr int kMostUnknowns = 100, kMostResiduals = 10'000;
 
-  /// The relative gain.
+  /// Returns the relative gain.
   operator double() const { return gain; }  // NOLINT(google-explicit-constructor): as published
 };
 
-/// One line: what the RSS was and is, whether the step was accepted, and where its time went.
+/// Prints one line: the RSS before and after, whether the step was accepted, and the time of each phase.
 std::ostream& operator<<(std::ostream& os, const StepRecord& step);
 
 }  // namespace slom

@@ -1,4 +1,5 @@
-/// What has happened to a problem, in order, so that code that keeps something derived from it can follow in time proportional to what has changed.
+/// ChangeLog: the changes of a problem in order. Code that keeps results derived from the problem can update them in
+/// time proportional to the changes.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +19,9 @@ struct Change {
     variable_removed,  ///< a variable inserted later may get its index
     variable_fixed,
     variable_freed,
-    constraint,            ///< its fixed components or bounds
-    measurement_inserted,  ///< the last one of its pool
-    measurement_removed,   ///< the last one of its pool has taken its index
+    constraint,            ///< fixed components or bounds of a variable
+    measurement_inserted,  ///< the new measurement is the last one of its pool
+    measurement_removed,   ///< the last measurement of the pool has taken the index of the removed one
   };
   Kind kind;
   int index;      ///< index of the variable in the table, or of the measurement in its pool
@@ -29,28 +30,30 @@ struct Change {
   bool operator==(const Change&) const = default;
 };
 
-/// The latest events. There is a revision before the first event and one after each. A log forgets old events once it is longer than
-/// what it says about is worth: then it is cheaper to look at everything.
+/// The latest events. There is a revision before the first event and one after each event. The log forgets old events
+/// once following them would cost more than looking at everything.
 template <class Event>
 class ChangeLog {
  public:
-  /// Grows by one with each event.
+  /// Returns the revision, which grows by one with each event.
   std::uint64_t revision() const { return first_ + events_.size(); }
 
-  /// The events after a revision, in order; none when they are forgotten: then anything may have changed. Valid until the next event.
+  /// Returns the events after a revision, in order. Returns none if they are forgotten: then anything may have changed.
+  /// Valid until the next event.
   std::optional<std::span<const Event>> since(std::uint64_t revision) const;
 
-  /// `size`: of all that the log is about. Without memory for the event all are forgotten.
+  /// Adds an event. `size`: the size of all that the log describes. If there is no memory for the event, all events are
+  /// forgotten.
   void add(const Event& event, std::size_t size) noexcept;
 
-  /// A change that no event describes: there is no answer since any revision before it.
+  /// Records a change that no event describes. since() then has no answer for any earlier revision.
   void forgetAll() noexcept;
 
  private:
   void forget(std::size_t count) noexcept;
 
   std::vector<Event> events_;
-  std::uint64_t first_ = 0;  // revision before the first of them
+  std::uint64_t first_ = 0;  // revision before the first event
 };
 
 extern template class ChangeLog<Change>;

@@ -1,8 +1,10 @@
-/// First estimates: the values at which Jacobians are taken for variables that marginal priors depend on.
+/// FirstEstimates: the values at which Jacobians are taken for variables that marginal priors depend on.
 ///
-/// A prior that marginalisation leaves is linearised once. If the other measurements of its variables are linearised where the values have moved
-/// to since, the two disagree about which motions of the world no measurement sees, and together claim to know some of them.
-///   source   Huang, Mourikis, Roumeliotis, "Observability-based rules for designing consistent EKF SLAM estimators", IJRR 2010
+/// A prior from marginalisation is linearised once. If other measurements of its variables are linearised at later
+/// values, the two disagree about which motions of the world no measurement observes. Together they then seem to
+/// determine some of these motions.
+///   source   Huang, Mourikis, Roumeliotis, "Observability-based rules for designing consistent EKF SLAM estimators",
+///            IJRR 2010
 #pragma once
 
 #include <algorithm>
@@ -13,24 +15,25 @@
 
 namespace slom {
 
-/// The points, by variable.
+/// The first estimates by variable.
 class FirstEstimates {
  public:
-  /// Whether no variable has one.
+  /// Returns whether no variable has a first estimate.
   bool isEmpty() const { return count_ == 0; }
-  /// Where the Jacobians of the variable's measurements are taken, of its type; null: at its current value.
+  /// Returns the value, of the variable's type, at which the Jacobians of its measurements are taken; null: the current
+  /// value.
   const void* of(int variable) const {
     const auto v = static_cast<std::size_t>(variable);
     return v < points_.size() ? points_[v] : nullptr;
   }
-  /// Whether one of these variables has one.
+  /// Returns whether one of these variables has a first estimate.
   bool hasAny(const int* variables, int count) const {
     return std::any_of(variables, variables + count, [this](int v) { return of(v) != nullptr; });
   }
 
-  /// So that `set` cannot fail for variables below this number.
+  /// Reserves memory, so that `set` cannot fail for variables below this number.
   void makeRoom(std::size_t variables);
-  /// `point` belongs to somebody else; null: none.
+  /// Sets the first estimate of a variable; null: none. `point` is not owned.
   void set(int variable, const void* point) {
     const void*& place = points_[static_cast<std::size_t>(variable)];
     count_ += static_cast<int>(point != nullptr) - static_cast<int>(place != nullptr);

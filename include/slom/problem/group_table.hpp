@@ -1,4 +1,4 @@
-/// The groups of measurements that may share errors: names of dimensions and keys, by number.
+/// GroupTable: the groups of measurements that may share errors, with numbers for the names of dimensions and for keys.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +18,25 @@ struct GroupKey {
   std::string text;
   bool is_text = false;
 
-  /// `17`, `left`
+  /// Returns text such as `17`, `left`.
   std::string name() const { return is_text ? text : std::to_string(number); }
 };
 
-/// Dimensions and keys are numbered from 0 in the order in which they come first. Numbers stay when measurements go.
+/// Dimensions and keys, numbered from 0 in the order of their first use. Numbers stay when measurements are removed.
 class GroupTable {
  public:
-  /// The number of dimensions.
+  /// Returns the number of dimensions.
   int dimensionCount() const { return static_cast<int>(dimensions_.size()); }
-  /// The name of dimension d.
+  /// Returns the name of dimension d.
   const std::string& dimension(int d) const { return dimensions_[static_cast<std::size_t>(d)].name; }
-  /// Its number; -1: there is none of this name.
+  /// Returns the number of a dimension; -1 if there is none of this name.
   int find(std::string_view dimension) const;
-  /// Its number; the dimension is new where there was none.
+  /// Returns the number of a dimension; adds the dimension if it is new.
   int findOrAdd(std::string_view dimension);
 
-  /// The keys of dimension d, by number.
+  /// Returns the keys of dimension d, by number.
   const std::vector<GroupKey>& keys(int d) const { return dimensions_[static_cast<std::size_t>(d)].keys; }
-  /// The number of the group's key in dimension d; new where it was not there.
+  /// Returns the number of the group's key in dimension d; adds the key if it is new.
   int findOrAddKey(int d, const Group& group);
 
  private:

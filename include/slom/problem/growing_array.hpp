@@ -1,5 +1,5 @@
-/// A growing array of values that may not be assignable, as callables with captures are not: what a pool needs of std::vector, in few functions,
-/// which every program compiles for every kind of measurement.
+/// GrowingArray: a growing array of values that need not be assignable, such as callables with captures. It has only
+/// the functions of std::vector that a pool needs, because every program compiles them for every kind of measurement.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace slom {
 
-/// The values in the order in which they were appended. They may move when one is.
+/// The values in the order of appending. They may move when a value is appended.
 template <class T>
 class GrowingArray {
  public:
-  /// Empty.
+  /// Creates an empty array.
   GrowingArray() = default;
   GrowingArray(const GrowingArray&) = delete;
   GrowingArray& operator=(const GrowingArray&) = delete;
@@ -23,14 +23,14 @@ class GrowingArray {
     ::operator delete(data_, std::align_val_t(alignof(T)));
   }
 
-  /// The first one; the others follow.
+  /// Returns a pointer to the first value; the others follow.
   T* data() { return data_; }
   const T* data() const { return data_; }
-  /// Value i.
+  /// Returns value i.
   T& operator[](std::size_t i) { return data_[i]; }
   const T& operator[](std::size_t i) const { return data_[i]; }
 
-  /// Appends a value. Where this throws, nothing has changed.
+  /// Appends a value. If this throws, nothing has changed.
   void push(T&& value) {
     if (size_ == capacity_) {
       GrowingArray larger;
@@ -46,7 +46,7 @@ class GrowingArray {
     ::new (static_cast<void*>(data_ + size_)) T(std::move(value));
     ++size_;
   }
-  /// The last value takes the place of value i.
+  /// Moves the last value to the place of value i.
   void moveLastTo(std::size_t i) {
     T& last = data_[size_ - 1];
     if (i != size_ - 1) {

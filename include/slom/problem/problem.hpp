@@ -1,4 +1,5 @@
-/// The variable and measurement table: values and measurements by type, who depends on whom, what is optimised.
+/// Problem: the table of variables and measurements. It has the values and measurements by type, their dependences, and
+/// what is optimised.
 #pragma once
 
 #include <concepts>
@@ -30,8 +31,8 @@ class Problem {
   Problem(const Problem&) = delete;
   Problem& operator=(const Problem&) = delete;
 
-  /// Copies all of another problem into this one, which is empty. Handles of the other one, as it is now, are accepted by this one.
-  /// Throws [slom.not-copyable], after which this one is not to be used.
+  /// Copies all of another problem into this one, which must be empty. This problem then accepts the present handles of
+  /// the other one. If it throws [slom.not-copyable], this problem must not be used.
   void copyFrom(const Problem& other);
 
   // Variables.
@@ -42,16 +43,17 @@ class Problem {
     mtk::requireManifold<T>();
     return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, name));
   }
-  /// Index of the variable in the table; throws [slom.stale-handle] when it is not in this problem.
+  /// Returns the index of the variable in the table. Throws [slom.stale-handle] if it is not in this problem.
   template <class T>
   int indexOf(const VarID<T>& id) const {
     return checkedIndex(id.store_.get(), id.ref_, &slom::typeName<T>);
   }
-  /// The same of a handle to a variable of any type.
+  /// Returns the index for a handle to a variable of any type.
   int indexOf(const VariableHandle& id) const;
-  /// The handle of a variable, in the table.
+  /// Returns the handle of a variable of the table.
   VariableHandle handleOf(int variable) const;
-  /// This problem's handle for one of the problem that it is a copy of; its own ones as they are. Throws as indexOf does.
+  /// Returns this problem's handle for a handle of the problem that it is a copy of. Returns its own handles unchanged.
+  /// Throws as indexOf does.
   template <class T>
   VarID<T> own(const VarID<T>& id) const {
     return VarID<T>(handleOf(indexOf(id)));
@@ -65,50 +67,51 @@ class Problem {
     const auto [pool, i] = locate(id);
     return AnyMeasID(handleOf(*pool, pool->handleOf(i)));
   }
-  /// Gives a variable another value. Throws [slom.stale-handle], [slom.size-change] or [slom.outside-bound].
+  /// Sets the value of a variable. Throws [slom.stale-handle], [slom.size-change] or [slom.outside-bound].
   template <class T>
   void setValue(const VarID<T>& id, const T& value) {
     setValue(indexOf(id), &value);
   }
-  /// The same without any check.
+  /// Sets the value of a variable without any check.
   void overwrite(int variable, const void* value);
   /// Fixes a variable at its current value, or releases it.
   void setOptimized(int variable, bool optimize);
-  /// The components whose names are `path` or begin with it: `pos.z`, `pos`. Throws [slom.no-component], which lists all names.
+  /// Returns the components whose names are `path` or below it: `pos.z`, `pos`. Throws [slom.no-component], which lists
+  /// all names.
   std::vector<int> componentsAt(int variable, const std::string& path) const;
-  /// The same of components that are coordinates, to which [+] adds, for a prior with these values, one for each. Throws
-  /// [slom.no-component], [slom.wrong-length] or [slom.prior-not-finite].
+  /// Returns these components for a prior with these values, one for each. The components must be coordinates, to which
+  /// [+] adds. Throws [slom.no-component], [slom.wrong-length] or [slom.prior-not-finite].
   std::vector<int> coordinatesAt(int variable, const std::string& path, const double* values,
                                  std::size_t count) const;
   /// Fixes components at their current values, or releases them.
   void setFixed(int variable, const std::vector<int>& components, bool is_fixed);
-  /// Limits the coordinates of components; infinite: not. Throws [slom.bad-bound] or [slom.outside-bound].
+  /// Limits the coordinates of components; infinite: no limit. Throws [slom.bad-bound] or [slom.outside-bound].
   void setBound(int variable, const std::vector<int>& components, double lower, double upper);
-  /// The variables and components that do not move.
+  /// Returns the variables and components that do not move.
   const ActiveSet& activeSet() const { return active_; }
-  /// The same, for activating bounds.
+  /// Returns the active set for activating bounds.
   ActiveSet& activeSet() { return active_; }
-  /// Degrees of freedom of optimised variables that are not fixed, whether or not they are at a bound.
+  /// Returns the degrees of freedom of optimised variables without fixed components, including components at a bound.
   int freeCount() const;
-  /// Throws [slom.variable-in-use] when measurements depend on it.
+  /// Removes a variable. Throws [slom.variable-in-use] if measurements depend on it.
   void removeVariable(int variable);
 
-  /// The table of variables; removed ones leave rows that are used again.
+  /// Returns the table of variables. Rows of removed variables are reused.
   const std::vector<VariableRecord>& variables() const { return table_; }
-  /// One for each type of which there are or have been variables.
+  /// Returns one store for each type that variables have or had.
   std::vector<std::shared_ptr<const VariableStoreBase>> stores() const;
-  /// The number of variables that are there.
+  /// Returns the number of present variables.
   int variableCount() const { return static_cast<int>(table_.size() - free_.size()); }
-  /// The user's name, or `SE3 #5`: type and running number of insertion.
+  /// Returns the user's name, or text such as `SE3 #5`: type and running number of insertion.
   std::string variableName(int variable) const;
-  /// The value as text, for messages.
+  /// Returns the value as text, for messages.
   std::string variableValue(int variable) const;
-  /// Names of the components, the variable's own name in front.
+  /// Returns the names of the components, with the variable's name in front.
   std::vector<std::string> componentNames(int variable) const;
 
   // Measurements.
 
-  /// `label`: name of the group, empty for the type's own.
+  /// Adds a measurement. `label`: name of the group; empty: that of the type.
   template <Measurement M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {
@@ -117,44 +120,45 @@ class Problem {
         insertMeasurement(TypedPool<M>::type, &measurement, variables.all.data(), noise, label, loss);
     return MeasID<M>(handleOf(*pool, ref));
   }
-  /// The same of a run-time kind.
+  /// Adds a measurement of a run-time kind.
   template <std::derived_from<RuntimeMeasurement> M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {
     const auto [pool, ref] = insertRuntime(new M(std::move(measurement)), noise, label, loss);
     return MeasID<M>(handleOf(*pool, ref));
   }
-  /// The pool of a measurement and its index there. Throws [slom.stale-handle].
+  /// Returns the pool of a measurement and its index there. Throws [slom.stale-handle].
   std::pair<MeasurementPool*, int> locate(const MeasurementHandle& id) const;
-  /// Removes measurement i of the pool; the last one takes its place.
+  /// Removes measurement i of the pool; the last measurement takes its place.
   void removeMeasurement(MeasurementPool& pool, int i);
-  /// Multiplies the stated standard deviations: factors by pool and measurement, positive.
+  /// Multiplies the stated standard deviations by positive factors, given by pool and measurement.
   void scaleSigmas(const std::vector<std::vector<double>>& factors);
-  /// Gives measurements no weight until restoreNoise(): `is_withheld` by pool and measurement. Throws nothing but std::bad_alloc, with nothing
-  /// changed.
+  /// Sets the weight of measurements to 0 until restoreNoise(); `is_withheld` by pool and measurement. Throws only
+  /// std::bad_alloc, with nothing changed.
   std::vector<MeasurementPool::SavedNoise> withhold(const std::vector<std::vector<char>>& is_withheld);
-  /// Takes that back, to the last bit.
+  /// Restores the noise after withhold(), to the last bit.
   void restoreNoise(std::vector<MeasurementPool::SavedNoise> noise) noexcept;
   /// Puts measurement i into these groups, of different dimensions.
   void assignGroups(MeasurementPool& pool, int i, const Group* groups, int count);
-  /// Names of the groups of measurements that may share errors; null: no measurement ever was in one.
+  /// Returns the names of the groups of measurements that may share errors; null if no measurement ever was in a group.
   const GroupTable* groups() const { return groups_ ? &*groups_ : nullptr; }
-  /// Calls f(pool, i) for each measurement that depends on the variable. The first call looks through all measurements; from then on
-  /// the table is kept, and a call takes time in proportion to what it finds.
+  /// Calls f(pool, i) for each measurement that depends on the variable. The first call searches all measurements. From
+  /// then on the table is kept up to date, and a call takes time proportional to the number of measurements found.
   template <class F>
   void forEachUse(int variable, const F& f) const {
     for (const Use& use : usesOf(variable)) f(*use.pool, use.pool->indexOfPresent(use.ref));
   }
-  /// `pose[3] = (1 2 0.5), pose[4] = (...)`: the variables of a measurement and their values.
+  /// Returns the variables of a measurement and their values: `pose[3] = (1 2 0.5), pose[4] = (...)`.
   std::string valuesText(const int* variables, int arity) const;
-  /// Throws [slom.measurement-threw], which names the measurement; the user's own exception is nested in it.
+  /// Throws [slom.measurement-threw], which names the measurement. The user's exception is nested in it.
   [[noreturn]] void raiseThrew(const std::string& measurement, const int* variables, int arity,
                                const std::exception_ptr& exception) const;
   [[noreturn]] void raiseThrew(const MeasurementPool& pool, const MeasurementThrew& event) const {
     raiseThrew(pool.measurementName(event.measurement), pool.variables(event.measurement), pool.arity(),
                event.exception);
   }
-  /// f(), which runs functions of measurements of the pool; what they throw is raised with the measurement's name.
+  /// Returns f(), which runs functions of measurements of the pool. If they throw, raises the exception with the
+  /// measurement's name.
   template <class F>
   decltype(auto) naming(const MeasurementPool& pool, const F& f) const {
     try {
@@ -163,55 +167,57 @@ class Problem {
       raiseThrew(pool, event);
     }
   }
-  /// The pools of measurements of type M: one for each label (and arity, of run-time kinds), none when none was ever inserted.
+  /// Returns the pools of measurements of type M: one for each label (and arity, for run-time kinds); none if no such
+  /// measurement was ever inserted.
   template <class M>
   std::vector<const MeasurementPool*> poolsOf() const {
     return findPools(typeid(M));
   }
-  /// One for each type and label of measurements, in the order in which they came first.
+  /// Returns one pool for each type and label of measurements, in the order of their first insertion.
   const std::vector<std::unique_ptr<MeasurementPool>>& pools() const { return pools_; }
-  /// Whether any derivatives are differences.
+  /// Returns whether any derivatives are differences.
   bool hasNumericDerivatives() const;
-  /// The largest relative step that slom::differences states; 0: none.
+  /// Returns the largest relative step that slom::differences states; 0: none.
   double largestStatedStep() const;
-  /// Number of groups of pools; see MeasurementPool::group.
+  /// Returns the number of groups of pools; see MeasurementPool::group.
   int groupCount() const { return group_count_; }
 
-  /// The values at which Jacobians are taken of the measurements of variables that priors with first estimates depend on. They come and
-  /// go with these priors; of two for one variable, that of the earlier one counts.
+  /// Returns the values at which Jacobians are taken for variables that priors with first estimates depend on. These
+  /// values exist as long as the priors. If two priors set the value of one variable, the earlier prior counts.
   const FirstEstimates& firstEstimates() const { return first_estimates_; }
-  /// The value at which Jacobians are taken: the first estimate or, without one, the current value.
+  /// Returns the value at which Jacobians are taken: the first estimate or, if there is none, the current value.
   const void* linearizationPoint(int variable) const;
 
-  // Values as a whole.
+  // All values together.
 
-  /// Remembers all values; `restore` brings them back.
+  /// Saves all values for `restore`.
   void save();
-  /// Brings back the values that `save` has remembered.
+  /// Restores the values of the last `save`.
   void restore();
-  /// x := x [+] d of one variable.
+  /// Computes x := x [+] d for one variable.
   void move(int variable, const double* d);
-  /// x := x [+] step[offset[v] ...] for each variable v with offset[v] < offset[v + 1].
+  /// Computes x := x [+] step[offset[v] ...] for each variable v with offset[v] < offset[v + 1].
   void applyStep(const std::vector<int>& offset, const double* step);
 
   // Changes.
 
-  /// Changes with every insertion, removal, fixing and releasing.
+  /// Returns a number that changes with every insertion, removal, fixing and releasing.
   std::uint64_t structureRevision() const { return changes_.revision(); }
-  /// The events since a structureRevision(); none when they are forgotten.
+  /// Returns the events since a structureRevision(); none if they are forgotten.
   std::optional<std::span<const Change>> changesSince(std::uint64_t structure_revision) const;
-  /// Changes whenever a value does, or what may move of it.
+  /// Returns a number that changes whenever a value changes, or what may move of it.
   std::uint64_t valueRevision() const { return moves_.revision(); }
-  /// Variables whose values changed since a valueRevision(), one for each change, or kAll for all of them; none when that is forgotten.
+  /// Returns the variables whose values changed since a valueRevision(), one for each change, or kAll for all of them;
+  /// none if the changes are forgotten.
   std::optional<std::span<const int>> movedSince(std::uint64_t value_revision) const;
   static constexpr int kAll = -1;
-  /// How far the variable has moved since it was inserted: the sum over all its moves of their largest component, in its tangent space.
-  /// What two readings differ by bounds how far the value is from where it was. A step that is taken back counts no more; infinite once
-  /// a move had no length.
+  /// Returns how far the variable has moved since it was inserted: the sum over all moves of the largest component, in
+  /// its tangent space. The difference of two readings bounds the distance between the two values. A step that is
+  /// undone no longer counts. The result is infinite after a move without a length.
   double travelled(int variable) const { return travelled_[static_cast<std::size_t>(variable)]; }
 
  private:
-  /// A store that one of this problem is a copy of, and what was in it when it was copied.
+  /// A store that a store of this problem is a copy of, and its content at the time of the copy.
   struct StoreOrigin {
     std::weak_ptr<const VariableStoreBase> store;
     std::vector<std::uint32_t> generations;
@@ -222,28 +228,28 @@ class Problem {
     std::shared_ptr<VariableStoreBase> store;
     std::vector<StoreOrigin> origins{};
   };
-  // What concerns containers is compiled once, not in every file that inserts something.
+  // Code about containers, compiled once and not in every file that inserts something.
   VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
                                 bool optimize, std::string_view name);
   void setValue(int variable, const void* value);
-  /// `measurement` is of this type and is moved from; `arguments` are its variables.
+  /// Inserts `measurement`, which is of this type and is moved from. `arguments` are its variables.
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
                                                          VariableArgument* const* arguments,
                                                          const NoiseView& noise, std::string_view label,
                                                          const Loss& loss);
-  /// Owns the measurement from the start.
+  /// Inserts the measurement and takes ownership from the start.
   std::pair<MeasurementPool*, SlotRef> insertRuntime(RuntimeMeasurement* measurement, const NoiseView& noise,
                                                      std::string_view label, const Loss& loss);
-  /// A measurement, wherever it lies.
+  /// A measurement by pool and slot.
   struct Use {
     MeasurementPool* pool;
     SlotRef ref;
   };
   struct Uses;
-  /// The measurements that depend on a variable, in unspecified order.
+  /// Returns the measurements that depend on a variable, in unspecified order.
   const std::vector<Use>& usesOf(int variable) const;
   void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
-  /// Pools of run-time kinds differ in arity, too; 0: the first of any arity.
+  /// Returns a pool. Pools of run-time kinds also differ in arity; 0: the first one of any arity.
   MeasurementPool* findPool(std::type_index type, std::string_view label, int arity) const;
   MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
   void removeLastPool();
@@ -253,7 +259,7 @@ class Problem {
   void dropFirstEstimates(const RuntimeMeasurement& measurement, const int* variables);
   void registerConstraint(int variable);
   double distanceTo(int variable, const void* value) const;
-  /// The number of variables and measurements, which limits the length of the logs.
+  /// Returns the number of variables and measurements, which limits the length of the logs.
   std::size_t size() const { return table_.size() + measurement_count_; }
   void checkBounds(int variable, const std::vector<ComponentBound>& bounds, const void* value) const;
   void copyStores(const Problem& other);
@@ -262,7 +268,7 @@ class Problem {
   void registerVariable(int index, VariableRecord record, bool optimize);
   int checkedIndex(const VariableStoreBase* store, SlotRef ref, std::string (*type)()) const;
   static MeasurementHandle handleOf(const MeasurementPool& pool, SlotRef ref);
-  /// The name, followed by a number when another pool has it already.
+  /// Returns the name, followed by a number if another pool has it already.
   std::string nameForPool(const std::string& name) const;
 
   std::vector<VariableRecord> table_;

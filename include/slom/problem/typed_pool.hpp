@@ -1,4 +1,4 @@
-/// The measurements of one type, in an array of them: the last place that knows the user's type.
+/// TypedPool: the measurements of one type in an array. Code below this class does not have the user's type.
 #pragma once
 
 #include <string>
@@ -55,7 +55,7 @@ class TypedPool final : public MeasurementPool {
   static constexpr MeasurementType type{&typeid(M), Of<Args>::arity, kRows,     Of<Args>::dof,
                                         source(),   Of<Args>::name,  &typeName, &make};
 
-  /// Empty, for measurements of variables in `table`.
+  /// Creates an empty pool for measurements of variables in `table`.
   TypedPool(const std::string& name, const std::string& label, const std::vector<VariableRecord>& table,
             const ActiveSet& active)
       : MeasurementPool(name, label, type, table, active) {}

@@ -1,18 +1,18 @@
-/// CHOLMOD as the linear solver, for comparison and where it is trusted. Optional, because its supernodal part is under
-/// the GPL: configure with -DSLOM_WITH_CHOLMOD=ON.
+/// Cholmod: CHOLMOD as the linear solver, for comparison or if you prefer it. It is optional, because its supernodal
+/// part is under the GPL. Configure with -DSLOM_WITH_CHOLMOD=ON.
 #pragma once
 
 #include "slom/solve/forwarding_solver.hpp"
 
 namespace slom {
 
-/// Sparse Cholesky decomposition of J^T J in scalars, simplicial or supernodal by CHOLMOD's own choice.
+/// Solves by a sparse Cholesky decomposition of J^T J in scalars. CHOLMOD chooses simplicial or supernodal.
 ///   source   Chen, Davis, Hager and Rajamanickam, "Algorithm 887: CHOLMOD", 2008
 class Cholmod final : public ForwardingSolver {
  public:
-  /// Throws [slom.no-cholmod] in a build without it.
+  /// Creates the solver. Throws [slom.no-cholmod] if this build has no CHOLMOD.
   Cholmod();
-  /// Whether this build has it.
+  /// Returns whether this build has CHOLMOD.
   static bool isAvailable();
   std::unique_ptr<LinearSolver> makeAnother() const override;
 };

@@ -1,5 +1,6 @@
-/// The slow, accurate reference: keeps J whole and solves by a column-pivoted QR decomposition, so that the condition
-/// number is not squared. For small or ill-conditioned problems, and as the oracle of the other solvers.
+/// DenseQR: the slow and accurate reference. It keeps J as a dense matrix and solves by a column-pivoted QR
+/// decomposition, so the condition number is not squared. For small or ill-conditioned problems, and to test other
+/// solvers against.
 #pragma once
 
 #include "slom/solve/forwarding_solver.hpp"
@@ -11,9 +12,9 @@ class DenseQR final : public ForwardingSolver {
  public:
   DenseQR();
 
-  /// The whitened Jacobian (residuals x unknowns) and residual of the last linearisation.
+  /// Returns the whitened Jacobian (residuals x unknowns) of the last linearisation.
   const Eigen::MatrixXd& jacobian() const;
-  /// Whitened, one entry for each row of the Jacobian.
+  /// Returns the whitened residual of the last linearisation, one entry for each row of the Jacobian.
   const Eigen::VectorXd& residual() const;
   std::unique_ptr<LinearSolver> makeAnother() const override;
 

@@ -1,4 +1,4 @@
-/// A solver that leaves the work to another one.
+/// ForwardingSolver: a solver that passes its work to another one.
 #pragma once
 
 #include <memory>
@@ -7,11 +7,11 @@
 
 namespace slom {
 
-/// Passes every call on. The solvers of the library derive from it, so that each of their headers shows what is its own; and so
-/// does what watches or changes a few calls of any solver.
+/// Passes every call on. The solvers of the library derive from it, so each of their headers shows only what is
+/// specific. Derive from it to observe or change a few calls of any solver.
 class ForwardingSolver : public LinearSolver {
  public:
-  /// Throws [slom.no-solver] for a null pointer.
+  /// Sets the solver that receives the calls. Throws [slom.no-solver] for a null pointer.
   explicit ForwardingSolver(std::unique_ptr<LinearSolver> solver);
 
   void analyze(const BlockStructure& structure) override;

@@ -1,4 +1,4 @@
-/// What every linear solver does: takes linearised measurements, solves for a step.
+/// LinearSolver: the interface of all linear solvers. It takes linearised measurements and solves for a step.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@
 
 namespace slom {
 
-/// Whether the system could be solved and, if not, at which unknown the rank ran out.
+/// Whether the system could be solved and, if not, the unknown at which the rank ended.
 struct [[nodiscard]] SolveStatus {
   bool ok = true;
   int unknown = -1;  ///< index of the unknown that the others already determine, or that nothing determines
-  double pivot = 0;  ///< what was left of its diagonal entry, relative (0: nothing, 1: all)
-  double least = 0;  ///< what must be left of a column of J, relative to its length; 0: not known
+  double pivot = 0;  ///< remainder of its diagonal entry, relative (0: nothing, 1: all)
+  double least = 0;  ///< required remainder of a column of J, relative to its length; 0: not known
 };
 
 /// Time spent since construction [s].
@@ -28,64 +28,65 @@ struct SolverSeconds {
 
 /// Work done since construction.
 struct SolverCounts {
-  long analyses = 0;        ///< symbolic
-  long factorizations = 0;  ///< with conjugate gradients: preconditioners
+  long analyses = 0;        ///< symbolic analyses
+  long factorizations = 0;  ///< with conjugate gradients: number of preconditioners
 };
 
-/// Blocks of H^-1. `block` writes that of two blocks of unknowns, dof_a x dof_b, column-major; it is there for every block
-/// with itself and for two that meet in a measurement. May be called by several threads.
+/// Blocks of H^-1, for every block with itself and for two blocks that meet in a measurement. Several threads may call
+/// the functions.
 class InverseBlocks {
  public:
   virtual ~InverseBlocks() = default;
-  /// Writes the block of H^-1 that belongs to blocks a and b, dof_a x dof_b, column-major.
+  /// Writes the block of H^-1 for blocks a and b, dof_a x dof_b, column-major.
   virtual void block(int a, int b, double* out) const = 0;
 };
 
-/// Finds d minimising |r + J d|^2 + sum_i damping_i d_i^2. H = J^T J and g = J^T r below.
+/// Finds d that minimises |r + J d|^2 + sum_i damping_i d_i^2. Below, H = J^T J and g = J^T r.
 class LinearSolver : public JacobianSink {
  public:
-  /// Symbolic work; once per structure.
+  /// Does the symbolic work, once for each structure.
   virtual void analyze(const BlockStructure& structure) = 0;
-  /// The same, given what has changed since the last time. What comes out does not depend on what was there before: a solver keeps of its
-  /// work what it would do again.
+  /// Updates the symbolic work, given the changes since the last time. The result must not depend on earlier
+  /// structures: a solver may reuse only work that it would repeat identically.
   virtual void update(const BlockStructure& structure, const StructureChanges& changes) {
     static_cast<void>(changes);
     analyze(structure);
   }
-  /// Writes `step` on success and leaves it untouched otherwise. `damping` is empty (none) or has an entry >= 0 for
+  /// Writes `step` on success and leaves it unchanged otherwise. `damping` is empty (none) or has an entry >= 0 for
   /// each unknown.
   virtual SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) = 0;
-  /// False when the steps minimise only roughly; they still go downhill.
+  /// Returns false if the steps minimise only approximately. Such steps still lead downhill.
   virtual bool isExact() const { return true; }
 
-  /// g, the gradient of 1/2 |r|^2.
+  /// Returns g, the gradient of 1/2 |r|^2.
   virtual const Eigen::VectorXd& gradient() const = 0;
-  /// Diagonal of H.
+  /// Returns the diagonal of H.
   virtual const Eigen::VectorXd& diagonal() const = 0;
-  /// |J d|^2
+  /// Returns |J d|^2.
   virtual double squaredNormOfJd(const Eigen::VectorXd& d) const = 0;
 
   /// Factorises the undamped system and solves H X = B; B has a row for each unknown.
   virtual SolveStatus solveFor(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) = 0;
 
-  /// Factorises the undamped system and gives the blocks of H^-1 that InverseBlocks speaks of, by whole columns unless the
-  /// solver knows better. The structure is that of the last `analyze`.
+  /// Factorises the undamped system and gives the blocks of H^-1 (InverseBlocks). The default computes whole columns.
+  /// The structure is that of the last `analyze`.
   virtual SolveStatus invertBlocks(const BlockStructure& structure, std::unique_ptr<InverseBlocks>& blocks);
 
-  /// What the others must leave of a column of J, relative to its length, for a rank to be found; 0: it does not find out.
+  /// Returns the fraction of the length of a column of J that must remain beside the other columns for full rank; 0:
+  /// the solver does not detect a loss of rank.
   virtual double leastOfColumn() const { return 0; }
-  /// One that keeps the digits which this one loses by forming J^T J, for where it finds no rank; null: this one keeps them.
-  /// `least` is that solver's leastOfColumn().
+  /// Returns a solver that keeps the digits which this solver loses by forming J^T J, to use if this one finds no full
+  /// rank. Null: this solver keeps them. `least` is leastOfColumn() of the returned solver.
   virtual std::unique_ptr<LinearSolver> careful(double least) const;
 
-  /// Another one with the same settings, which knows of nothing yet, for Estimator::clone(); null: there is none.
+  /// Returns a new solver with the same settings, without data, for Estimator::clone(); null if there is none.
   virtual std::unique_ptr<LinearSolver> makeAnother() const;
 
-  /// What it is, for the summary.
+  /// Returns a description for the summary.
   virtual std::string description() const = 0;
-  /// Where its time went.
+  /// Returns the time spent.
   virtual const SolverSeconds& seconds() const { return seconds_; }
-  /// How often it analysed and factorised.
+  /// Returns how often the solver analysed and factorised.
   virtual const SolverCounts& counts() const { return counts_; }
 
  protected:

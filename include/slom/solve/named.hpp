@@ -1,4 +1,4 @@
-/// The linear solvers of the library by name, for programs whose users choose one, as those of the command do by `--solver`.
+/// The linear solvers of the library by name, for programs whose users choose one, like the option `--solver` of slom.
 ///
 ///     if (const slom::NamedSolver* found = slom::solverNamed("qr")) est.changeSolver(found->make());
 #pragma once
@@ -11,17 +11,17 @@
 
 namespace slom {
 
-/// A linear solver that users of a program choose by its name.
+/// A linear solver with the name by which users of a program choose it.
 struct NamedSolver {
   const char* name;                         ///< `qr`
-  const char* description;                  ///< what it is, in a few words
+  const char* description;                  ///< a few words for help texts
   std::unique_ptr<LinearSolver> (*make)();  ///< with default options
-  const char* missing = nullptr;            ///< what this build lacks, so that make() throws; null: nothing
+  const char* missing = nullptr;            ///< what this build lacks, so make() throws; null: nothing
 };
 
-/// The solvers that this build can make. The first one is the default of the Estimator.
+/// Returns the solvers that this build can make. The first one is the default of the Estimator.
 std::span<const NamedSolver> solvers();
-/// Also one that this build cannot make, whose `missing` says why. Null: there is none of this name.
+/// Returns the solver of this name; null if there is none. If this build cannot make it, its `missing` says why.
 const NamedSolver* solverNamed(std::string_view name);
 
 }  // namespace slom
