@@ -13,6 +13,7 @@
 ///   corner_noise.hpp       corners that are less precise than others
 ///   readout.hpp            rolling shutters
 ///   comparison.hpp         which camera model the data support
+///   choose.hpp             a calibration that leaves settings to comparisons
 ///   files.hpp              corners and readings from and to files
 ///   error.hpp              exceptions for invalid data and settings
 #pragma once
@@ -21,6 +22,7 @@
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/board_shape.hpp"
 #include "slom/calibration/calibrate.hpp"
+#include "slom/calibration/choose.hpp"
 #include "slom/calibration/comparison.hpp"
 #include "slom/calibration/corner_noise.hpp"
 #include "slom/calibration/dataset.hpp"

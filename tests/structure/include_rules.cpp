@@ -212,7 +212,16 @@ void checkBenchmark(const fs::path& root, const fs::path& file, IncludeReport& r
   }
 }
 
-void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report) {
+/// Rooms below src/ do not include each other in a circle.
+void addEdge(const fs::path& root, const fs::path& file, const Include& include, Edges& edges) {
+  if (!include.quoted || !startsWith(file.generic_string(), "src/") ||
+      !fs::exists(root / "src" / include.name))
+    return;
+  const fs::path own = file.parent_path(), target = (fs::path("src") / include.name).parent_path();
+  if (own != target) edges[own.generic_string()].insert(target.generic_string());
+}
+
+void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report, Edges& edges) {
   ++report.files;
   const auto level = levelOf(file);
   if (!level) {
@@ -224,6 +233,7 @@ void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report
   for (int number = 1; std::getline(stream, line); ++number) {
     const auto include = parseInclude(line);
     if (!include) continue;
+    addEdge(root, file, *include, edges);
     const std::string rule = brokenRule(root, file, *level, *include);
     if (rule.empty()) continue;
     report.violations.push_back(file.generic_string() + ":" + std::to_string(number) + ": includes " +
@@ -235,15 +245,15 @@ void checkFile(const fs::path& root, const fs::path& file, IncludeReport& report
 
 IncludeReport checkIncludes(const fs::path& root) {
   IncludeReport report;
+  Edges edges;
   for (const char* folder : {"include", "src"}) {
     if (!fs::exists(root / folder)) continue;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension();
       if (extension == ".hpp" || extension == ".cpp")
-        checkFile(root, entry.path().lexically_relative(root), report);
+        checkFile(root, entry.path().lexically_relative(root), report, edges);
     }
   }
-  Edges edges;
   if (fs::exists(root / kCommand)) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / kCommand)) {
       const std::string extension = entry.path().extension();

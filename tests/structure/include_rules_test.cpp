@@ -148,6 +148,17 @@ TEST(IncludeRules, OfTheCalibration) {
       "stands below\n");
 }
 
+TEST(IncludeRules, RoomsOfALibraryFormNoCircle) {
+  const TemporaryFolder root;
+  writeFile(root / "src/calibration/text.hpp", "");
+  writeFile(root / "src/calibration/fit/fit.hpp", "#include \"calibration/text.hpp\"\n");
+  writeFile(root / "src/calibration/fit/fit.cpp", "#include \"calibration/quality/lens.hpp\"\n");
+  writeFile(root / "src/calibration/quality/lens.hpp", "#include \"calibration/fit/fit.hpp\"\n");
+  EXPECT_EQ(lines(checkIncludes(root.path()).violations),
+            "folders include each other in a circle: src/calibration/fit -> src/calibration/quality -> "
+            "src/calibration/fit\n");
+}
+
 TEST(IncludeRules, OfTheCommand) {
   const TemporaryFolder root;
   writeFile(root / "src/base/words.hpp", "");

@@ -167,63 +167,31 @@ void requireResultsWritable(const CommandSettings& settings) {
   requireWritable(files);
 }
 
-/// The models that --compare names, where it does; the chosen one goes into the settings, unless --intrinsics names another.
-std::optional<Comparison> compare(const Dataset& data, CommandSettings& settings) {
-  if (settings.compared.empty()) return {};
-  Comparison comparison =
-      inWordsOfOptions(settings, [&] { return compareModels(data, settings, settings.compared); });
-  for (ModelTrial& trial : comparison.trials) {
-    if (trial.error) trial.failure = inWordsOfOptions(settings, *trial.error);
-  }
-  if (!settings.quiet) say(comparisonText(comparison));
-  if (!settings.model_is_given && comparison.chosen) settings.model = comparison.chosenTrial().model;
-  return comparison;
+/// What --compare leaves open: what no other option gives.
+Choices choicesOf(const CommandSettings& settings) {
+  return {settings.compared, !settings.model_is_given, !settings.board_shape_is_given,
+          !settings.sigma_by_is_given, settings.is_compared && !settings.rolling_shutter};
 }
 
-/// The models once more, with the shape of the board that was chosen: what the board makes of the residuals of a flat one can look like a lens. Models
-/// with a prior are tried again only where they were chosen: with an unknown board they take long, and all that they add is hardly determined.
-void compareAgain(const Dataset& data, CommandSettings& settings, std::optional<Comparison>& comparison) {
-  const bool is_flat = settings.board_shape == BoardShape::flat;
-  if (settings.board_shape_is_given || is_flat || settings.compared.size() < 2) return;
-  std::erase_if(settings.compared, [&](const Model& model) {
-    return !model.heldNearZero().empty() && !(model == settings.model);
-  });
-  if (settings.compared.size() < 2) return;
-  if (!settings.quiet) say(fmt::format("\nwith a {} board:\n", toString(settings.board_shape)));
-  comparison = compare(data, settings);
-}
-
-/// The shapes of the board for the model of the calibration, where --compare is given and --board-shape is not.
-std::optional<Comparison> compareShapes(const Dataset& data, CommandSettings& settings) {
-  if (settings.board_shape_is_given) return {};
-  const Comparison comparison =
-      inWordsOfOptions(settings, [&] { return compareBoardShapes(data, settings); });
-  if (!settings.quiet) say(boardShapesText(comparison));
-  if (comparison.chosen) settings.board_shape = comparison.chosenTrial().board_shape;
-  return comparison;
-}
-
-/// What the noise grows with, likewise; the fit is made again where it grows.
-void compareNoise(const Dataset& data, CommandSettings& settings, Result& result) {
-  if (settings.sigma_by_is_given || !result.success()) return;
-  const NoiseComparison comparison = compareNoise(data, result);
-  if (!settings.quiet) say(noiseText(comparison, result));
-  settings.sigma_by = comparison.chosen;
-  if (comparison.chosen != SigmaBy::constant) result = calibrate(data, settings);
-  result.noise_comparison = comparison;
-}
-
-/// Whether rows are read out one after the other, likewise.
-void compareReadout(const Dataset& data, CommandSettings& settings, Result& result) {
-  if (!settings.is_compared || settings.rolling_shutter || !result.success()) return;
-  const auto trials = compareReadout(data, result);
-  if (!settings.quiet) say(readoutText(trials, result));
-  settings.rolling_shutter =
-      std::any_of(trials.begin(), trials.end(), [](const auto& trial) { return trial && trial->isFound(); });
-  const std::optional<NoiseComparison> noise = result.noise_comparison;
-  if (settings.rolling_shutter) result = calibrate(data, settings);
-  result.noise_comparison = noise;
-  result.readout_comparison = trials;
+/// Says what each comparison found, and refuses a model that the output format cannot hold before the fit.
+ChoiceProgress progressOf(const CommandSettings& settings) {
+  ChoiceProgress progress;
+  progress.before_fit = [&](const Settings&) {
+    requireModelOf(settings);
+    if (!settings.quiet) say(aloneHeader(settings));
+  };
+  progress.models = [&](const Comparison& comparison, const Settings&) {
+    const bool is_again = !settings.board_shape_is_given && settings.board_shape != BoardShape::flat;
+    if (!settings.quiet && is_again) say(fmt::format("\nwith a {} board:\n", toString(settings.board_shape)));
+    if (!settings.quiet) say(comparisonText(inWordsOfOptions(settings, comparison)));
+    requireModelOf(settings);
+  };
+  if (settings.quiet) return progress;
+  progress.board_shapes = [](const Comparison& comparison) { say(boardShapesText(comparison)); };
+  progress.noise = [](const NoiseComparison& noise, const Result& result) { say(noiseText(noise, result)); };
+  progress.readout = [](const auto& trials, const Result& result) { say(readoutText(trials, result)); };
+  progress.fit = printedProgress();
+  return progress;
 }
 
 /// What the run is about. Ends it when the time is over before there is anything to calibrate.
@@ -299,18 +267,9 @@ void run(const RawOptions& raw) {
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
     say(fmt::format("written: {}\n", oneLine(file)));
-  std::optional<Comparison> comparison = compare(data, settings);
-  requireModelOf(settings);
-  const std::optional<Comparison> board_comparison = compareShapes(data, settings);
-  compareAgain(data, settings, comparison);
-  requireModelOf(settings);
-  if (!settings.quiet) say(aloneHeader(settings));
   Result result = inWordsOfOptions(
-      settings, [&] { return calibrate(data, settings, settings.quiet ? Progress{} : printedProgress()); });
-  compareNoise(data, settings, result);
-  compareReadout(data, settings, result);
-  result.comparison = comparison;
-  result.board_comparison = board_comparison;
+      settings, [&] { return calibrateByChoice(data, settings, choicesOf(settings), progressOf(settings)); });
+  if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
   assessResult(data, settings, result);
   if (!settings.quiet) say(reportText(result));
   writeFiles(data, result, settings, numbers);

@@ -87,6 +87,13 @@ std::string inWordsOfOptions(const CommandSettings& settings, const DataError& e
                                                                  : found->second(settings, error.parts());
 }
 
+Comparison inWordsOfOptions(const CommandSettings& settings, Comparison comparison) {
+  for (ModelTrial& trial : comparison.trials) {
+    if (trial.error) trial.failure = inWordsOfOptions(settings, *trial.error);
+  }
+  return comparison;
+}
+
 Limits limitsOf(const FitLimits& limits) {
   return {limits.maxSeconds(), limits.start(), &FitLimits::wasInterrupted};
 }

@@ -12,6 +12,9 @@ namespace slom::app::calib {
 /// The sentence of `error`, composed anew from its parts where the remedy is an option or a column of a file.
 std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error);
 
+/// Returns the comparison with the failures of its models in the words of the command.
+Comparison inWordsOfOptions(const CommandSettings& settings, Comparison comparison);
+
 /// f(), whose errors become UserError.
 template <class F>
 auto inWordsOfOptions(const CommandSettings& settings, const F& f) {

@@ -1,0 +1,66 @@
+#include "slom/calibration/choose.hpp"
+
+#include <algorithm>
+
+namespace slom::calibration {
+namespace {
+
+/// Compares the models. The chosen one goes into the settings if it is to be chosen.
+Comparison chooseModel(const Dataset& data, Settings& settings, const std::vector<Model>& models,
+                       bool is_open, const ChoiceProgress& progress) {
+  Comparison comparison = compareModels(data, settings, models);
+  if (is_open && comparison.chosen) settings.model = comparison.chosenTrial().model;
+  if (progress.models) progress.models(comparison, settings);
+  return comparison;
+}
+
+/// The models that are compared again on a board that is not flat: what such a board makes of residuals can look like a lens.
+/// A model with a prior is among them only if it was chosen. With an unknown board it takes long, and what it adds is hardly
+/// determined.
+std::vector<Model> modelsForBoard(const Settings& settings, std::vector<Model> models) {
+  std::erase_if(models, [&](const Model& model) {
+    return !model.heldNearZero().empty() && !(model == settings.model);
+  });
+  return models;
+}
+
+}  // namespace
+
+Result calibrateByChoice(const Dataset& data, Settings& settings, const Choices& choices,
+                         const ChoiceProgress& progress) {
+  std::optional<Comparison> comparison, board_comparison;
+  if (!choices.models.empty())
+    comparison = chooseModel(data, settings, choices.models, choices.model, progress);
+  if (choices.board_shape) {
+    board_comparison = compareBoardShapes(data, settings);
+    if (board_comparison->chosen) settings.board_shape = board_comparison->chosenTrial().board_shape;
+    if (progress.board_shapes) progress.board_shapes(*board_comparison);
+    const std::vector<Model> models = modelsForBoard(settings, choices.models);
+    if (settings.board_shape != BoardShape::flat && choices.models.size() > 1 && models.size() > 1)
+      comparison = chooseModel(data, settings, models, choices.model, progress);
+  }
+  if (progress.before_fit) progress.before_fit(settings);
+  Result result = calibrate(data, settings, progress.fit);
+  std::optional<NoiseComparison> noise;
+  if (choices.sigma_by && result.success()) {
+    noise = compareNoise(data, result);
+    if (progress.noise) progress.noise(*noise, result);
+    settings.sigma_by = noise->chosen;
+    if (noise->chosen != SigmaBy::constant) result = calibrate(data, settings);
+  }
+  std::vector<std::optional<ReadoutTrial>> readout;
+  if (choices.rolling_shutter && result.success()) {
+    readout = compareReadout(data, result);
+    if (progress.readout) progress.readout(readout, result);
+    settings.rolling_shutter = std::any_of(readout.begin(), readout.end(),
+                                           [](const auto& trial) { return trial && trial->isFound(); });
+    if (settings.rolling_shutter) result = calibrate(data, settings);
+  }
+  result.comparison = std::move(comparison);
+  result.board_comparison = std::move(board_comparison);
+  result.noise_comparison = std::move(noise);
+  result.readout_comparison = std::move(readout);
+  return result;
+}
+
+}  // namespace slom::calibration
