@@ -14,6 +14,7 @@
 #include "calibration/quality/uncertainty/clustered.hpp"
 #include "calibration/quality/uncertainty/projection.hpp"
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
+#include "slom/analyze/chi_square.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -94,14 +95,6 @@ double expectedSquare(const std::vector<Compared>& nodes, const Lens& second,
   return sum / double(nodes.size());
 }
 
-/// The probability that a chi-square variable is as large or larger (Wilson and Hilferty, "The distribution of
-/// chi-square", 1931).
-double probabilityOf(double chi2, int dof) {
-  if (dof == 0) return 1;
-  const double z = (std::cbrt(chi2 / dof) - (1 - 2 / (9.0 * dof))) / std::sqrt(2 / (9.0 * dof));
-  return std::erfc(z / std::sqrt(2.0)) / 2;
-}
-
 /// Difference of the lens parameters, for those that are estimated, against its covariance.
 void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen::MatrixXd& covariance,
                        SplitHalfCamera& result) {
@@ -120,7 +113,7 @@ void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen
   const Eigen::MatrixXd scaled = scale.asDiagonal() * C * scale.asDiagonal();
   result.chi2 = z.dot(scaled.ldlt().solve(z));
   result.dof = int(free.size());
-  result.probability = probabilityOf(result.chi2, result.dof);
+  result.probability = result.dof > 0 ? chiSquareProbability(result.chi2, result.dof) : 1;
 }
 
 /// The mean of the clustered covariance, which with few blocks of images has directions without variance, and the stated one, scaled to as
