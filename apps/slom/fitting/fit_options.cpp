@@ -39,7 +39,15 @@ std::vector<std::string> allOf(std::span<const Entry> table, const char* Entry::
 }
 
 /// What a help text says of one option, in lines that fit beside its name.
-std::string help(const std::string& text) { return wrapped(text, 76); }
+std::string help(const std::string& text) { return wrapped(text, 70); }
+
+/// `name: description` of all entries of a table of the library.
+template <class Entry>
+std::string described(std::span<const Entry> table) {
+  std::vector<std::string> parts;
+  for (const Entry& entry : table) parts.push_back(fmt::format("{}: {}", entry.name, entry.description));
+  return listed(parts, "; ", "; ");
+}
 
 NamedAlgorithm parseAlgorithm(const std::string& text) {
   if (const NamedAlgorithm* const found = algorithmNamed(text)) return *found;
@@ -87,23 +95,19 @@ Loss parseLoss(const std::string& text) {
 }  // namespace
 
 void addFitOptions(CLI::App& command, RawFitOptions& raw) {
-  command
-      .add_option("--algorithm", raw.algorithm,
-                  help(listed(allOf(algorithms(), &NamedAlgorithm::description), "; ", "; ")))
+  command.add_option("--algorithm", raw.algorithm, help(described(algorithms())))
       ->type_name(listed(allOf(algorithms(), &NamedAlgorithm::name), "|", "|"))
       ->capture_default_str();
-  command
-      .add_option(
-          "--solver", raw.solver,
-          help("of the linear systems: " + listed(allOf(solvers(), &NamedSolver::description), "; ", "; ")))
+  command.add_option("--solver", raw.solver, help("linear solver; " + described(solvers())))
       ->type_name(listed(allOf(solvers(), &NamedSolver::name), "|", "|"))
       ->capture_default_str();
-  command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
+  command
+      .add_option("--threads", raw.threads, "threads; 0: all of the machine; any number gives the same bits")
       ->type_name("NUMBER")
       ->capture_default_str();
   command
       .add_option("--max-iterations", raw.max_iterations,
-                  help("of the fit; default: 100000 / unknowns, but at least 100 and at most 10000"))
+                  "limit of iterations; default: 100000 / unknowns, from 100 to 10000")
       ->type_name("NUMBER");
   addTimeLimit(command, raw.max_seconds);
 }
@@ -114,7 +118,7 @@ void addLossOption(CLI::App& command, RawFitOptions& raw) {
     forms.push_back(formOf(*loss) + (loss->has_shape ? ":SCALE" : ""));
   command
       .add_option("--robust", raw.loss,
-                  help("loss of all measurements, with its scale in standard deviations: " +
+                  help("loss of all measurements, SCALE in standard deviations; NAME is " +
                        listed(forms, ", ", ", or ")))
       ->type_name("NAME:SCALE");
 }
