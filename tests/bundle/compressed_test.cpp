@@ -24,7 +24,7 @@ TEST(BundleCompressed, AFileOfFiveGigabytesInFourThousandBytes) {
   const auto result = command.run({file});
   EXPECT_EQ(
       result.errors,
-      "slom: " + file + ": its 3762 bytes unpack to more than 16777216, which no scene does; get it again\n");
+      "slom: " + file + ": its 3762 bytes unpack to more than 16777216, too many for a scene; get the file again\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 

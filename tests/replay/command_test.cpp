@@ -109,22 +109,21 @@ TEST(Replay, RefusesWhatItCannotRead) {
 TEST(Replay, RefusesAnUnknownMeasurementInOneLine) {
   replay.expectRefused(
       replaced(network(), "\"Range(", "\"Echo("),
-      "problem.slom:14: fit this file by the program that saved it; slom replay does not know "
-      "measurements \"Echo(vect<2>, vect<2>, measured double)\"");
+      "problem.slom:14: slom replay does not know measurements \"Echo(vect<2>, vect<2>, measured double)\"; "
+      "fit this file with the program that saved it");
   const TemporaryFolder folder;
   const CommandResult other =
       replay.runIn(folder, replaced(network(), "\"Range(vect<2>, vect<2>", "\"Range(vect<2>, vect<7>"), {});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(other.errors.starts_with(
-      "slom: problem.slom:14: fit this file by the program that saved it; slom replay "
-      "does not know measurements \"Range(vect<2>, vect<7>, measured double)\" but "
+      "slom: problem.slom:14: slom replay does not know measurements \"Range(vect<2>, vect<7>, measured double)\" but "
       "\"Range(vect<2>, vect<2>, measured double)\", \"Range("))
       << other.errors;
   EXPECT_LT(other.errors.size(), 600u);
 }
 
 TEST(Replay, RefusesOptions) {
-  replay.expectRefused(network(), "--algorithm newton: the algorithms are gn, lm and dogleg",
+  replay.expectRefused(network(), "--algorithm newton: unknown algorithm; give gn, lm or dogleg",
                        {"--algorithm", "newton"});
   replay.expectRefused(network(), "--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
 }

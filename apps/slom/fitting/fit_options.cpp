@@ -51,16 +51,17 @@ std::string described(std::span<const Entry> table) {
 
 NamedAlgorithm parseAlgorithm(const std::string& text) {
   if (const NamedAlgorithm* const found = algorithmNamed(text)) return *found;
-  throw UserError(fmt::format("--algorithm {}: the algorithms are {}", text,
-                              listed(allOf(algorithms(), &NamedAlgorithm::name), ", ", " and ")));
+  throw UserError(fmt::format("--algorithm {}: unknown algorithm; give {}", text,
+                              listed(allOf(algorithms(), &NamedAlgorithm::name), ", ", " or ")));
 }
 
 NamedSolver parseSolver(const std::string& text) {
   const NamedSolver* const found = solverNamed(text);
   if (found != nullptr && found->missing == nullptr) return *found;
   throw UserError(fmt::format(
-      "--solver {}: the solvers are {}{}", text, listed(allOf(solvers(), &NamedSolver::name), ", ", " and "),
-      found == nullptr ? "" : fmt::format("; this build is without {}", found->missing)));
+      "--solver {}: {}; give {}", text,
+      found == nullptr ? "unknown solver" : fmt::format("this build has no {}", found->missing),
+      listed(allOf(solvers(), &NamedSolver::name), ", ", " or ")));
 }
 
 /// What stands for the loss in `--robust`, without its scale.
@@ -75,7 +76,7 @@ Loss parseLoss(const std::string& text) {
   if (known == nullptr) {
     std::vector<std::string> names;
     for (const LossKind* const loss : losses()) names.emplace_back(loss->stored_name);
-    throw UserError(fmt::format("--robust {}: the losses are {}", text, listed(names, ", ", " and ")));
+    throw UserError(fmt::format("--robust {}: unknown loss; give {}", text, listed(names, ", ", " or ")));
   }
   std::vector<double> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -88,8 +89,8 @@ Loss parseLoss(const std::string& text) {
     const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
     if (loss.fault().empty()) return loss;
   }
-  throw UserError(fmt::format("--robust {}: write {}:SCALE, {}SCALE a positive number of standard deviations",
-                              text, formOf(*known), known->has_shape ? "ALPHA not above 2 and " : ""));
+  throw UserError(fmt::format("--robust {}: write {}:SCALE; {}SCALE is a positive number of standard deviations",
+                              text, formOf(*known), known->has_shape ? "ALPHA is not above 2, and " : ""));
 }
 
 }  // namespace

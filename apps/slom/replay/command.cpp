@@ -60,7 +60,7 @@ std::string withoutList(const std::string& sentence) {
     for (std::size_t at = end; (at = sentence.find(function, at)) != std::string::npos; ++at)
       others += (others.empty() ? " but " : ", ") + sentence.substr(at, sentence.find('"', at + 1) + 1 - at);
   }
-  return fmt::format("{}: fit this file by the program that saved it; slom replay does not know {}{}",
+  return fmt::format("{}: slom replay does not know {}{}; fit this file with the program that saved it",
                      sentence.substr(0, place), type, others);
 }
 

@@ -62,7 +62,7 @@ class Decompressor {
     size_ += space - stream.avail_out;
     if (size_ > allowed_) {
       io::fail("damaged",
-               fmt::format("{}: its {} bytes unpack to more than {}, which no scene does; get it again",
+               fmt::format("{}: its {} bytes unpack to more than {}, too many for a scene; get the file again",
                            file_, packed_, allowed_),
                file_);
     }
