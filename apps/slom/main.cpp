@@ -90,7 +90,8 @@ int afterOutput(int exit_code) {
   const bool is_flushed = std::fflush(stdout) == 0;
   const int reason = is_flushed ? 0 : errno;
   if ((is_flushed && std::ferror(stdout) == 0) || exit_code != exit_success) return exit_code;
-  return fail(fmt::format("standard output could not be written{}; redirect it to a writable file, or pass --quiet",
+  return fail(fmt::format("standard output could not be written{}; redirect it to a writable file, or pass "
+                          "--quiet",
                           reason == 0 ? "" : fmt::format(" ({})", std::strerror(reason))),
               exit_not_converged);
 }
@@ -106,8 +107,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const mtk::Error& error) {
     return fail(std::string(error.sentence()), exit_user_error);
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory; give a smaller problem, or use more memory",
-                exit_not_converged);
+    return fail("not enough memory; give a smaller problem, or use more memory", exit_not_converged);
   } catch (const std::exception& error) {
     return fail(fmt::format("this is a fault of slom itself, please report it: {}", error.what()),
                 exit_not_converged);

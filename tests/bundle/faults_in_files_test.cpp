@@ -62,8 +62,8 @@ TEST(BundleFaults, Counts) {
 }
 TEST(BundleFaults, TruncatedFile) {
   const auto ends = [](const std::string& content, const std::string& line, const std::string& where) {
-    expectRefused(content, "scene.txt:" + line + ": the file ends before " + where +
-                               " is complete: " + announced + "; complete the file, or correct the first line");
+    expectRefused(content, "scene.txt:" + line + ": the file ends before " + where + " is complete: " +
+                               announced + "; complete the file, or correct the first line");
   };
   ends(counts, "1", "observation 0");
   ends(counts + observations.substr(0, 16), "3", "observation 2");
@@ -78,8 +78,8 @@ TEST(BundleFaults, TruncatedFile) {
 }
 TEST(BundleFaults, WrongNumberOfWordsInAnObservation) {
   const auto sentence = [](const std::string& here) {
-    return "scene.txt:4: an observation has 4 numbers on a line, \"camera point u v\", but this line has " + here +
-           "; " + announced;
+    return "scene.txt:4: an observation has 4 numbers on a line, \"camera point u v\", but this line has " +
+           here + "; " + announced;
   };
   expectRefused(scene("0 2 5 6", "0"), sentence("1"));
   expectRefused(scene("0 2 5 6", "0 2"), sentence("2"));
@@ -87,7 +87,8 @@ TEST(BundleFaults, WrongNumberOfWordsInAnObservation) {
   expectRefused(scene("0 2 5 6", "0 2 5 6 7"), sentence("more than 4"));
   expectRefused(
       "2 3 6\n" + observations + camera + camera + points,
-      "scene.txt:7: an observation has 4 numbers on a line, \"camera point u v\", but this line has 1; the first "
+      "scene.txt:7: an observation has 4 numbers on a line, \"camera point u v\", but this line has 1; the "
+      "first "
       "line announces 2 cameras, 3 points and 6 observations");
 }
 TEST(BundleFaults, NotANumber) {
@@ -159,22 +160,24 @@ TEST(BundleFaults, WithoutObservations) {
                 "scene.txt: 1 camera (number 2) has no observation, so nothing determines it; add "
                 "observations, or "
                 "remove it");
-  expectRefused(
-      "2 5 5\n" + observations + camera + camera + points + points.substr(0, 12),
-      "scene.txt: 2 points (numbers 3, 4) have no observation, so nothing determines them; add "
-      "observations, or remove them");
+  expectRefused("2 5 5\n" + observations + camera + camera + points + points.substr(0, 12),
+                "scene.txt: 2 points (numbers 3, 4) have no observation, so nothing determines them; add "
+                "observations, or remove them");
   expectRefused("2 9 5\n" + observations + camera + camera + points + points + points,
-                "scene.txt: 6 points (numbers 3, 4, 5, 6, 7, ...) have no observation, so nothing determines them; "
+                "scene.txt: 6 points (numbers 3, 4, 5, 6, 7, ...) have no observation, so nothing determines "
+                "them; "
                 "add observations, or remove them");
 }
 TEST(BundleFaults, PointsWithoutAnImage) {
   expectRefused(
       counts + observations + camera + camera + replaced(points, "0 1 0", "0 1 5"),
-      "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; correct the point or the camera, or remove the observation");
+      "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; correct the "
+      "point or the camera, or remove the observation");
 }
 TEST(BundleFaults, PointsWhoseSquaredDistanceIsNotFinite) {
   expectRefused(counts + observations + camera + camera + replaced(points, "0 1 0", "0 1e160 0"),
-                "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; correct the point or the camera, or remove the observation");
+                "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; "
+                "correct the point or the camera, or remove the observation");
 }
 TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
   const TemporaryFolder folder;
@@ -184,12 +187,11 @@ TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
     std::erase_if(start.observations, [&](const auto& o) { return o.point == point && o.camera > 0; });
   };
   drop(7);
-  EXPECT_NE(
-      command.runIn(folder, testing::contentOf(start), {})
-          .output.find(
-              "\n  warning: 1 point (number 7) is seen by only one camera: only damping holds it along "
-              "the ray, 1 free direction\n"),
-      std::string::npos);
+  EXPECT_NE(command.runIn(folder, testing::contentOf(start), {})
+                .output.find(
+                    "\n  warning: 1 point (number 7) is seen by only one camera: only damping holds it along "
+                    "the ray, 1 free direction\n"),
+            std::string::npos);
   drop(9);
   start.observations.push_back(start.observations.front());  // twice by the same camera
   const auto result = command.runIn(folder, testing::contentOf(start), {});

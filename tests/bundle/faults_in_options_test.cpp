@@ -22,11 +22,13 @@ TEST(BundleOptions, NoFile) {
 TEST(BundleOptions, Algorithms) {
   expectOptionsRefused("--solver lu: unknown solver; give auto, cholesky, cg, qr or dense-qr",
                        {"--solver", "lu"});
-  expectOptionsRefused("--algorithm newton: unknown algorithm; give gn, lm or dogleg", {"--algorithm", "newton"});
+  expectOptionsRefused("--algorithm newton: unknown algorithm; give gn, lm or dogleg",
+                       {"--algorithm", "newton"});
   for (const std::string name : {"gn", "dogleg"}) {
     expectOptionsRefused(
         "--algorithm " + name +
-            ": cannot hold the free place, rotation and scale of a scene, as the damping of lm does; drop this "
+            ": cannot hold the free place, rotation and scale of a scene, as the damping of lm does; drop "
+            "this "
             "option",
         {"--algorithm", name});
   }
@@ -49,7 +51,8 @@ TEST(BundleOptions, ExtensionsOfResults) {
   for (const std::string name : {"scene", "scene.obj", "scene.ply.gz", "txt"}) {
     expectOptionsRefused(
         "--output " + name +
-            ": unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud of points)",
+            ": unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud of "
+            "points)",
         {"--output", name});
   }
 }

@@ -143,7 +143,8 @@ TEST(GraphOnline, RefusesOtherWords) {
   expectRefused(content, "--online=all: give --online, or --online=check, which compares with the batch fit",
                 {"--online=all"});
   expectRefused(content,
-                "--init chordal: has no effect with --online, where each pose starts at the end of an edge from earlier poses; drop one of the two",
+                "--init chordal: has no effect with --online, where each pose starts at the end of an edge "
+                "from earlier poses; drop one of the two",
                 {"--online", "--init", "chordal"});
 }
 

@@ -155,9 +155,9 @@ TEST(GraphPriors, AreSaid) {
                                "  fixed: nothing, because priors place the map\n"));
   EXPECT_NE(
       output(edges + "EDGE_PRIOR_SE2_XY 1 5 6 1 0 1\n")
-          .find(
-              "  fixed: nothing, because priors place the map; and the heading of pose 1, because the map can turn about "
-              "the position of pose 1\n"),
+          .find("  fixed: nothing, because priors place the map; and the heading of pose 1, because the map "
+                "can turn about "
+                "the position of pose 1\n"),
       std::string::npos);
   EXPECT_EQ(
       output(edges + "EDGE_PRIOR_SE2_XY 1 5 6 1 0 1\n", {"--online"}),

@@ -84,7 +84,8 @@ std::string fixedLine(const std::string& content, const std::vector<std::string>
 TEST(GraphStart, SaysWhatIsFixed) {
   const std::vector<std::string> tree{"--init", "spanning-tree"}, file{"--init", "file"};
   const std::string edges = "EDGE_SE2 4 3 1 0 0" + unit3 + "EDGE_SE2 4 5 1 0 0" + unit3;
-  EXPECT_EQ(fixedLine(edges, tree), "  fixed: pose 3, because there are no lines FIX\n  start: spanning-tree");
+  EXPECT_EQ(fixedLine(edges, tree),
+            "  fixed: pose 3, because there are no lines FIX\n  start: spanning-tree");
   EXPECT_EQ(fixedLine(edges + "FIX 4\n", tree), "  fixed: 1 pose, by lines FIX\n  start: spanning-tree");
   const std::string vertices =
       "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
@@ -96,10 +97,10 @@ TEST(GraphStart, SaysWhatIsFixed) {
             "  fixed: pose 5 and landmark 9, because there are no lines FIX\n  start: file");
   EXPECT_EQ(fixedLine(vertices + edges + "FIX 4\n", {"--init", "file", "--hold-parts"}),
             "  fixed: 1 pose and 1 landmark, by lines FIX and --hold-parts (landmark 9)\n  start: file");
-  EXPECT_EQ(
-      fixedLine(edges),
-      "  fixed: pose 3, because there are no lines FIX\n  start: odometry, with the lowest RSS among odometry, "
-      "spanning-tree and chordal");
+  EXPECT_EQ(fixedLine(edges),
+            "  fixed: pose 3, because there are no lines FIX\n  start: odometry, with the lowest RSS among "
+            "odometry, "
+            "spanning-tree and chordal");
 }
 
 TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {

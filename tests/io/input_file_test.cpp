@@ -45,8 +45,8 @@ TEST(InputFile, PipesAreReadToTheirEndAndNoLonger) {
   };
   EXPECT_EQ(fed(largest_input), "no error");
   EXPECT_EQ(fed(200'000), "no error");
-  EXPECT_EQ(fed(199'999), "[slom.io.too-large] " + pipe +
-                              ": larger than 199999 bytes, the limit; give a smaller file");
+  EXPECT_EQ(fed(199'999),
+            "[slom.io.too-large] " + pipe + ": larger than 199999 bytes, the limit; give a smaller file");
 }
 
 TEST(InputFile, DevicesAreRefused) {

@@ -85,11 +85,13 @@ void refusePointsWithoutImage(const Scene& scene) {
     if (std::isfinite(scene.residual(observation).squaredNorm())) {
       if (std::abs(p[2]) > no_depth * p.norm()) continue;
       throw UserError(fmt::format(
-          "{}:{}: point {} lies in the plane of camera {} (depth {:.3g} at a distance of {:.3g}), where a point has no image; correct the point or the camera, or remove the observation",
+          "{}:{}: point {} lies in the plane of camera {} (depth {:.3g} at a distance of {:.3g}), where a "
+          "point has no image; correct the point or the camera, or remove the observation",
           scene.file, observation.line, observation.point, observation.camera, std::abs(p[2]), p.norm()));
     }
     throw UserError(
-        fmt::format("{}:{}: point {} has no image in camera {}: the prediction is not a finite number; correct the point or the camera, or remove the observation",
+        fmt::format("{}:{}: point {} has no image in camera {}: the prediction is not a finite number; "
+                    "correct the point or the camera, or remove the observation",
                     scene.file, observation.line, observation.point, observation.camera));
   }
 }
@@ -103,7 +105,9 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
     Faulty first("part");
     for (const Part& part : parts) first.add(std::size_t(part.cameras.front()));
     warnings.push_back(fmt::format(
-        "the scene has {} parts that share no point, with the cameras {}: their relative place, rotation and scale are unknown, so {} more directions are free; add observations of common points, or fit each part alone",
+        "the scene has {} parts that share no point, with the cameras {}: their relative place, rotation and "
+        "scale are unknown, so {} more directions are free; add observations of common points, or fit each "
+        "part alone",
         parts.size(), first.names(), similarity * (int(parts.size()) - 1)));
   }
   Faulty few("camera");
@@ -116,7 +120,8 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
   }
   if (!few.isEmpty()) {
     warnings.push_back(fmt::format(
-        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: only damping holds the rest, up to {}; "
+        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: only damping holds the rest, up "
+        "to {}; "
         "add observations, or remove {}",
         few.text(), few.choose("sees", "see"), few_points + 1,
         plural(std::size_t(most_free), "free direction"), few.choose("it", "them")));

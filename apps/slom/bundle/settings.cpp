@@ -28,7 +28,8 @@ void checkTolerance(double tolerance) {
 void checkOutput(const std::string& file) {
   if (formatOf(file) != Format::unknown) return;
   throw UserError(fmt::format(
-      "--output {}: unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud of points)",
+      "--output {}: unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud "
+      "of points)",
       file));
 }
 

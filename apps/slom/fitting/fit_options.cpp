@@ -58,10 +58,10 @@ NamedAlgorithm parseAlgorithm(const std::string& text) {
 NamedSolver parseSolver(const std::string& text) {
   const NamedSolver* const found = solverNamed(text);
   if (found != nullptr && found->missing == nullptr) return *found;
-  throw UserError(fmt::format(
-      "--solver {}: {}; give {}", text,
-      found == nullptr ? "unknown solver" : fmt::format("this build has no {}", found->missing),
-      listed(allOf(solvers(), &NamedSolver::name), ", ", " or ")));
+  throw UserError(
+      fmt::format("--solver {}: {}; give {}", text,
+                  found == nullptr ? "unknown solver" : fmt::format("this build has no {}", found->missing),
+                  listed(allOf(solvers(), &NamedSolver::name), ", ", " or ")));
 }
 
 /// What stands for the loss in `--robust`, without its scale.
@@ -89,8 +89,10 @@ Loss parseLoss(const std::string& text) {
     const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
     if (loss.fault().empty()) return loss;
   }
-  throw UserError(fmt::format("--robust {}: write {}:SCALE; {}SCALE is a positive number of standard deviations",
-                              text, formOf(*known), known->has_shape ? "ALPHA is not above 2, and " : ""));
+  throw UserError(
+      fmt::format("--robust {}: write {}:SCALE; {}SCALE is a positive number of standard "
+                  "deviations",
+                  text, formOf(*known), known->has_shape ? "ALPHA is not above 2, and " : ""));
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ void checkPlot(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension().string();
   if (file.empty() || extension == ".svg" || extension == ".html") return;
   throw UserError(
-      fmt::format("--plot {}: unknown format; give FILE.svg (a picture) or FILE.html (a page on which to turn it)", file));
+      fmt::format("--plot {}: unknown format; give FILE.svg (a picture) or FILE.html (a page on which to "
+                  "turn it)",
+                  file));
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ Settings parseSettings(const RawOptions& raw) {
   settings.online = parseOnline(raw.online);
   if (settings.online != Online::no && settings.init) {
     throw UserError(fmt::format(
-        "--init {}: has no effect with --online, where each pose starts at the end of an edge from earlier poses; drop one of the two",
+        "--init {}: has no effect with --online, where each pose starts at the end of an edge from earlier "
+        "poses; drop one of the two",
         raw.init));
   }
   checkPlot(settings.plot_file);

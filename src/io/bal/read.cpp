@@ -38,7 +38,8 @@ class Reader {
     readAll(scene_.points, points_, [this](int i) { return mtk::vect<3>(numbers("point", i, point_parts)); });
     if (words_.next()) {
       words_.fail(
-          fmt::format("{} comes after the last point, where the file should end: {}; correct the first line, or remove the rest",
+          fmt::format("{} comes after the last point, where the file should end: {}; correct the first line, "
+                      "or remove the rest",
                       words_.quoted(), announced()));
     }
     return std::move(scene_);
@@ -143,8 +144,8 @@ class Reader {
   void next(const char* thing, int i) {
     if (words_.next()) return;
     words_.fail(fmt::format(
-        "the file ends before {} {} is complete: {}; complete the file, or correct the first line", thing,
-        i, announced()));
+        "the file ends before {} {} is complete: {}; complete the file, or correct the first line", thing, i,
+        announced()));
   }
   double number(const char* thing, int i, const char* part) const {
     double value = 0;

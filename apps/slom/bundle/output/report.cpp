@@ -30,7 +30,8 @@ std::string furtherText(const FreeDirections& free) {
     names += (i == 0 ? "" : ", ") + free.names[i];
   if (free.names.size() > most_named) names += ", ...";
   return fmt::format(
-      "{} free beyond place, rotation and scale: {} can move, alone or with others, without changing any image, and only damping holds them; add observations",
+      "{} free beyond place, rotation and scale: {} can move, alone or with others, without changing any "
+      "image, and only damping holds them; add observations",
       free.further == 1 ? "1 direction is" : fmt::format("{} directions are", free.further),
       names.empty() ? "cameras and points" : names);
 }

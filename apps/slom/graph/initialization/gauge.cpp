@@ -39,8 +39,8 @@ template <class Pose>
       fmt::format("{}: the graph has {} parts that no edge connects, and {} no fixed pose: {}{}; add "
                   "edges between them, add "
                   "a line FIX for a pose of each, or pass --hold-parts to fix the first vertex of each",
-                  graph.file, parts, open.size() == 1 ? "1 has" : fmt::format("{} have", open.size()),
-                  names, open.size() > most_parts ? ", ..." : ""));
+                  graph.file, parts, open.size() == 1 ? "1 has" : fmt::format("{} have", open.size()), names,
+                  open.size() > most_parts ? ", ..." : ""));
 }
 
 /// Without vertices nothing says how what is fixed lies to each other.

@@ -28,7 +28,8 @@ std::string unreachedText(const std::string& file, std::uint64_t id, const std::
         id, file);
   }
   return fmt::format(
-      "--init {}: no edge between poses leads to pose {} of {}, which only landmarks connect with the rest; add an edge, or add vertices for all",
+      "--init {}: no edge between poses leads to pose {} of {}, which only landmarks connect with the rest; "
+      "add an edge, or add vertices for all",
       init, id, file);
 }
 
