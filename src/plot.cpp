@@ -194,9 +194,8 @@ void Plot::save(const std::string& file) const {
   is_written = out != nullptr && std::fclose(out) == 0 && is_written;
   is_written = is_written && std::rename(unfinished.c_str(), file.c_str()) == 0;
   if (!is_written && out != nullptr) std::remove(unfinished.c_str());
-  require(
-      is_written, "slom.cannot-write",
-      "the plot could not be written to " + file + "; see whether its folder is there and may be written to");
+  require(is_written, "slom.cannot-write",
+          "the plot could not be written to " + file + "; check that its folder exists and is writable");
 }
 
 }  // namespace slom

@@ -45,8 +45,8 @@ struct Factor {
       throw Error(
           "slom.singular-covariance",
           "a covariance of " + std::to_string(n) +
-              " components is singular, so a combination of them is certain; leave out variables that follow from "
-              "the others, as one that is there twice");
+              " components is singular, so a combination of them is certain; leave out variables that follow "
+              "from the others, such as a variable given twice");
     }
   }
 };

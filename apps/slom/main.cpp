@@ -16,6 +16,7 @@
 #include <slom/solve/instruction_set.hpp>
 
 #include "error.hpp"
+#include "help.hpp"
 #include "printable.hpp"
 
 namespace slom::app {
@@ -29,9 +30,23 @@ namespace {
 
 using namespace slom::app;
 
-/// The list of subcommands shows one line of each: the one that follows the sample run, where there is one.
+/// The list of subcommands shows one line of each: the one that follows the sample run, where there is one. Less usual options are
+/// shown by --help-all only.
 class HelpFormatter : public CLI::Formatter {
  public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = make_description(app) + make_usage(app, name) + make_positionals(app);
+    for (const std::string& group : app->get_groups()) {
+      if (group.empty() || (group == more_options && mode != CLI::AppFormatMode::All)) continue;
+      const auto is_in_group = [&](const CLI::Option* option) {
+        return option->get_group() == group && option->nonpositional();
+      };
+      if (const auto options = app->get_options(is_in_group); !options.empty())
+        text += make_group(group, false, options);
+    }
+    return text + make_subcommands(app, CLI::AppFormatMode::Normal) + "\n" + make_footer(app);
+  }
+
   std::string make_subcommand(const CLI::App* sub) const override {
     std::string text = sub->get_description();
     if (const auto sample_end = text.find("\n\n"); sample_end != std::string::npos)
@@ -75,7 +90,8 @@ int afterOutput(int exit_code) {
   const bool is_flushed = std::fflush(stdout) == 0;
   const int reason = is_flushed ? 0 : errno;
   if ((is_flushed && std::ferror(stdout) == 0) || exit_code != exit_success) return exit_code;
-  return fail(fmt::format("standard output could not be written{}; give a file that can be, or --quiet",
+  return fail(fmt::format("standard output could not be written{}; redirect it to a writable file, or pass "
+                          "--quiet",
                           reason == 0 ? "" : fmt::format(" ({})", std::strerror(reason))),
               exit_not_converged);
 }
@@ -91,8 +107,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const mtk::Error& error) {
     return fail(std::string(error.sentence()), exit_user_error);
   } catch (const std::bad_alloc&) {
-    return fail("there is not enough memory for this; give a smaller problem, or more memory",
-                exit_not_converged);
+    return fail("not enough memory; give a smaller problem, or use more memory", exit_not_converged);
   } catch (const std::exception& error) {
     return fail(fmt::format("this is a fault of slom itself, please report it: {}", error.what()),
                 exit_not_converged);
@@ -105,11 +120,13 @@ int main(int argc, char** argv) {
   occupyStandardStreams();
   CLI::App app(
       "slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --json result.json\n\n"
-      "Sparse least squares on manifolds: fits models to measurements and says how well it knows them.\n",
+      "Sparse least squares on manifolds: fit models to measurements, with the uncertainty of each value.\n",
       "slom");
   app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "print this help");
   app.set_version_flag(
-      "--version", [] { return fmt::format("slom {}, kernels: {}", SLOM_VERSION, slom::instructionSet()); });
+      "--version", [] { return fmt::format("slom {}, kernels: {}", SLOM_VERSION, slom::instructionSet()); },
+      "print the version and the instructions of the solver");
   app.require_subcommand(1);
 #define SLOM_COMMAND(add) add(app);
 #include <commands.inc>

@@ -73,7 +73,7 @@ std::string randomName() {
   constexpr char digits[] = "abcdefghijklmnopqrstuvwxyz012345";
   std::array<unsigned char, 16> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
-    throw UserError("there are no random numbers to name files by; try again");
+    throw UserError("no random numbers are available for names of files; try again");
   std::string name;
   for (const unsigned char byte : bytes) name += digits[byte % 32];
   return name;

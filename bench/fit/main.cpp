@@ -74,7 +74,8 @@ double huberScale(const std::string& text) {
   double scale = 0;
   if (text.starts_with(huber) && slom::io::parseNumber(text.substr(huber.size()), scale) && scale > 0)
     return scale;
-  throw BadInput("--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations");
+  throw BadInput("--robust " + text +
+                 ": write huber:SCALE; SCALE is a positive number of standard deviations");
 }
 
 /// False when a program that converged is at another cost than the best one, and yet at the same minimum.

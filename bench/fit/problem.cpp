@@ -68,7 +68,7 @@ std::optional<Start> parseStart(const std::string& text) {
     if (text == name) return start;
   }
   throw BadInput(fmt::format(
-      "--init {}: the starts are auto, file, odometry, spanning-tree, chordal and build-up", text));
+      "--init {}: unknown start; give auto, file, odometry, spanning-tree, chordal or build-up", text));
 }
 
 template <class Pose>

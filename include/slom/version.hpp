@@ -5,5 +5,5 @@
 
 // The build takes the project's version from these lines.
 #define SLOM_VERSION_MAJOR 0
-#define SLOM_VERSION_MINOR 2
+#define SLOM_VERSION_MINOR 3
 #define SLOM_VERSION_PATCH 0

@@ -206,7 +206,7 @@ class ClusterMaker {
     throw Error("slom.bad-group",
                 "measurement " + pool.measurementName(i) + " depends on " + problem_.variableName(a) +
                     " and on " + problem_.variableName(b) +
-                    ", and can be grouped by one of them alone; list the variables in "
+                    ", but can be grouped by only one of them; list the variables in "
                     "slom::ClusterBy::variables, or pass slom::group to insertMeasurement",
                 pool.measurementName(i));
   }

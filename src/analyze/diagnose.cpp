@@ -126,13 +126,14 @@ class Examination {
         add(Kind::unmeasured_variable, true, unmeasured(problem_.variableName(variable)),
             {problem_.variableName(variable)}, static_cast<int>(names.size()));
       } else {
+        const std::string them = names.size() == 1 ? "it" : "them";
         add(Kind::unobserved_component, true,
             "no residual changes with " + listed(names) +
                 (dependsByDifferences(variable)
                      ? ", by differences of small steps: if the function rounds its results, pass larger "
                        "steps, as in slom::numeric(f, slom::differences(1e-2)); otherwise add"
                      : ", to first order: add") +
-                " measurements that do or a prior, or fix " + (names.size() == 1 ? "it" : "them"),
+                " measurements that depend on " + them + " or a prior, or fix " + them,
             names, static_cast<int>(names.size()));
       }
     }
@@ -179,8 +180,8 @@ class Examination {
       std::string text;
       if (moves.names.size() == 1) {
         text = "nothing determines " + moves.names[0] +
-               ": it can move without changing any residual; add measurements that it "
-               "changes or a prior, or fix it";
+               ": it can move without changing any residual; add measurements that depend on it or a prior, "
+               "or fix it";
       } else if (moves.names.size() == 2) {
         text =
             moves.names[0] + " and " + moves.names[1] + " cannot be told apart: moving them by " +
@@ -219,7 +220,7 @@ class Examination {
       add(Kind::weak, false,
           (least.may_miss_some ? "at least " : "") + counted(static_cast<int>(more), "more direction") +
               (more == 1 ? " is" : " are") +
-              " hardly determined: are all measurements as certain as they say in all their components?",
+              " hardly determined; check that all components of all measurements are as certain as stated",
           {}, static_cast<int>(more));
     }
   }
@@ -233,7 +234,7 @@ class Examination {
       who.push_back(abridged(names));
     }
     std::string text =
-        "the variables fall into " + std::to_string(parts.size()) + " groups that no measurement connects: ";
+        "the variables form " + std::to_string(parts.size()) + " groups that no measurement connects: ";
     for (std::size_t p = 0; p < who.size() && p < 3; ++p) text += (p > 0 ? "; " : "") + who[p];
     if (who.size() > 3) text += "; and " + std::to_string(who.size() - 3) + " more";
     add(Kind::disconnected, false, text, who);

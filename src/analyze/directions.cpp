@@ -26,8 +26,7 @@ std::string nounOf(const std::string& type) {
 std::string remedyOf(const Gauge& gauge, bool has_pose) {
   const bool is_rigid = gauge.has_translation || gauge.has_rotation;
   std::string text;
-  if (is_rigid)
-    text = has_pose ? "fix one pose or add a prior" : "fix as many of them as that takes, or add priors";
+  if (is_rigid) text = has_pose ? "fix one pose or add a prior" : "fix enough of them, or add priors";
   if (gauge.has_scale) text += is_rigid ? ", and measure a length" : "measure a length or fix one";
   return text;
 }

@@ -159,8 +159,8 @@ void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double 
   const int unknowns = linearized.freeUnknowns();
   if (summary.unknowns != unknowns) {
     throw Error("slom.no-parameters",
-                "the summary is that of a fit of " + counted(summary.unknowns, "unknown") +
-                    ", and there are " + std::to_string(unknowns) + " now; take the summary of the last fit",
+                "the summary belongs to a fit of " + counted(summary.unknowns, "unknown") +
+                    ", but there are " + std::to_string(unknowns) + " now; take the summary of the last fit",
                 "Summary");
   }
   for (UnknownRow& unknown : unknownRows(linearized, gauge, variance_factor, summary.has_rotations)) {

@@ -18,7 +18,7 @@ void GivenDerivatives::check(const Problem& problem, std::vector<std::string>& w
     try {
       for (const GroupDerivativeCheck& group : findWrongDerivatives(problem, kMeasurements).groups) {
         found_.push_back(group.sentence() +
-                         "; with wrong derivatives a fit ends elsewhere, or has wrong standard deviations: "
+                         "; wrong derivatives lead to other values or wrong standard deviations: "
                          "checkDerivatives() compares them all");
       }
     } catch (...) {  // a function that throws next to the fit: nothing can be said

@@ -282,20 +282,21 @@ Error LinearizedProblem::undetermined(const SolveStatus& status) const {
   for (const Finding& finding : diagnosis().findings) {
     if (finding.kind == Finding::Kind::gauge) {
       return {"slom.free-gauge",
-              "there are no covariances as long as the gauge is free. " + finding.text +
+              "the gauge is free, so there are no covariances. " + finding.text +
                   "; setFreeGauge(slom::FreeGauge::inner_constraints) fits a free network"};
     }
   }
   if (!isExact() && freeDirections() == 0) {
     return {
         "slom.rank-deficient",
-        "the solver iterates and finds no inverse of J^T J, although the measurements determine every "
-        "unknown: it is too close to singular for that; choose a solver that factorises, such as BlockQR, "
+        "the iterative solver finds no inverse of J^T J: the matrix is too close to singular, although the "
+        "measurements determine every unknown; choose a solver that factorises, such as BlockQR, "
         "with changeSolver()"};
   }
   for (const Finding& finding : diagnosis().findings) {
     if (finding.kind == Finding::Kind::undetermined || finding.kind == Finding::Kind::unobserved_component)
-      return {"slom.rank-deficient", "there are no covariances, as not all is determined: " + finding.text,
+      return {"slom.rank-deficient",
+              "not all unknowns are determined, so there are no covariances: " + finding.text,
               finding.names.empty() ? "" : finding.names.front()};
   }
   return singularError(problem_, structure_, status);

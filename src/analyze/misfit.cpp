@@ -46,7 +46,7 @@ void addDownWeighted(const GroupSummary& group, std::vector<std::string>& result
   if (measurements < kLeastMeasurements || down_weighted < kNearlyAll * measurements) return;
   result.push_back(nameOf(group.losses) + " weights below 1/2 to " + std::to_string(down_weighted) + " of " +
                    std::to_string(measurements) + " measurements " + group.name +
-                   ", so that hardly any of them counts: outliers are few by nature; start nearer to the "
+                   ", so hardly any of them counts, although outliers should be few; start nearer to the "
                    "solution, pass a larger scale, or set Options::graduated_non_convexity");
 }
 }  // namespace

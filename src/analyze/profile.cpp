@@ -40,7 +40,7 @@ class Profile {
     if (!fit_.is_at_minimum(factor_)) {
       throw Error("slom.not-a-minimum",
                   "the profile of " + problem_.componentNames(variable_)[at(component_)] +
-                      " starts at a fit, and the values are not at one; optimize first",
+                      " needs the values of a converged fit; call optimize() first",
                   problem_.componentNames(variable_)[at(component_)]);
     }
     const ActiveSet& active = problem_.activeSet();

@@ -87,8 +87,8 @@ std::string parameterTable(const Summary& summary) {
   std::string text = parameterRows(summary);
   if (summary.has_rotations) {
     text +=
-        "  note: rotations are rotation vectors [rad]; their standard deviations are those of small turns about the "
-        "axes of the rotated frame\n";
+        "  note: rotations are rotation vectors [rad]; their standard deviations describe small turns about "
+        "the axes of the rotated frame\n";
   }
   for (const std::string& note : summary.undetermined) text += "  note: " + note + "\n";
   for (const std::string& note : summary.clustered_notes) text += "  note: " + note + "\n";
@@ -126,9 +126,10 @@ std::string sigmaWords(const Summary& summary) {
     return "no standard deviation was stated, 1 is assumed" +
            (summary.hasLosses() || !summary.converged
                 ? std::string()
-                : format("; the residuals show %.3g: setSigma(slom::Sigma::estimated) takes that", factor));
+                : format("; the residuals show %.3g; setSigma(slom::Sigma::estimated) adopts this value",
+                         factor));
   return summary.stated_noise == StatedNoise::some
-             ? "standard deviations are taken as stated, and as 1 where none was"
+             ? "standard deviations are taken as stated, and as 1 if none was stated"
              : "standard deviations are taken as stated";
 }
 
@@ -166,7 +167,7 @@ std::string report(const Summary& summary) {
   if (summary.is_free_network)
     text += "  free network: of all values with this RSS, these are the nearest to the start values\n";
   for (const std::string& bound : summary.active_bounds)
-    text += "  " + bound + "; standard deviations hold on that condition\n";
+    text += "  " + bound + "; standard deviations hold if it stays there\n";
   for (const std::string& warning : summary.warnings) text += "  warning: " + warning + "\n";
   return text;
 }

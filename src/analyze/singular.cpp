@@ -13,7 +13,7 @@ std::string unmeasured(const std::string& name) {
 std::string unconvergedLine(const std::string& reason) {
   return reason.empty() ? ""
                         : "the last fit has not converged (" + reason +
-                              "): what follows holds at the values where it ended\n";
+                              "); the following holds at the values where it ended\n";
 }
 
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown) {
@@ -33,20 +33,19 @@ Error singularError(const Problem& problem, const ProblemStructure& structure, c
     const std::string name = problem.variableName(variable);
     return {"slom.unmeasured-variable", unmeasured(name), name};
   }
-  const std::string limit = status.least > 0 ? "the others leave less than " + number(status.least) +
-                                                   " of its column of the Jacobian, so "
+  const std::string limit = status.least > 0 ? "given the other unknowns, less than " + number(status.least) +
+                                                   " of its column of the Jacobian remains, so "
                                              : "";
   const std::string name = unknownName(problem, structure, status.unknown);
-  return {
-      "slom.rank-deficient",
-      "the measurements do not determine " + name + ": " + limit +
-          "it can move, alone or together with others, without changing any residual; add measurements or a "
-          "prior, fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use "
-          "LevenbergMarquardt to get one of the many solutions" +
-          (status.least > BlockQR::kPivotTolerance
-               ? ", or BlockQR, which needs " + number(BlockQR::kPivotTolerance)
-               : ""),
-      name};
+  return {"slom.rank-deficient",
+          "the measurements do not determine " + name + ": " + limit +
+              "it can move, alone or with others, without changing any residual; add measurements or a "
+              "prior, fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use "
+              "LevenbergMarquardt to get one of the many solutions" +
+              (status.least > BlockQR::kPivotTolerance
+                   ? ", or BlockQR, which needs " + number(BlockQR::kPivotTolerance)
+                   : ""),
+          name};
 }
 
 std::vector<std::string> unmeasuredVariables(const Problem& problem) {

@@ -48,8 +48,8 @@ void Archive::add(detail::StoredVariable kind, bool is_named) {
   if (const detail::StoredVariable* const known = findVariable(kind.type)) {
     if (!is_named || kind.name == known->name) return;
     throw Error("slom.archive-name",
-                "the archive calls these variables " + inQuotes(known->name) + " already, not " +
-                    inQuotes(kind.name) + "; name them before the measurements that have them",
+                "the archive already calls these variables " + inQuotes(known->name) + ", not " +
+                    inQuotes(kind.name) + "; name variables before the measurements that use them",
                 kind.name);
   }
   for (const detail::StoredVariable& other : variables_) {
@@ -69,11 +69,12 @@ void Archive::add(detail::StoredMeasurement kind) {
     if (other.type == kind.type && other.name == kind.name) return;
     if (other.type != kind.type && other.name != kind.name) continue;
     throw Error("slom.archive-name",
-                other.type == kind.type ? "the archive calls these measurements " + inQuotes(other.name) +
-                                              " already, not " + inQuotes(kind.name) + "; name them once"
-                                        : "the archive has measurements " + inQuotes(kind.name) +
-                                              " of another type; give one of "
-                                              "them another name",
+                other.type == kind.type
+                    ? "the archive already calls these measurements " + inQuotes(other.name) + ", not " +
+                          inQuotes(kind.name) + "; name them once"
+                    : "the archive has measurements " + inQuotes(kind.name) +
+                          " of another type; give one of "
+                          "them another name",
                 kind.name);
   }
   measurements_.push_back(std::move(kind));

@@ -32,8 +32,7 @@ std::string commaIn(const std::string& text) {
   const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {
     if (comma > 0 && is_digit(comma - 1) && is_digit(comma + 1))
-      return "; decimals stand after a comma there, as a program with a locale of such a language writes "
-             "them: write points";
+      return "; the number has a decimal comma, as programs with such a locale write; use decimal points";
   }
   return "";
 }
@@ -93,7 +92,9 @@ class ArchiveReader {
     }
     if (version != kVersion) {
       raise("the problem is saved in version " + std::to_string(version) +
-            " of the format, this program reads version " + std::to_string(kVersion) + "; use a newer one");
+            " of the format, but this program reads version " + std::to_string(kVersion) +
+            "; use a newer "
+            "program");
     }
   }
 
@@ -142,8 +143,7 @@ class ArchiveReader {
 
   void readVariable() {
     std::string name, state;
-    if (variable_kind_ == nullptr)
-      raise("a variable stands before the first line that begins with variables");
+    if (variable_kind_ == nullptr) raise("a variable comes before the first line that begins with variables");
     if (!(line_ >> std::quoted(name) >> state) || (state != "free" && state != "fixed")) {
       raise("write \"NAME\" free VALUE or \"NAME\" fixed VALUE");
     }
@@ -159,11 +159,11 @@ class ArchiveReader {
 
   int readVariableNumber() {
     long number = -1;
-    if (!(line_ >> number)) raise("here the number of a variable is due");
+    if (!(line_ >> number)) raise("the number of a variable is missing here");
     if (number < 0 || number >= static_cast<long>(indices_.size())) {
       raise("there is no variable " + std::to_string(number) +
-            (indices_.empty() ? "; none stands above"
-                              : "; above are those from 0 to " + std::to_string(indices_.size() - 1)));
+            (indices_.empty() ? "; no variable is defined above"
+                              : "; defined above are 0 to " + std::to_string(indices_.size() - 1)));
     }
     return static_cast<int>(number);
   }
@@ -193,7 +193,7 @@ class ArchiveReader {
 
   void readMeasurement() {
     if (measurement_kind_ == nullptr)
-      raise("a measurement stands before the first line that begins with measurements");
+      raise("a measurement comes before the first line that begins with measurements");
     handles_.clear();
     kinds_.clear();
     if (measurement_kind_->is_list) readList();
@@ -211,8 +211,8 @@ class ArchiveReader {
     readOptions();
     const int count = static_cast<int>(handles_.size());
     if (!measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {}) || !isAtEnd(rest_)) {
-      raise("what stands after the second | is not the data of " + measurement_kind_->name + ":" +
-            rest_.str() + commaIn(rest_.str()));
+      raise("the text after the second | is not the data of " + measurement_kind_->name + ":" + rest_.str() +
+            commaIn(rest_.str()));
     }
     withLine([&] {
       const std::uint64_t before = problem().structureRevision();
@@ -246,7 +246,7 @@ class ArchiveReader {
 
   void expectBar(const std::string& before) {
     std::string word;
-    if (!(line_ >> word) || word != "|") raise("a | is due after " + before);
+    if (!(line_ >> word) || word != "|") raise("a | is missing after " + before);
   }
 
   /// The noise, which needs the length of no residual to be read, and the loss, up to the second bar.
@@ -256,7 +256,7 @@ class ArchiveReader {
     noise_.clear();
     const std::string kind = word;
     if (kind != "unit" && kind != "scalar" && kind != "diagonal" && kind != "matrix") {
-      raise("the noise is " + inQuotes(kind) + "; it is unit, scalar, diagonal or matrix and its numbers");
+      raise("the noise is " + inQuotes(kind) + "; write unit, scalar, diagonal or matrix, and its numbers");
     }
     for (double x = 0; line_ >> word;) {
       std::istringstream one(word);
@@ -274,7 +274,7 @@ class ArchiveReader {
       readGroup();
       line_ >> word;
     }
-    if (is_more && (!line_ || word != "|")) raise("a | is due after the noise and the loss");
+    if (is_more && (!line_ || word != "|")) raise("a | is missing after the noise and the loss");
     setNoise(kind);
   }
 

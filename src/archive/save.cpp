@@ -67,7 +67,7 @@ void writeLoss(std::ostream& os, const MeasurementPool& pool, int i) {
   if (loss->kind()->stored_name == nullptr) {
     throw Error("slom.not-savable",
                 "the loss " + loss->text() + " of measurement " + pool.measurementName(i) +
-                    " is a function of this program, which no file can hold; insert the "
+                    " is a function of this program, which cannot be saved to a file; insert the "
                     "measurement with one of the library's losses",
                 pool.measurementName(i));
   }

@@ -12,8 +12,8 @@ GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
   if (gauge == FreeGauge::inner_constraints &&
       analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); }) > 0) {
     throw Error("slom.bad-option",
-                "ClusterOptions::refit compares values, and the gauge is free: values of different fits "
-                "differ by a motion of everything; fix what fixes the gauge, or leave refit out",
+                "ClusterOptions::refit compares the values of fits, which differ by a motion of everything "
+                "while the gauge is free; fix the gauge, or drop refit",
                 "refit");
   }
   const Clustering way = Clustered::State::firstWay(problem, options);
@@ -36,8 +36,8 @@ Clustered Estimator::clustered(const ClusterOptions& options) const {
   const double factor = state_->varianceFactor();
   if (!state_->isAtMinimum(factor)) {
     throw Error("slom.not-a-minimum",
-                "clustered covariances are those of a fit, and the values are not at one; call optimize() "
-                "and see in its summary whether it has converged",
+                "clustered covariances need the values of a converged fit; call optimize() and check "
+                "summary.converged",
                 "clustered");
   }
   std::optional<GroupRefits> refits;

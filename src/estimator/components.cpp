@@ -18,8 +18,8 @@ VarianceComponents Estimator::varianceComponents(const VarianceOptions& options)
   }
   if (!state_->isAtMinimum(1)) {
     throw Error("slom.not-a-minimum",
-                "variance components are those of the residuals of a fit, and the values are not at one; "
-                "call optimize() and see in its summary whether it has converged",
+                "variance components need the values of a converged fit; call optimize() and check "
+                "summary.converged",
                 "varianceComponents");
   }
   return state_->analyze([&](const LinearizedProblem& linearized) {
@@ -31,7 +31,7 @@ void Estimator::apply(const VarianceComponents& components) {
   const VarianceComponents::Assignment* const to = components.assignment.get();
   if (to == nullptr || to->problem != &problem() || to->structure_revision != problem().structureRevision()) {
     throw Error("slom.stale-components",
-                "variance components are those of a problem that has changed since, or of another one; call "
+                "the variance components belong to a problem that has changed, or to another problem; call "
                 "varianceComponents() again",
                 "VarianceComponents");
   }

@@ -110,7 +110,7 @@ void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, cons
     if (again.converged) {
       goOn(summary, std::move(nearer));
       goOn(summary, std::move(again));
-      summary.warnings.push_back(std::string(why) + "; Levenberg-Marquardt left it first");
+      summary.warnings.push_back(std::string(why) + "; Levenberg-Marquardt took the first steps");
       return;
     }
   }
@@ -310,8 +310,7 @@ double Estimator::State::varianceFactor() {
             unknowns = analyze([](const LinearizedProblem& linearized) { return linearized.freeUnknowns(); }),
             free = dof - residuals + unknowns;
   throw Error("slom.no-redundancy",
-              "uncertainties can be estimated from residuals only when there are more of them than "
-              "unknowns; here are " +
+              "Sigma::estimated needs more residuals than unknowns, but there are " +
                   std::to_string(residuals) + " residuals and " + std::to_string(unknowns) + " unknowns" +
                   (free > 0 ? ", " + counted(free, "direction") + " of them free" : "") +
                   "; add measurements or use Sigma::known");

@@ -25,7 +25,8 @@ Estimator::HalfWidth Estimator::halfWidth(int variable, double probability, cons
   }
   if (&clustered->problem() != &problem()) {
     throw Error("slom.stale-clustered",
-                "clustered covariances are those of another estimator; pass those of clustered() of this one",
+                "the clustered covariances belong to another estimator; pass the result of clustered() of "
+                "this one",
                 "Clustered");
   }
   const int dof = dofOf(variable);
@@ -36,7 +37,8 @@ Estimator::HalfWidth Estimator::halfWidth(int variable, double probability, cons
     if (half_widths[component] > 0) return half_widths[component] / deviations[component];
     throw Error("slom.no-clustered-deviation",
                 names[at(component)] +
-                    " has no clustered standard deviation, as it is at its bound or all residuals are 0; "
+                    " has no clustered standard deviation, because it is at its bound or all residuals are "
+                    "0; "
                     "take the profile without clustered covariances",
                 names[at(component)]);
   };
@@ -51,11 +53,11 @@ ProfileInterval Estimator::profile(int variable, const std::string& path, double
 ProfileInterval Estimator::profile(int variable, int component, HalfWidth half_width) {
   if (state_->isFreeNetwork()) {
     const std::string name = problem().componentNames(variable)[at(component)];
-    throw Error(
-        "slom.free-gauge",
-        "the profile of " + name +
-            " has no ends, as the datum of a free network is a choice; fix a datum, or take its standard deviation",
-        name);
+    throw Error("slom.free-gauge",
+                "the profile of " + name +
+                    " has no ends, because the datum of a free network is a choice; fix a datum, or take its "
+                    "standard deviation",
+                name);
   }
   ProfiledFit fit;
   fit.variance_factor = [this] { return state_->varianceFactor(); };

@@ -66,10 +66,11 @@ std::string lostRankMessage(const Problem& problem, const ProblemStructure& stru
 
 std::string noProgressMessage(const Evaluator::Promise& promise) {
   return std::string(toString(StopReason::no_progress)) +
-         (promise.is_known ? ", though the linear model promises a decrease by " + number(promise.decrease, 3)
-                           : "") +
+         (promise.is_known
+              ? ", although the linear model predicts a decrease by " + number(promise.decrease, 3)
+              : "") +
          ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
-         "may be too large for what they have to resolve";
+         "may be so large that rounding hides small changes";
 }
 }  // namespace
 

@@ -12,7 +12,7 @@ namespace slom {
 
 namespace {
 std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options) {
-  const std::string left = "a further step promises a decrease of the RSS by " + number(summary.promise, 3);
+  const std::string left = "a further step is predicted to reduce the RSS by " + number(summary.promise, 3);
   if (summary.converged) {
     const bool is_rounding = summary.promise > options.tolerance * summary.rss;
     return left + (is_rounding ? ", within rounding errors" : ", within the tolerance") +
@@ -21,14 +21,14 @@ std::string messageOf(const UpdateSummary& summary, const UpdateOptions& options
                                 : "");
   }
   if (summary.needs_optimize) {
-    return "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there if there is no budget; call it when "
-           "there is time";
+    return "a step led uphill, far away, or to a place where an unknown has no influence; without a budget, "
+           "optimize() would take over; call optimize() when there is time";
   }
   if (summary.is_put_off)
     return left + ", and the budget of " + number(options.budget, 3) +
-           " operations is used up; update() goes on";
+           " operations is used up; call update() again";
   return left + " after " + counted(summary.steps, "step") + ", more than " + number(options.tolerance, 3) +
-         " of it; call update() again";
+         " of the RSS; call update() again";
 }
 }  // namespace
 
@@ -56,8 +56,8 @@ std::ostream& operator<<(std::ostream& os, const UpdateSummary& summary) {
 void Estimator::writeUpdatedCovariance(int variable_a, int variable_b, double* block) const {
   if (state_->online == nullptr) {
     throw Error("slom.not-updated",
-                "covariances of an update were asked for variable " + problem().variableName(variable_a) +
-                    ", but update() was never called; call update() first, or ask covariance()",
+                "no covariance of an update for variable " + problem().variableName(variable_a) +
+                    ": update() was never called; call update() first, or ask covariance()",
                 problem().variableName(variable_a));
   }
   state_->online->writeCovariance(variable_a, variable_b, block);
@@ -75,11 +75,10 @@ Marginals Estimator::updatedMarginals(double tolerance) {
                 "tolerance");
   }
   if (state_->online == nullptr) {
-    throw Error(
-        "slom.not-updated",
-        "marginals of an update were asked for, but update() was never called; call update() first, or "
-        "ask marginals()",
-        "");
+    throw Error("slom.not-updated",
+                "no marginals of an update: update() was never called; call update() first, or "
+                "ask marginals()",
+                "");
   }
   OnlineFit& online = *state_->online;
   online.updateMarginals(tolerance);

@@ -106,8 +106,8 @@ void detail::nearestRotation(int N, double* M) {
 
 void detail::raiseUndetermined() {
   throw mtk::Error("slom.undetermined-start",
-                   "the linear systems of chordal relaxation cannot be solved, as the weights of the edges "
-                   "differ too much; start "
+                   "the linear systems of chordal relaxation cannot be solved, because the weights of the "
+                   "edges differ too much; start "
                    "along a spanning tree");
 }
 

@@ -12,7 +12,7 @@ namespace slom::initialize {
 Unreached::Unreached(int pose)
     : mtk::Error("slom.unreached-pose",
                  "no edges lead from a fixed pose to pose " + std::to_string(pose) +
-                     "; add an edge between poses, or hold a pose of each part of the graph",
+                     "; add an edge between poses, or fix a pose of each part of the graph",
                  "pose " + std::to_string(pose)),
       pose_(pose) {}
 
@@ -136,11 +136,13 @@ void detail::requireNodes(const std::vector<Ends>& ends, std::size_t sources, st
   for (std::size_t e = 0; e < ends.size(); ++e) {
     const bool is_source = is_bad(ends[e].from, sources);
     if (!is_source && !is_bad(ends[e].to, targets)) continue;
+    const std::size_t count = is_source ? sources : targets;
     throw mtk::Error("slom.no-such-node",
                      std::string(kind) + " " + std::to_string(e) +
                          (is_source ? " leads from " : " leads to ") +
-                         std::to_string(is_source ? ends[e].from : ends[e].to) + ", but there are " +
-                         std::to_string(is_source ? sources : targets) + "; add the nodes before the edges",
+                         std::to_string(is_source ? ends[e].from : ends[e].to) + ", but there " +
+                         (count == 1 ? "is 1 node" : "are " + std::to_string(count) + " nodes") +
+                         ", numbered from 0; add the nodes before the edges",
                      std::string(kind) + " " + std::to_string(e));
   }
 }

@@ -15,8 +15,7 @@ namespace slom::io {
 namespace {
 
 [[noreturn]] void refuseLarge(const std::string& file, std::size_t most) {
-  fail("too-large",
-       fmt::format("{}: it has more than {} bytes, the most that are read; give a smaller file", file, most),
+  fail("too-large", fmt::format("{}: larger than {} bytes, the limit; give a smaller file", file, most),
        file);
 }
 

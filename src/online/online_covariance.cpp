@@ -9,13 +9,12 @@ namespace slom {
 /// Throws unless the factor is that of the problem as it is. `variable`: whose covariance is asked for; -1: that of all.
 void OnlineFit::requireCurrent(int variable) const {
   const std::string name = variable < 0 ? "" : problem_.variableName(variable);
-  const std::string what = variable < 0
-                               ? "marginals of an update were asked for, but "
-                               : "covariances of an update were asked for variable " + name + ", but ";
+  const std::string what =
+      variable < 0 ? "no marginals of an update: " : "no covariance of an update for variable " + name + ": ";
   const std::string other = variable < 0 ? "marginals()" : "covariance()";
   if (problem_.activeSet().hasBounds()) {
-    throw Error("slom.not-updated",
-                what + "there are bounds, and update() leaves such fits to optimize(); ask " + other, name);
+    throw Error("slom.not-updated", what + "update() leaves problems with bounds to optimize(); ask " + other,
+                name);
   }
   if (!is_at_end_ || structure_revision_ != problem_.structureRevision() ||
       value_revision_ != problem_.valueRevision()) {
@@ -33,7 +32,8 @@ void OnlineFit::requireDetermined(int variable, const std::vector<std::pair<int,
     const std::string name = problem_.componentNames(other)[at(component)];
     throw Error("slom.rank-deficient",
                 "variable " + problem_.variableName(variable) +
-                    " has no covariance, as no measurement determines " + name + "; add one, or fix " + name,
+                    " has no covariance, because no measurement determines " + name +
+                    "; add a measurement, or fix " + name,
                 problem_.variableName(variable));
   }
 }

@@ -31,7 +31,6 @@ StepOutcome GaussNewton::step(Evaluator& evaluator, const Options&) {
 }
 
 const NamedAlgorithm detail::algorithms::gauss_newton{
-    "gn", "Gauss-Newton, which goes on as Levenberg-Marquardt where it leads uphill",
-    &makeAlgorithm<GaussNewton>};
+    "gn", "Gauss-Newton, with Levenberg-Marquardt if a step leads uphill", &makeAlgorithm<GaussNewton>};
 
 }  // namespace slom

@@ -239,8 +239,8 @@ class Run {
     Graduation graduation(evaluator_, options_);
     if (!graduation.hasLosses()) {
       summary_.warnings.push_back(
-          "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass one to "
-          "insertMeasurement, such as slom::GemanMcClure(3)");
+          "graduated_non_convexity has nothing to graduate, because no measurement has a loss; pass a loss "
+          "to insertMeasurement, such as slom::GemanMcClure(3)");
       return iterateToRank();
     }
     for (;;) {
@@ -268,8 +268,8 @@ class Run {
 
   void warnOfRise() {
     summary_.warnings.push_back("graduated non-convexity ended at the RSS " + number(summary_.final_rss, 6) +
-                                ", above that of the start, " + number(summary_.initial_rss, 6) +
-                                "; if the start was a good one, fit from it without graduated_non_convexity");
+                                ", above the RSS of the start, " + number(summary_.initial_rss, 6) +
+                                "; if the start was good, fit from it without graduated_non_convexity");
   }
 
   Evaluator& evaluator_;

@@ -27,7 +27,7 @@ bool Restart::hasSucceeded(StopReason second, double rss) {
 
 std::string Restart::warning() const {
   return "iteration " + std::to_string(failed_at_) + ": " + toString(first_) +
-         "; the fit began again from the start by short steps of Levenberg-Marquardt";
+         "; the fit began again from the start with short steps of Levenberg-Marquardt";
 }
 
 StopReason Restart::settle(StopReason second, double& rss) {

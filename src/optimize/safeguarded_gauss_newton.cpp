@@ -98,7 +98,7 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
               (is_finite  ? "the RSS grow"
                : is_taken ? "a derivative not finite"
                           : "a residual not finite") +
-              "; it was taken back and Levenberg-Marquardt went on from there";
+              "; the step was taken back, and Levenberg-Marquardt continued from there";
       if (is_taken || best_ != nullptr) takeBack(evaluator);
     }
     trials = outcome.trials;

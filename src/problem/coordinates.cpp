@@ -78,8 +78,8 @@ std::vector<int> Problem::coordinatesAt(int variable, const std::string& path, c
       throw Error(
           "slom.no-component",
           name +
-              " is not a coordinate that [+] adds to, as it is part of a rotation or the like; pass a value of "
-              "the whole variable to prior, or to insertMeasurement a function that returns the part",
+              " is part of a rotation or the like, not a coordinate that [+] adds to; pass prior a value of "
+              "the whole variable, or pass insertMeasurement a function that returns the part",
           name);
     }
     if (!std::isfinite(values[i])) {

@@ -17,7 +17,8 @@ void MeasurementPool::copyFrom(const MeasurementPool& other, const std::vector<V
       throw Error(
           "slom.not-copyable",
           "measurement " + other.measurementName(i) +
-              " cannot be copied, as its function or its data cannot; pass what they own as a shared_ptr, or "
+              " cannot be copied, because its function or its data cannot be copied; pass what they own as a "
+              "shared_ptr, or "
               "insert the measurements anew into another estimator",
           other.measurementName(i));
     }

@@ -190,7 +190,7 @@ void Problem::raiseThrew(const std::string& measurement, const int* variables, i
     return Error("slom.measurement-threw",
                  "the function of measurement " + measurement + " threw " + what + " at " +
                      valuesText(variables, arity) +
-                     "; let it return NaN where it has no value, steps there are taken back",
+                     "; let it return NaN if it has no value, and the step is taken back",
                  measurement);
   };
   try {

@@ -180,13 +180,13 @@ void Problem::setFixed(int variable, const std::vector<int>& components, bool is
 void Problem::setBound(int variable, const std::vector<int>& components, double lower, double upper) {
   const VariableRecord& record = table_[at(variable)];
   if (!(lower <= upper) || lower == kInfinity || upper == -kInfinity) {
-    throw Error("slom.bad-bound",
-                "the bound of " + componentNames(variable)[at(components.front())] + " is " +
-                    intervalText(lower, upper) +
-                    (lower <= upper
-                         ? ", which holds no finite number; pass -infinity and infinity to take a bound back"
-                         : "; pass a lower limit that is not above the upper one"),
-                componentNames(variable)[at(components.front())]);
+    throw Error(
+        "slom.bad-bound",
+        "the bound of " + componentNames(variable)[at(components.front())] + " is " +
+            intervalText(lower, upper) +
+            (lower <= upper ? ", which holds no finite number; pass -infinity and infinity to remove a bound"
+                            : "; pass a lower limit that is not above the upper one"),
+        componentNames(variable)[at(components.front())]);
   }
   std::vector<double> x(at(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
@@ -195,8 +195,8 @@ void Problem::setBound(int variable, const std::vector<int>& components, double 
     if (std::isnan(x[at(c)])) {
       throw Error("slom.bad-bound",
                   componentNames(variable)[at(c)] +
-                      " has no coordinate that could be bounded, as it is part of a "
-                      "rotation or the like; bound components of vectors, or add a prior",
+                      " has no coordinate that can be bounded: it is part of a rotation or the like; bound "
+                      "components of vectors, or add a prior",
                   componentNames(variable)[at(c)]);
     }
   }

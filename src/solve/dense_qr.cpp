@@ -160,7 +160,7 @@ std::unique_ptr<LinearSolver> DenseQR::makeAnother() const { return std::make_un
 const MatrixXd& DenseQR::jacobian() const { return static_cast<const Implementation&>(solver()).J; }
 const VectorXd& DenseQR::residual() const { return static_cast<const Implementation&>(solver()).r; }
 
-const NamedSolver detail::solvers::dense_qr{"dense-qr", "a dense one, for small problems",
+const NamedSolver detail::solvers::dense_qr{"dense-qr", "dense QR decomposition, for small problems",
                                             &makeSolver<DenseQR>};
 
 }  // namespace slom

@@ -59,8 +59,8 @@ TEST(BrokenProblem, PlanarMotion) {
   }
   EXPECT_EQ(
       faults(est),
-      Texts{
-          "no residual changes with camera.pos.z, to first order: add measurements that do or a prior, or fix it"});
+      Texts{"no residual changes with camera.pos.z, to first order: add measurements that depend on it or a "
+            "prior, or fix it"});
 }
 
 struct Lens : mtk::vect<4> {

@@ -87,12 +87,13 @@ TEST(ClusteredInOrder, SaysWhatGroupsAreWorth) {
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(
       notes[0],
-      "there are only 24 groups by lap in order: where neighbours are much alike, intervals hold less often than they say; 60 "
+      "there are only 24 groups by lap in order: if neighbours are much alike, intervals hold less often "
+      "than stated; 60 "
       "are better");
   EXPECT_EQ(
       notes[1],
-      "successive groups are so alike that all of them are worth fewer than ten independent ones, and intervals hold less "
-      "often than they say: level (correlation 0.71)");
+      "successive groups are so alike that together they count as fewer than 10 independent groups, and "
+      "intervals hold less often than stated: level (correlation 0.71)");
   EXPECT_TRUE(independent.est.clustered({.ordered = true}).notes(independent.level).empty());
 }
 

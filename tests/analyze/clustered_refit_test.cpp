@@ -152,8 +152,8 @@ TEST(ClusteredRefit, Errors) {
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
   EXPECT_EQ(
       messageOf([&] { est.clustered({.refit = true}); }),
-      "[slom.bad-option] ClusterOptions::refit compares values, and the gauge is free: values of different fits differ by a "
-      "motion of everything; fix what fixes the gauge, or leave refit out");
+      "[slom.bad-option] ClusterOptions::refit compares the values of fits, which differ by a motion of "
+      "everything while the gauge is free; fix the gauge, or drop refit");
 }
 
 }  // namespace

@@ -76,13 +76,13 @@ TEST(ClusterOutliers, Text) {
   GroupedLine bad(1, 0, 6, 3);
   std::ostringstream text;
   text << bad.est.clustered().outliers();
-  EXPECT_EQ(
-      text.str(),
-      "3 groups, 0 suspects; half of them pull at the values 0.933 times as much as stated uncertainties let expect, or more\n"
-      "  group                    measurements  statistic   dof   as stated    probability\n"
-      "  day 2                               5      1.485     2        0.48           0.48\n"
-      "  day 1                               5      1.207     2        0.55           0.55\n"
-      "  day 0                               5     0.4255     2        0.81           0.81\n");
+  EXPECT_EQ(text.str(),
+            "3 groups, 0 suspects; half of them pull at the values at least 0.933 times as much as stated "
+            "uncertainties predict\n"
+            "  group                    measurements  statistic   dof   as stated    probability\n"
+            "  day 2                               5      1.485     2        0.48           0.48\n"
+            "  day 1                               5      1.207     2        0.55           0.55\n"
+            "  day 0                               5     0.4255     2        0.81           0.81\n");
   EXPECT_EQ(
       messageOf([&] { bad.est.clustered().outliers(0); }),
       "[slom.bad-option] the significance of tests of groups is 0; pass a probability between 0 and 1, such as 0.01");
@@ -103,10 +103,10 @@ TEST(ClusteredColumn, OfASummary) {
             "  line.y         1.8376914                0.121        0.129     7.53\n");
   EXPECT_EQ(before.report().find("clustered"), std::string::npos);
   slom::Summary none = fit.est.optimize({.most_parameters = 1});
-  EXPECT_EQ(
-      messageOf([&] { fit.est.clustered().addTo(none); }),
-      "[slom.no-parameters] the summary has no table of the parameters that these covariances are of; take the summary of "
-      "the last fit, with Options::most_parameters not below the number of unknowns");
+  EXPECT_EQ(messageOf([&] { fit.est.clustered().addTo(none); }),
+            "[slom.no-parameters] the summary has no table of the parameters of these covariances; take the "
+            "summary of "
+            "the last fit, with Options::most_parameters not below the number of unknowns");
 }
 
 TEST(ClusteredProfile, IsTheIntervalWhereTheRssIsQuadratic) {
@@ -149,7 +149,8 @@ TEST(ClusteredProfile, Errors) {
   const slom::Clustered c = fit.est.clustered();
   EXPECT_EQ(
       messageOf([&] { other.est.profile(other.line, "x", c); }),
-      "[slom.stale-clustered] clustered covariances are those of another estimator; pass those of clustered() of this one");
+      "[slom.stale-clustered] the clustered covariances belong to another estimator; pass the result of "
+      "clustered() of this one");
   EXPECT_EQ(
       messageOf([&] { fit.est.profile(fit.line, "x", c, 1.5); }),
       "[slom.bad-option] the probability of a profile interval is 1.5; pass one between 0 and 1, such as 0.95");
@@ -158,15 +159,15 @@ TEST(ClusteredProfile, Errors) {
   EXPECT_EQ((*fit.line)[0], x);
   EXPECT_EQ(
       messageOf([&] { fit.est.profile(fit.line, "x", c); }),
-      "[slom.stale-clustered] clustered covariances are those of a fit that has changed since, or that is gone; call "
+      "[slom.stale-clustered] the clustered covariances belong to a fit that has changed or is gone; call "
       "clustered() again");
   fit.est.reinitRV(fit.line, vec2(x - 0.6, 0));
   fit.est.bound(fit.line, "x", x - 1, x - 0.5);
   ASSERT_TRUE(fit.est.optimize().converged);
   EXPECT_EQ(
       messageOf([&] { fit.est.profile(fit.line, "x", fit.est.clustered()); }),
-      "[slom.no-clustered-deviation] line.x has no clustered standard deviation, as it is at its bound or all residuals are "
-      "0; take the profile without clustered covariances");
+      "[slom.no-clustered-deviation] line.x has no clustered standard deviation, because it is at its bound "
+      "or all residuals are 0; take the profile without clustered covariances");
 }
 
 }  // namespace

@@ -267,7 +267,8 @@ TEST(Clustered, ByTwoWaysThatContradictEachOther) {
   EXPECT_FALSE(std::isnan(s));
   const std::vector<std::string> notes = c.notes(level);
   ASSERT_EQ(notes.size(), 3U);
-  EXPECT_EQ(notes[2], "the covariance by several ways had negative eigenvalues, which count as 0: level");
+  EXPECT_EQ(notes[2],
+            "the covariance by several groupings had negative eigenvalues, which count as 0: level");
 }
 
 /// A second way in which no errors are shared, of few groups: their chance contributions do not make variances smaller.
@@ -290,7 +291,7 @@ TEST(Clustered, ByTwoWaysIsNoLessThanByOne) {
     const double by_day = est.clustered({.by = {"day"}}).standardDeviation(level)[0];
     EXPECT_GE(both.standardDeviation(level)[0], by_day * (1 - 1e-8));
     const std::string note =
-        "several ways together gave a smaller variance than one of them alone, which is taken: level";
+        "one grouping alone gave a larger variance than all groupings together, and is taken: level";
     const std::vector<std::string> notes = both.notes(level);
     if (std::find(notes.begin(), notes.end(), note) == notes.end()) continue;
     ++smaller;
@@ -552,15 +553,15 @@ TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
   const Series c(drifting);
   EXPECT_EQ(
       of(c).notes(c.level).at(0),
-      "the variance still grows at the largest length of blocks of which there are enough; errors are shared for "
-      "longer, and the variance is too small: level with blocks of 16 groups");
+      "the variance still grows at the longest blocks of which there are enough; errors are shared over "
+      "longer series, and the variance is too small: level with blocks of 16 groups");
   EXPECT_GT(of(c).standardDeviation(c.level)[0], 2 * alone(c).standardDeviation(c.level)[0]);
 
   const Series d(few);
   EXPECT_EQ(
       of(d).notes().at(0),
-      "there are only 12 groups by image in order: where neighbours are much alike, intervals hold less often than "
-      "they say; 60 are better");
+      "there are only 12 groups by image in order: if neighbours are much alike, intervals hold less often "
+      "than stated; 60 are better");
   few.resize(5);
   const Series e(few);
   EXPECT_EQ(
@@ -574,16 +575,16 @@ TEST(Clustered, Notes) {
   fill(fit, {.has_levels = true});
   const slom::Clustered c = fit.est.clustered({.by = {"set"}});
   const std::vector<std::string> general = {
-      "there are only 7 groups by set: these variances are estimated from as few numbers, and say little beyond their "
-      "degrees of freedom",
+      "there are only 7 groups by set: the variances are estimated from as few numbers, and are as uncertain "
+      "as their degrees of freedom say",
       "3 measurements are in no group by set; such errors count as independent, as stated"};
   EXPECT_EQ(c.notes(), general);
   const std::vector<std::string> notes = c.notes(fit.levels[3]);
   ASSERT_EQ(notes.size(), 4U);
-  EXPECT_EQ(notes[3].substr(0, 35), "one group carries most of a value, ");
+  EXPECT_EQ(notes[3].substr(0, 52), "one group (in brackets) determines most of a value, ");
   EXPECT_EQ(
       notes[2].substr(0, 129),
-      "of the stated variance a part is determined by one group alone, or by measurements without a group, and is "
+      "a part of the variance comes from one group alone, or from measurements without a group; this part is "
       "taken as stated: level");
 }
 
@@ -603,8 +604,8 @@ TEST(Clustered, Faults) {
   est.insertMeasurement(is, level, slom::measured(1.5), slom::group("image", 1));
   EXPECT_EQ(
       messageOf([&] { est.clustered(); }),
-      "[slom.not-a-minimum] clustered covariances are those of a fit, and the values are not at one; call "
-      "optimize() and see in its summary whether it has converged");
+      "[slom.not-a-minimum] clustered covariances need the values of a converged fit; call optimize() and "
+      "check summary.converged");
   est.optimize();
   EXPECT_EQ(
       messageOf([&] { est.clustered(); }),
@@ -615,7 +616,8 @@ TEST(Clustered, Faults) {
       "[slom.no-groups] no measurement is in a group of \"corner\"; there are image, as in {.by = {\"image\"}}");
   EXPECT_EQ(
       messageOf([&] { est.clustered({.by = {slom::ClusterBy::variablesOf<double>()}}); }),
-      "[slom.bad-group] measurement b #1 depends on level and on difference, and can be grouped by one of them alone; "
+      "[slom.bad-group] measurement b #1 depends on level and on difference, but can be grouped by only one "
+      "of them; "
       "list the variables in slom::ClusterBy::variables, or pass slom::group to insertMeasurement");
   EXPECT_EQ(messageOf([&] { slom::ClusterBy::blocks("image", 0); }),
             "[slom.bad-option] the length of blocks of \"image\" is 0; pass a positive number of keys");
@@ -638,7 +640,7 @@ TEST(Clustered, Faults) {
       "[slom.bad-option] the probability of an interval is 1.5; pass a number between 0 and 1, such as 0.95");
   est.removeMeasurement(second);
   const std::string stale =
-      "[slom.stale-clustered] clustered covariances are those of a fit that has changed since, or that is gone; call "
+      "[slom.stale-clustered] the clustered covariances belong to a fit that has changed or is gone; call "
       "clustered() again";
   EXPECT_EQ(messageOf([&] { c.covariance(level); }), stale);
   EXPECT_EQ(messageOf([&] { c.check(); }), stale);

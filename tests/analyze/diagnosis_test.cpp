@@ -78,8 +78,7 @@ TEST(Diagnosis, FreeGaugeOfPosesInSpace) {
     FAIL() << "covariance of a free gauge";
   } catch (const mtk::Error& error) {
     EXPECT_EQ(std::string(error.what()),
-              "[slom.free-gauge] there are no covariances as long as the gauge is free. " +
-                  faults(diagnosis)[0] +
+              "[slom.free-gauge] the gauge is free, so there are no covariances. " + faults(diagnosis)[0] +
                   "; setFreeGauge(slom::FreeGauge::inner_constraints) fits a free network");
   }
   const slom::Summary summary = est.optimize();
@@ -189,7 +188,8 @@ TEST(Diagnosis, AComponentThatNothingMeasures) {
   EXPECT_EQ(
       faults(est.diagnose()),
       (Texts{
-          "no residual changes with antenna.z, to first order: add measurements that do or a prior, or fix it",
+          "no residual changes with antenna.z, to first order: add measurements that depend on it or a "
+          "prior, or fix it",
           "no measurement depends on variable clock, so nothing determines it; add measurements or fix it with "
           "fix(id)"}));
   EXPECT_EQ(est.diagnose().rank, 2);
@@ -220,7 +220,7 @@ TEST(Diagnosis, HintsOnWhatIsHardlyDetermined) {
       (Texts{
           "1 of 1 measurement idle depends on fixed variables alone: they count in chi-square and redundancy, but determine "
           "nothing",
-          "the variables fall into 2 groups that no measurement connects: line; other",
+          "the variables form 2 groups that no measurement connects: line; other",
           "a unit of line.y changes the residuals 3e+18 times as much as a unit of other: choose units in which both are "
           "of a size that can be told apart from 0",
           "line.x and line.y can hardly be told apart (correlation -0.999996): add measurements that depend on them in "
@@ -261,7 +261,8 @@ TEST(Diagnosis, TellsTwentyWeakDirectionsAndCountsTheRest) {
   EXPECT_EQ(directions, 23);
   EXPECT_EQ(
       last,
-      "3 more directions are hardly determined: are all measurements as certain as they say in all their components?");
+      "3 more directions are hardly determined; check that all components of all measurements are as certain "
+      "as stated");
 }
 
 void connect(slom::Estimator& est, const slom::VarID<SE2>& a, const slom::VarID<SE2>& b) {

@@ -35,7 +35,8 @@ slom::Estimator decay() {
 }
 
 const std::string kRemedy =
-    "; with wrong derivatives a fit ends elsewhere, or has wrong standard deviations: checkDerivatives() compares them all";
+    "; wrong derivatives lead to other values or wrong standard deviations: checkDerivatives() compares them "
+    "all";
 
 TEST(WrongDerivatives, AreInTheWarningsWithAGuess) {
   EXPECT_EQ(decay<100>().optimize().warnings, Texts());

@@ -48,12 +48,11 @@ TEST(Misfit, OfALossThatLetsHardlyAnythingCountIsAWarning) {
   }
   const slom::Summary summary = est.optimize();
   ASSERT_FALSE(summary.warnings.empty());
-  EXPECT_EQ(
-      summary.warnings.back().rfind(
-          "the loss Cauchy(2) gives weights below 1/2 to 19 of 20 measurements far, so that hardly any of "
-          "them counts: ",
-          0),
-      0u)
+  EXPECT_EQ(summary.warnings.back().rfind(
+                "the loss Cauchy(2) gives weights below 1/2 to 19 of 20 measurements far, so hardly any of "
+                "them counts, ",
+                0),
+            0u)
       << summary.warnings.back();
 }
 

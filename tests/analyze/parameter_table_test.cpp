@@ -75,8 +75,8 @@ TEST(ParameterTable, HasValuesOfRotationsAndDirections) {
   EXPECT_NE(linesWith(text, "down.0").find(" 0.6 -0.8)                 0.03"), std::string::npos) << text;
   EXPECT_EQ(
       linesWith(text, "note: rotations"),
-      "  note: rotations are rotation vectors [rad]; their standard deviations are those of small turns about the "
-      "axes of the rotated frame\n");
+      "  note: rotations are rotation vectors [rad]; their standard deviations describe small turns about "
+      "the axes of the rotated frame\n");
 }
 
 TEST(ParameterTable, OfPlanesNeedsNoNoteOnRotations) {
@@ -102,7 +102,9 @@ TEST(ParameterTable, IsReplacedByWhatNoMeasurementDetermines) {
   EXPECT_EQ(summary.undetermined[0].find("a and b cannot be told apart: "), 0u) << summary;
   EXPECT_EQ(linesWith(summary.report(), "no standard deviations"),
             "  no standard deviations: " + summary.undetermined[0] + "\n");
-  EXPECT_NE(messageOf([&] { est.covariance(c); }).find("not all is determined: a and b cannot be told apart"),
+  EXPECT_NE(messageOf([&] { est.covariance(c); })
+                .find("not all unknowns are determined, so there are no "
+                      "covariances: a and b cannot be told apart"),
             std::string::npos);
   est.fix(b);
   summary = est.optimize();
@@ -184,7 +186,8 @@ TEST(ParameterTable, RefusesTheSummaryOfAnotherProblem) {
   many.est.fix(many.ids[3]);
   EXPECT_EQ(
       messageOf([&] { many.est.addParametersTo(summary); }),
-      "[slom.no-parameters] the summary is that of a fit of 50 unknowns, and there are 49 now; take the summary of "
+      "[slom.no-parameters] the summary belongs to a fit of 50 unknowns, but there are 49 now; take the "
+      "summary of "
       "the last fit");
   EXPECT_TRUE(summary.parameters.empty());
 }

@@ -109,7 +109,7 @@ TEST(Posterior, SaysWhatItCannotDo) {
   EXPECT_EQ(
       messageOf([&] { slom::posterior(survey.est, survey.oak, survey.oak); }),
       "[slom.singular-covariance] a covariance of 4 components is singular, so a combination of them is certain; "
-      "leave out variables that follow from the others, as one that is there twice");
+      "leave out variables that follow from the others, such as a variable given twice");
   survey.est.free(survey.church);
   EXPECT_EQ(messageOf([&] { slom::posterior(survey.est, survey.oak); }).substr(0, 17), "[slom.free-gauge]");
   EXPECT_EQ(

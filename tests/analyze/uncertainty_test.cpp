@@ -267,8 +267,8 @@ TEST(Uncertainty, NoRedundancyNamesFreeDirections) {
   } catch (const mtk::Error& error) {
     EXPECT_STREQ(
         error.what(),
-        "[slom.no-redundancy] uncertainties can be estimated from residuals only when there are more "
-        "of them than unknowns; here are 3 residuals and 6 unknowns, 3 directions of them free; add "
+        "[slom.no-redundancy] Sigma::estimated needs more residuals than unknowns, but there are 3 residuals "
+        "and 6 unknowns, 3 directions of them free; add "
         "measurements or use Sigma::known");
   }
 }
@@ -380,7 +380,8 @@ TEST(Profile, FaultsAreNamed) {
   };
   EXPECT_EQ(
       messageOf([&] { est.profile(pose, "pos.x"); }),
-      "[slom.not-a-minimum] the profile of pose.pos.x starts at a fit, and the values are not at one; optimize first");
+      "[slom.not-a-minimum] the profile of pose.pos.x needs the values of a converged fit; call optimize() "
+      "first");
   EXPECT_EQ(
       messageOf([&] { est.profile(pose, "pos"); }),
       "[slom.no-component] pos of variable pose is not one coordinate; profile takes one component of a vector at a time");
@@ -415,8 +416,8 @@ TEST(Uncertainty, IsEstimatedWhenAsked) {
   } catch (const mtk::Error& error) {
     EXPECT_STREQ(
         error.what(),
-        "[slom.no-redundancy] uncertainties can be estimated from residuals only when there are more of them "
-        "than unknowns; here are 1 residuals and 1 unknowns; add measurements or use Sigma::known");
+        "[slom.no-redundancy] Sigma::estimated needs more residuals than unknowns, but there are 1 residuals "
+        "and 1 unknowns; add measurements or use Sigma::known");
   }
 }
 

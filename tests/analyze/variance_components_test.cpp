@@ -499,7 +499,8 @@ TEST(VarianceComponents, Errors) {
             "[slom.no-component] no measurements are of the kind tape; there are gps and level");
   EXPECT_EQ(
       message({.shared = {{"tape", "day"}}}),
-      "[slom.no-component] an error is to be shared by measurements of the kind tape; there are gps and level");
+      "[slom.no-component] no measurements are of the kind tape, which a SharedError names; there are gps "
+      "and level");
   EXPECT_EQ(
       message({.shared = {{"gps", slom::ClusterBy::function("odd",
                                                             [](const slom::ClusterItem&) {
@@ -524,30 +525,30 @@ TEST(VarianceComponents, Errors) {
                                                 slom::named("gps"));
   EXPECT_EQ(
       messageOf([&] { all.est.apply(v); }),
-      "[slom.stale-components] variance components are those of a problem that has changed since, or of another one; call "
-      "varianceComponents() again");
+      "[slom.stale-components] the variance components belong to a problem that has changed, or to another "
+      "problem; call varianceComponents() again");
   all.est.optimize();
   EXPECT_EQ(
       message({}),
-      "[slom.components-with-loss] measurements gps have losses, and the residuals that a loss lets grow say nothing of the "
-      "variance of good measurements; remove the outliers and insert the others without a loss, or leave this kind out of "
+      "[slom.components-with-loss] measurements gps have losses, so their residuals do not show the variance "
+      "of good measurements; remove the outliers and insert the others without a loss, or leave this kind "
+      "out of "
       "VarianceOptions::kinds");
   EXPECT_GT(all.est.varianceComponents({.kinds = {"level"}}).components[0].factor, 0);
   all.est.removeMeasurement(robust);
   all.est.reinitRV(all.points[0], 3.0);
   EXPECT_EQ(
       message({}),
-      "[slom.not-a-minimum] variance components are those of the residuals of a fit, and the values are not at one; call "
-      "optimize() and see in its summary whether it has converged");
+      "[slom.not-a-minimum] variance components need the values of a converged fit; call optimize() and "
+      "check summary.converged");
 
   slom::Estimator priors;
   const auto x = priors.insertRV(0.0, "x");
   priors.prior(x, 1.0, 1.0);
   priors.optimize();
-  EXPECT_EQ(
-      messageOf([&] { priors.varianceComponents(); }),
-      "[slom.no-component] there are no measurements whose variance could be estimated; priors state what is known, name "
-      "them in VarianceOptions::kinds if theirs is in question");
+  EXPECT_EQ(messageOf([&] { priors.varianceComponents(); }),
+            "[slom.no-component] there are no measurements whose variance can be estimated; to estimate the "
+            "variance of priors, name them in VarianceOptions::kinds");
 
   slom::Estimator lengths;
   const auto p = lengths.insertRV(vec2(0, 0), "p");
@@ -561,8 +562,8 @@ TEST(VarianceComponents, Errors) {
       messageOf([&] {
         lengths.varianceComponents({.by = by_label, .shared = {{"gps", "day"}}});
       }),
-      "[slom.bad-group] measurements gps share an error by day, but that of gps-2 #1 has the length 1, and others have 2; name "
-      "kinds whose residuals have one length");
+      "[slom.bad-group] measurements gps share an error by day, but the residual of gps-2 #1 has the length "
+      "1, and others have 2; name kinds with residuals of one length");
 }
 
 }  // namespace

@@ -277,14 +277,15 @@ TEST(ArchiveFaults, OfNames) {
   archive.measurement<Declared>();
   EXPECT_EQ(
       messageOf([&] { archive.measurement<Declared>("other"); }),
-      "[slom.archive-name] the archive calls these measurements \"Declared\" already, not \"other\"; name them once");
+      "[slom.archive-name] the archive already calls these measurements \"Declared\", not \"other\"; name "
+      "them once");
   EXPECT_EQ(
       (messageOf([&] { archive.measurement<Prior, VarID<vec3>, Measured<vec3>>("table"); })),
       "[slom.archive-name] the archive has measurements \"table\" of another type; give one of them another name");
   EXPECT_EQ(
       messageOf([&] { archive.variable<Sensor>("yours"); }),
-      "[slom.archive-name] the archive calls these variables \"my sensor\" already, not \"yours\"; name them before the "
-      "measurements that have them");
+      "[slom.archive-name] the archive already calls these variables \"my sensor\", not \"yours\"; name "
+      "variables before the measurements that use them");
   EXPECT_EQ(
       messageOf([&] { archive.variable<mtk::vect<4>>("double"); }),
       "[slom.archive-name] the archive has variables \"double\" of another type; give one of them another name by "
@@ -304,7 +305,8 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {"VERTEX_SE2 0 0 0 0\n",
        "FILE:1: this is not a saved problem: its first line is not \"slom problem 1\""},
       {"slom problem 7\n",
-       "FILE:1: the problem is saved in version 7 of the format, this program reads version 1; use a newer one"},
+       "FILE:1: the problem is saved in version 7 of the format, but this program reads version 1; use a "
+       "newer program"},
       {head, "FILE is not complete: its last line is not \"end\"; take a file that was written to its end"},
       {head + "end\nend\n", "FILE:7: there is text after the line \"end\"; remove it"},
       {head + "vertex 1\n",
@@ -314,27 +316,27 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {head + "gauge free\n",
        "FILE:6: write \"gauge inner-constraints\", or nothing for an error at a free gauge"},
       {"slom problem 1\n\"x\" free 1\n",
-       "FILE:2: a variable stands before the first line that begins with variables"},
+       "FILE:2: a variable comes before the first line that begins with variables"},
       {"slom problem 1\nvariables double\nvariables\n", "FILE:3: write variables \"TYPE\""},
       {head + "\"y\" loose 1\n", "FILE:6: write \"NAME\" free VALUE or \"NAME\" fixed VALUE"},
       {head + "\"y\" free 1 2\n", "FILE:6: variable \"y\" has no value that is a vect<3>: 1 2"},
       {head + "\"y\" free 1 2 3 4\n", "FILE:6: variable \"y\" has no value that is a vect<3>: 1 2 3 4"},
-      {head + "fix 2 \"x\"\n", "FILE:6: there is no variable 2; above are those from 0 to 1"},
-      {"slom problem 1\nfix 0 \"x\"\n", "FILE:2: there is no variable 0; none stands above"},
-      {head + "fix x\n", "FILE:6: here the number of a variable is due"},
+      {head + "fix 2 \"x\"\n", "FILE:6: there is no variable 2; defined above are 0 to 1"},
+      {"slom problem 1\nfix 0 \"x\"\n", "FILE:2: there is no variable 0; no variable is defined above"},
+      {head + "fix x\n", "FILE:6: the number of a variable is missing here"},
       {head + "fix 1\n", "FILE:6: write fix NUMBER \"COMPONENT\""},
       {head + "fix 1 \"w\"\n", "FILE:6: variable p has no component \"w\"; pass one of x, y, z"},
       {head + "bound 1 \"x\" 0\n", "FILE:6: write bound NUMBER \"COMPONENT\" LOWER UPPER"},
       {head + "bound 1 \"x\" 2 3\n",
        "FILE:6: p.x is 1, outside of its bound [2, 3]; give it a value inside, or another bound"},
       {head + "0 | unit | 1\n",
-       "FILE:6: a measurement stands before the first line that begins with measurements"},
+       "FILE:6: a measurement comes before the first line that begins with measurements"},
       {head + "measurements \"Prior\"\n", "FILE:6: write measurements \"TYPE\" \"LABEL\""},
       {group + "1 | unit | 1\n",
        "FILE:7: variable 1, \"p\", is a vect<3> where Prior(double, measured double) takes a double"},
-      {group + "0 0 | unit | 1\n", "FILE:7: a | is due after the numbers of 1 variable"},
+      {group + "0 0 | unit | 1\n", "FILE:7: a | is missing after the numbers of 1 variable"},
       {group + "0 | | 1\n",
-       "FILE:7: the noise is \"|\"; it is unit, scalar, diagonal or matrix and its numbers"},
+       "FILE:7: the noise is \"|\"; write unit, scalar, diagonal or matrix, and its numbers"},
       {group + "0 | unit 1 | 1\n", "FILE:7: the noise is unit with 1 number; unit has none, scalar one"},
       {group + "0 | matrix 1 0 | 1\n", "FILE:7: the noise matrix has 2 numbers, which is not a square"},
       {group + "0 | matrix 0 | 1\n",
@@ -347,14 +349,14 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {group + "0 | scalar 1 hubert 1 | 1\n",
        "FILE:7: \"hubert\" is neither a number of the noise nor a loss nor a |"},
       {group + "0 | unit huber | 1\n", "FILE:7: numbers are missing after huber"},
-      {group + "0 | unit huber 1 2 | 1\n", "FILE:7: a | is due after the noise and the loss"},
+      {group + "0 | unit huber 1 2 | 1\n", "FILE:7: a | is missing after the noise and the loss"},
       {group + "0 | unit huber -1 | 1\n",
        "FILE:7: loss Huber(-1) of measurement Prior #1 has scale -1; pass a positive finite number, in "
        "standard deviations of the residual"},
       {group + "0 | unit |\n",
-       "FILE:7: what stands after the second | is not the data of Prior(double, measured double):"},
+       "FILE:7: the text after the second | is not the data of Prior(double, measured double):"},
       {group + "0 | unit | 1 2\n",
-       "FILE:7: what stands after the second | is not the data of Prior(double, measured double): 1 2"},
+       "FILE:7: the text after the second | is not the data of Prior(double, measured double): 1 2"},
   };
   for (const Fault& fault : faults) {
     EXPECT_EQ(messageOf([&] { loaded(fault.text); }), "[slom.bad-archive] " + fault.message) << fault.text;

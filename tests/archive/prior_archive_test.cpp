@@ -95,16 +95,16 @@ TEST(StoredPriors, FilesThatDoNotFitAreRefused) {
   EXPECT_EQ(messageFor("0 | unit | 1 2 3 1 1 0 0 0.5"), "no error");
   EXPECT_EQ(
       messageFor("0 | unit | 1 2 3 1 1 0 0"),
-      "[slom.bad-archive] file:5: what stands after the second | is not the data of GaussianPrior: 1 2 3 1 1 0 0");
+      "[slom.bad-archive] file:5: the text after the second | is not the data of GaussianPrior: 1 2 3 1 1 0 0");
   EXPECT_EQ(messageFor("0 | unit | 1 2 3 1 1 0 0 0.5 first_estimates"), "no error");
   EXPECT_EQ(
       messageFor("0 | unit | 1 2 3 1 1 0 0 0.5 first"),
-      "[slom.bad-archive] file:5: what stands after the second | is not the data of GaussianPrior: 1 2 3 1 "
+      "[slom.bad-archive] file:5: the text after the second | is not the data of GaussianPrior: 1 2 3 1 "
       "1 0 0 0.5 first");
   EXPECT_EQ(messageFor("7 | unit | 1 2 3 0"),
-            "[slom.bad-archive] file:5: there is no variable 7; above are those from 0 to 0");
+            "[slom.bad-archive] file:5: there is no variable 7; defined above are 0 to 0");
   EXPECT_EQ(messageFor("0 0 unit | 1 2 3 0"),
-            "[slom.bad-archive] file:5: a | is due after the numbers of 2 variables");
+            "[slom.bad-archive] file:5: a | is missing after the numbers of 2 variables");
   Estimator est;
   const auto x = est.insertRV(Vec3());
   est.insertMeasurement(GaussianPrior({x}, MatrixXd::Identity(3, 3)));

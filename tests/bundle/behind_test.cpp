@@ -57,8 +57,8 @@ TEST(BundleBehind, APointInThePlaneOfItsCameraIsRefused) {
   scene.points[4] = {1, 2, 6 + 1e-13};
   command.expectRefused(
       testing::contentOf(scene),
-      "scene.txt:15: point 4 lies in the plane of camera 1 (depth 1e-13 at a distance of 2.3), where "
-      "it has no image; correct the two, or remove this observation");
+      "scene.txt:15: point 4 lies in the plane of camera 1 (depth 1e-13 at a distance of 2.3), where a point "
+      "has no image; correct the point or the camera, or remove the observation");
 }
 
 /// Failed fits name the observation that has nearly all of the sum of squares, and no function of the library.

@@ -22,9 +22,10 @@ TEST(BundleCompressed, AFileOfFiveGigabytesInFourThousandBytes) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/bomb.bz2");
   const std::string file = slom::testing::sharedDataPath("hostile/bomb.bz2").string();
   const auto result = command.run({file});
-  EXPECT_EQ(
-      result.errors,
-      "slom: " + file + ": its 3762 bytes unpack to more than 16777216, which no scene does; get it again\n");
+  EXPECT_EQ(result.errors,
+            "slom: " + file +
+                ": its 3762 bytes unpack to more than 16777216, too many for a scene; get the file "
+                "again\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 

@@ -62,8 +62,8 @@ TEST(BundleFaults, Counts) {
 }
 TEST(BundleFaults, TruncatedFile) {
   const auto ends = [](const std::string& content, const std::string& line, const std::string& where) {
-    expectRefused(content, "scene.txt:" + line + ": the file ends here, in front of " + where +
-                               " or within it: " + announced + "; complete the file, or correct that");
+    expectRefused(content, "scene.txt:" + line + ": the file ends before " + where + " is complete: " +
+                               announced + "; complete the file, or correct the first line");
   };
   ends(counts, "1", "observation 0");
   ends(counts + observations.substr(0, 16), "3", "observation 2");
@@ -73,13 +73,13 @@ TEST(BundleFaults, TruncatedFile) {
   ends(counts + observations + camera + camera + "0 0 1\n0 1", "26", "point 1");
   expectRefused(
       "2 2000000000 2000000000\n0 0 1 2\n",
-      "scene.txt:2: the file ends here, in front of observation 1 or within it: the first line announces 2 "
-      "cameras, 2000000000 points and 2000000000 observations; complete the file, or correct that");
+      "scene.txt:2: the file ends before observation 1 is complete: the first line announces 2 "
+      "cameras, 2000000000 points and 2000000000 observations; complete the file, or correct the first line");
 }
 TEST(BundleFaults, WrongNumberOfWordsInAnObservation) {
   const auto sentence = [](const std::string& here) {
-    return "scene.txt:4: an observation has 4 numbers on a line, \"camera point u v\", and here are " + here +
-           "; " + announced;
+    return "scene.txt:4: an observation has 4 numbers on a line, \"camera point u v\", but this line has " +
+           here + "; " + announced;
   };
   expectRefused(scene("0 2 5 6", "0"), sentence("1"));
   expectRefused(scene("0 2 5 6", "0 2"), sentence("2"));
@@ -87,7 +87,8 @@ TEST(BundleFaults, WrongNumberOfWordsInAnObservation) {
   expectRefused(scene("0 2 5 6", "0 2 5 6 7"), sentence("more than 4"));
   expectRefused(
       "2 3 6\n" + observations + camera + camera + points,
-      "scene.txt:7: an observation has 4 numbers on a line, \"camera point u v\", and here are 1; the first "
+      "scene.txt:7: an observation has 4 numbers on a line, \"camera point u v\", but this line has 1; the "
+      "first "
       "line announces 2 cameras, 3 points and 6 observations");
 }
 TEST(BundleFaults, NotANumber) {
@@ -151,34 +152,32 @@ TEST(BundleFaults, IndicesOutOfRange) {
 }
 TEST(BundleFaults, TrailingGarbage) {
   expectRefused(scene() + "\n\n17 18\n",
-                "scene.txt:30: \"17\" stands after the last point, where the file should end: " + announced +
-                    "; correct that, or remove the rest");
+                "scene.txt:30: \"17\" comes after the last point, where the file should end: " + announced +
+                    "; correct the first line, or remove the rest");
 }
 TEST(BundleFaults, WithoutObservations) {
   expectRefused("3 3 5\n" + observations + camera + camera + camera + points,
-                "scene.txt: 1 camera (number 2) has no observation, so that nothing determines it; add "
+                "scene.txt: 1 camera (number 2) has no observation, so nothing determines it; add "
                 "observations, or "
                 "remove it");
-  expectRefused(
-      "2 5 5\n" + observations + camera + camera + points + points.substr(0, 12),
-      "scene.txt: 2 points (numbers 3, 4) have no observation, so that nothing determines them; add "
-      "observations, or remove them");
+  expectRefused("2 5 5\n" + observations + camera + camera + points + points.substr(0, 12),
+                "scene.txt: 2 points (numbers 3, 4) have no observation, so nothing determines them; add "
+                "observations, or remove them");
   expectRefused("2 9 5\n" + observations + camera + camera + points + points + points,
-                "scene.txt: 6 points (numbers 3, 4, 5, 6, 7, ...) have no observation, so that nothing "
-                "determines them; "
+                "scene.txt: 6 points (numbers 3, 4, 5, 6, 7, ...) have no observation, so nothing determines "
+                "them; "
                 "add observations, or remove them");
 }
 TEST(BundleFaults, PointsWithoutAnImage) {
   expectRefused(
       counts + observations + camera + camera + replaced(points, "0 1 0", "0 1 5"),
-      "scene.txt:3: point 1 has no image in camera 0, as the prediction is not a finite number; correct the "
-      "two, or remove this observation");
+      "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; correct the "
+      "point or the camera, or remove the observation");
 }
 TEST(BundleFaults, PointsWhoseSquaredDistanceIsNotFinite) {
   expectRefused(counts + observations + camera + camera + replaced(points, "0 1 0", "0 1e160 0"),
-                "scene.txt:3: point 1 has no image in camera 0, as the prediction is not a finite number; "
-                "correct the two, or remove "
-                "this observation");
+                "scene.txt:3: point 1 has no image in camera 0: the prediction is not a finite number; "
+                "correct the point or the camera, or remove the observation");
 }
 TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
   const TemporaryFolder folder;
@@ -188,18 +187,17 @@ TEST(BundleFaults, PointsThatOneCameraAloneSeesAreAWarning) {
     std::erase_if(start.observations, [&](const auto& o) { return o.point == point && o.camera > 0; });
   };
   drop(7);
-  EXPECT_NE(
-      command.runIn(folder, testing::contentOf(start), {})
-          .output.find(
-              "\n  warning: 1 point (number 7) is seen by one camera alone: damping alone holds it along "
-              "the ray, 1 free direction\n"),
-      std::string::npos);
+  EXPECT_NE(command.runIn(folder, testing::contentOf(start), {})
+                .output.find(
+                    "\n  warning: 1 point (number 7) is seen by only one camera: only damping holds it along "
+                    "the ray, 1 free direction\n"),
+            std::string::npos);
   drop(9);
   start.observations.push_back(start.observations.front());  // twice by the same camera
   const auto result = command.runIn(folder, testing::contentOf(start), {});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_NE(result.output.find(
-                "\n  warning: 2 points (numbers 7, 9) are seen by one camera alone: damping alone holds "
+                "\n  warning: 2 points (numbers 7, 9) are seen by only one camera: only damping holds "
                 "them along the ray, 2 free directions\n"),
             std::string::npos)
       << result.output;

@@ -20,19 +20,21 @@ TEST(BundleOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(BundleOptions, Algorithms) {
-  expectOptionsRefused("--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr",
+  expectOptionsRefused("--solver lu: unknown solver; give auto, cholesky, cg, qr or dense-qr",
                        {"--solver", "lu"});
-  expectOptionsRefused("--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
+  expectOptionsRefused("--algorithm newton: unknown algorithm; give gn, lm or dogleg",
+                       {"--algorithm", "newton"});
   for (const std::string name : {"gn", "dogleg"}) {
     expectOptionsRefused(
         "--algorithm " + name +
-            ": place, rotation and scale of a scene are free, and lm alone can hold them, by its damping; "
-            "leave the option out",
+            ": cannot hold the free place, rotation and scale of a scene, as the damping of lm does; drop "
+            "this "
+            "option",
         {"--algorithm", name});
   }
 }
 TEST(BundleOptions, SharedOptionsAreChecked) {
-  expectOptionsRefused("--robust huber: write huber:SCALE, SCALE a positive number of standard deviations",
+  expectOptionsRefused("--robust huber: write huber:SCALE; SCALE is a positive number of standard deviations",
                        {"--robust", "huber"});
   expectOptionsRefused("--threads -1: give a number from 0 on", {"--threads", "-1"});
   expectOptionsRefused("--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
@@ -49,7 +51,8 @@ TEST(BundleOptions, ExtensionsOfResults) {
   for (const std::string name : {"scene", "scene.obj", "scene.ply.gz", "txt"}) {
     expectOptionsRefused(
         "--output " + name +
-            ": a result is a BAL file, FILE.txt or FILE.bal, or a cloud of points to look at, FILE.ply",
+            ": unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud of "
+            "points)",
         {"--output", name});
   }
 }

@@ -156,13 +156,14 @@ TEST(BundleFreeDirections, WhatIsFreeIsSaid) {
   const auto result = testing::command.runIn(folder, testing::contentOf(two), {"--json", "DIR/result.json"});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   const std::vector<std::string> warnings = {
-      "the scene falls into 2 parts that share no point, with the cameras 0, 3: nothing says how they lie to each "
-      "other, so that 7 further directions are free; add observations of common points, or fit each part by itself",
-      "1 camera (number 5) sees fewer than 5 points, too few for the 9 unknowns of a camera: damping alone holds the "
-      "rest, up to 3 free directions; add observations, or remove it"};
+      "the scene has 2 parts that share no point, with the cameras 0, 3: their relative place, rotation and "
+      "scale are unknown, so 7 more directions are free; add observations of common points, or fit each part "
+      "alone",
+      "1 camera (number 5) sees fewer than 5 points, too few for the 9 unknowns of a camera: only damping "
+      "holds the rest, up to 3 free directions; add observations, or remove it"};
   EXPECT_NE(result.output.find(
-                "  gauge: 14 directions are free (place, rotation and scale of each of 2 parts), kept "
-                "in place by damping alone\n  warning: " +
+                "  gauge: 14 directions are free (place, rotation and scale of each of 2 parts), held only "
+                "by damping\n  warning: " +
                 warnings[0] + "\n  warning: " + warnings[1] + "\n"),
             std::string::npos)
       << result.output;

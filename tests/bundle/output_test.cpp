@@ -47,7 +47,7 @@ TEST(BundleOutput, ReportSaysWhatMatters) {
   EXPECT_EQ(result.errors, "");
   EXPECT_TRUE(result.output.starts_with(
       "bundle adjustment, scene.txt\n  4 cameras, 30 points, 120 observations\n"
-      "  gauge: 7 directions are free (place, rotation and scale of the whole), kept in place by damping alone\n\n"
+      "  gauge: 7 directions are free (place, rotation and scale of the whole), held only by damping\n\n"
       "  iteration            RSS   rel. decrease   step/sigma   gradient   algorithm\n          0 "))
       << result.output;
   const Json json = Json::parse(slom::testing::readFile(folder / "result.json"));

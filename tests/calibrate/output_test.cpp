@@ -196,9 +196,14 @@ TEST(Report, HelpOpensWithASampleRun) {
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_TRUE(help.output.starts_with("slom calibrate --board 9x6 --square 0.025 --images left="))
       << help.output;
-  for (const std::string option : {"--camera", "--imu", "--intrinsics", "--sigma-px", "--sigma-acc", "--fix",
-                                   "--json", "--output", "--quiet"}) {
+  for (const std::string option :
+       {"--camera", "--imu", "--intrinsics", "--sigma-px", "--json", "--output", "--quiet", "--help-all"}) {
     EXPECT_NE(help.output.find("  " + option), std::string::npos) << option;
+  }
+  const auto all = testing::runCalibrate({"--help-all"});
+  EXPECT_EQ(all.exit_code, 0);
+  for (const std::string option : {"--camera", "--sigma-acc", "--fix", "--max-seconds"}) {
+    EXPECT_NE(all.output.find("  " + option), std::string::npos) << option;
   }
 }
 

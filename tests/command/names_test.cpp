@@ -159,7 +159,7 @@ TEST(LostOutput, IsAFailure) {
     const CommandResult result = inShell(command);
     EXPECT_EQ(result.exit_code, 1) << command;
     EXPECT_TRUE(result.errors.starts_with(lost)) << command << "\n" << result.errors;
-    EXPECT_NE(result.errors.find("; give a file that can be, or --quiet\n"), std::string::npos)
+    EXPECT_NE(result.errors.find("; redirect it to a writable file, or pass --quiet\n"), std::string::npos)
         << result.errors;
   }
 }

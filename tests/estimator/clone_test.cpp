@@ -320,8 +320,8 @@ TEST(Clone, SaysWhatCannotBeCopied) {
                                         slom::named("range"));
   EXPECT_EQ(
       messageOf([&] { est.clone(); }),
-      "[slom.not-copyable] measurement range #1 cannot be copied, as its function or its data cannot; pass what "
-      "they own as a shared_ptr, or insert the measurements anew into another estimator");
+      "[slom.not-copyable] measurement range #1 cannot be copied, because its function or its data cannot be "
+      "copied; pass what they own as a shared_ptr, or insert the measurements anew into another estimator");
   est.removeMeasurement(id);
   est.changeSolver(std::make_unique<NotAnother>());
   EXPECT_EQ(

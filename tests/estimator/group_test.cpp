@@ -166,7 +166,9 @@ TEST(Group, FaultsInArchives) {
   EXPECT_EQ(faultOf("group a 1"), "[slom.bad-archive] FILE:5: write group \"NAME\" KEY");
   EXPECT_EQ(faultOf("group \"a\" b"),
             "[slom.bad-archive] FILE:5: the key of a group is a whole number or a text in quotes");
-  EXPECT_EQ(faultOf("group \"a\" 1 2"), "[slom.bad-archive] FILE:5: a | is due after the noise and the loss");
+  EXPECT_EQ(faultOf("group \"a\" 1 2"),
+            "[slom.bad-archive] FILE:5: a | is missing after the noise and the "
+            "loss");
   EXPECT_EQ(
       faultOf("group \"a\" 1 group \"a\" 2"),
       "[slom.bad-archive] FILE:5: a measurement is put into two groups of \"a\"; pass slom::group once, or once for "

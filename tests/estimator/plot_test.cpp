@@ -91,7 +91,7 @@ TEST(Plot, OfDataAndCurve) {
   EXPECT_EQ(slom::testing::readFile(file), plot.svg);
   EXPECT_EQ(messageOf([&] { plot.save((folder / "none/decay.svg").string()); }),
             "[slom.cannot-write] the plot could not be written to " + folder.path().string() +
-                "/none/decay.svg; see whether its folder is there and may be written to");
+                "/none/decay.svg; check that its folder exists and is writable");
 }
 
 /// A simulator takes doubles, and its derivatives are differences.

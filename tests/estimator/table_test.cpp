@@ -378,14 +378,14 @@ TEST(Exceptions, ThatCarryTextAreQuoted) {
   };
   EXPECT_EQ(messageOf([&] { est.insertMeasurement(f, x, y, slom::named("growth")); }),
             "[slom.measurement-threw] the function of measurement growth #1 threw an exception (log of a negative number) "
-            "at x = (1), y = (2); let it return NaN where it has no value, steps there are taken back");
+            "at x = (1), y = (2); let it return NaN if it has no value, and the step is taken back");
   EXPECT_EQ(est.getM(), 0);
   est.reinitRV(x, 3.0);
   const auto id = est.insertMeasurement(f, x, y, slom::named("growth"));
   est.reinitRV(x, 0.0);
   const std::string text =
       "[slom.measurement-threw] the function of measurement growth #1 threw an exception (log of a negative number) at x = "
-      "(0), y = (2); let it return NaN where it has no value, steps there are taken back";
+      "(0), y = (2); let it return NaN if it has no value, and the step is taken back";
   EXPECT_EQ(messageOf([&] { est.getRSS(); }), text);
   EXPECT_EQ(messageOf([&] { est.residual(id); }), text);
   EXPECT_EQ(messageOf([&] { est.residuals(); }), text);
@@ -406,7 +406,7 @@ TEST(Exceptions, OfUserCodeLeaveTheEstimatorAsItWas) {
     armed = true;
     const std::string text =
         "[slom.measurement-threw] the function of measurement lambda #1 threw something that is not a std::exception at x = "
-        "(1); let it return NaN where it has no value, steps there are taken back";
+        "(1); let it return NaN if it has no value, and the step is taken back";
     EXPECT_EQ(messageOf([&] { est.optimize(); }), text);
     EXPECT_EQ(messageOf([&] { est.optimizeStep(); }), text);
     EXPECT_THROW(rethrowNested([&] { est.optimize(); }), Trouble);
@@ -429,8 +429,8 @@ TEST(Exceptions, NameTheFirstOfManyMeasurementsOnAnyNumberOfThreads) {
       }, x, i, slom::named("many"));
     }
     EXPECT_EQ(messageOf([&] { est.optimizeStep(); }),
-              "[slom.measurement-threw] the function of measurement many #2345 threw an exception (no value) at x = (1); let it "
-              "return NaN where it has no value, steps there are taken back");
+              "[slom.measurement-threw] the function of measurement many #2345 threw an exception (no value) "
+              "at x = (1); let it return NaN if it has no value, and the step is taken back");
   }
 }
 

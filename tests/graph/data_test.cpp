@@ -79,8 +79,8 @@ TEST(GraphData, FileWithoutInformation) {
   EXPECT_EQ(
       testing::runGraph({file}).errors,
       "slom: " + file +
-          ": the information of 26831 edges is not positive definite (lines 1, 2, 3, 4, 5, ...); correct "
-          "it, or give --repair-information, which takes the nearest matrix that is\n");
+          ": the information of 26831 edges is not positive definite (lines 1, 2, 3, 4, 5, ...); correct it, "
+          "or pass --repair-information to use the nearest positive definite matrix\n");
 }
 
 }  // namespace

@@ -30,11 +30,11 @@ TEST(GraphFaults, EmptyFile) {
 }
 TEST(GraphFaults, NoEdges) {
   const std::string sentence =
-      "map.g2o: there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3";
+      "map.g2o: the file has no edge; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3";
   expectRefused(vertices, sentence);
   expectRefused(
       "ODOMETRY 1 0 0\nLANDMARK 3 4\nODOMETRY 1 0 0\n",
-      "map.g2o: there is no edge in it, its lines begin with LANDMARK, ODOMETRY; a pose graph has lines "
+      "map.g2o: the file has no edge, its lines begin with LANDMARK, ODOMETRY; a pose graph has lines "
       "EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3");
 }
 TEST(GraphFaults, WrongNumberOfWords) {
@@ -103,74 +103,75 @@ TEST(GraphFaults, SelfEdge) {
 }
 TEST(GraphFaults, PlaneAndSpaceMixed) {
   expectRefused(edge + "EDGE_SE3:QUAT 0 1 0 0 0 0 0 0 1" + unit6,
-                "map.g2o:2: EDGE_SE3:QUAT and EDGE_SE2 of line 1 do not belong together: one is of the "
-                "plane, one of space; "
+                "map.g2o:2: EDGE_SE3:QUAT and EDGE_SE2 of line 1 do not belong together: one is in the "
+                "plane, one in space; "
                 "make two files");
   expectRefused("\nVERTEX3 0 0 0 0 0 0 0\n" + edge,
-                "map.g2o:3: EDGE_SE2 and VERTEX3 of line 2 do not belong together: one is of the plane, one "
-                "of space; make "
+                "map.g2o:3: EDGE_SE2 and VERTEX3 of line 2 do not belong together: one is in the plane, one "
+                "in space; make "
                 "two files");
 }
 TEST(GraphFaults, ZeroQuaternion) {
   expectRefused(
       "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 0\n",
-      "map.g2o:1: the quaternion has length 0 or no length at all; write one of length 1, qx qy qz qw");
+      "map.g2o:1: the length of the quaternion is 0 or not finite; write a quaternion of length 1, qx qy qz "
+      "qw");
   expectRefused(
       "EDGE_SE3:QUAT 0 1 0 0 0 1e200 0 0 0" + unit6,
-      "map.g2o:1: the quaternion has length 0 or no length at all; write one of length 1, qx qy qz qw");
+      "map.g2o:1: the length of the quaternion is 0 or not finite; write a quaternion of length 1, qx qy qz "
+      "qw");
 }
 TEST(GraphFaults, InformationThatIsNotPositiveDefinite) {
   const std::string bad = "EDGE_SE2 0 1 1 0 0 1 2 0 1 0 1\n";
   expectRefused(vertices + bad,
-                "map.g2o: the information of 1 edge is not positive definite (line 3); correct it, or give "
-                "--repair-information, which takes the nearest matrix that is");
+                "map.g2o: the information of 1 edge is not positive definite (line 3); correct it, or pass "
+                "--repair-information to use the nearest positive definite matrix");
   expectRefused(edge + bad + bad + edge + bad + bad + bad + bad,
                 "map.g2o: the information of 6 edges is not positive definite (lines 2, 3, 5, 6, 7, ...); "
-                "correct it, or "
-                "give --repair-information, which takes the nearest matrix that is");
+                "correct it, or pass --repair-information to use the nearest positive definite matrix");
   expectRefused("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 -1\n",
-                "map.g2o: the information of 1 edge is not positive definite (line 1); correct it, or give "
-                "--repair-information, which takes the nearest matrix that is");
+                "map.g2o: the information of 1 edge is not positive definite (line 1); correct it, or pass "
+                "--repair-information to use the nearest positive definite matrix");
   for (const auto& options : {std::vector<std::string>{}, std::vector<std::string>{"--repair-information"}}) {
     expectRefused("EDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\n",
-                  "map.g2o:1: the information is 0, so that nothing is measured; remove the line", options);
+                  "map.g2o:1: the information is 0, so nothing is measured; remove the line", options);
   }
 }
 TEST(GraphFaults, PartsThatNothingConnects) {
   std::string three =
       edge + "EDGE_SE2 5 6 1 0 0" + unit3 + "EDGE_SE2 6 7 1 0 0" + unit3 + "EDGE_SE2 9 8 1 0 0" + unit3;
   expectRefused(three,
-                "map.g2o: the graph falls into 3 parts that no edge connects, and 2 hold no fixed pose: that "
+                "map.g2o: the graph has 3 parts that no edge connects, and 2 have no fixed pose: the part "
                 "of pose 5 (3 "
-                "vertices), that of pose 8 (2 vertices); add edges between them, add a line FIX for a pose "
-                "of each, or give "
-                "--hold-parts, which holds the first vertex of each");
+                "vertices), the part of pose 8 (2 vertices); add edges between them, add a line FIX for a "
+                "pose "
+                "of each, or pass --hold-parts to fix the first vertex of each");
   expectRefused(three + "FIX 1\nFIX 6\n",
-                "map.g2o: the graph falls into 3 parts that no edge connects, and 1 holds no fixed pose: "
-                "that of pose 8 (2 "
-                "vertices); add edges between them, add a line FIX for a pose of each, or give --hold-parts, "
-                "which holds the "
-                "first vertex of each");
+                "map.g2o: the graph has 3 parts that no edge connects, and 1 has no fixed pose: "
+                "the part of pose 8 (2 "
+                "vertices); add edges between them, add a line FIX for a pose of each, or pass --hold-parts "
+                "to fix the first vertex of each");
   expectRefused(vertices + "VERTEX_SE2 2 0 0 0\nVERTEX_XY 3 0 0\n" + edge,
-                "map.g2o: the graph falls into 3 parts that no edge connects, and 2 hold no fixed pose: that "
+                "map.g2o: the graph has 3 parts that no edge connects, and 2 have no fixed pose: the part "
                 "of pose 2 (1 "
-                "vertex), that of landmark 3 (1 vertex); add edges between them, add a line FIX for a pose "
-                "of each, or give "
-                "--hold-parts, which holds the first vertex of each");
+                "vertex), the part of landmark 3 (1 vertex); add edges between them, add a line FIX for a "
+                "pose "
+                "of each, or pass --hold-parts to fix the first vertex of each");
   for (int i = 0; i < 5; ++i)
     three += "EDGE_SE2 " + std::to_string(20 + i) + " " + std::to_string(30 + i) + " 1 0 0" + unit3;
   expectRefused(
       three,
-      "map.g2o: the graph falls into 8 parts that no edge connects, and 7 hold no fixed pose: that of pose 5 "
+      "map.g2o: the graph has 8 parts that no edge connects, and 7 have no fixed pose: the part of pose 5 "
       "(3 "
-      "vertices), that of pose 8 (2 vertices), that of pose 20 (2 vertices), that of pose 21 (2 vertices), "
-      "that "
-      "of pose 22 (2 vertices), ...; add edges between them, add a line FIX for a pose of each, or give "
-      "--hold-parts, which holds the first vertex of each");
+      "vertices), the part of pose 8 (2 vertices), the part of pose 20 (2 vertices), the part of pose 21 (2 "
+      "vertices), "
+      "the part "
+      "of pose 22 (2 vertices), ...; add edges between them, add a line FIX for a pose of each, or pass "
+      "--hold-parts to fix the first vertex of each");
 }
 TEST(GraphFaults, FixedPosesWithoutPlaces) {
   expectRefused(edge + "FIX 0 1\n",
-                "map.g2o: 2 poses are fixed, but the file has no vertices that say where they are; fix one "
+                "map.g2o: 2 poses are fixed, but the file has no vertices that give their places; fix one "
                 "of them, or add "
                 "vertices");
 }

@@ -22,29 +22,34 @@ TEST(GraphOptions, NoFile) {
   EXPECT_EQ(result.exit_code, 2);
 }
 TEST(GraphOptions, Names) {
-  expectRefused(graph, "--solver lu: the solvers are auto, cholesky, cg, qr and dense-qr",
+  expectRefused(graph, "--solver lu: unknown solver; give auto, cholesky, cg, qr or dense-qr",
                 {"--solver", "lu"});
-  expectRefused(graph, "--algorithm newton: the algorithms are gn, lm and dogleg", {"--algorithm", "newton"});
+  expectRefused(graph, "--algorithm newton: unknown algorithm; give gn, lm or dogleg",
+                {"--algorithm", "newton"});
   expectRefused(graph,
-                "--init random: the starts are auto, file, odometry, spanning-tree, chordal and build-up",
+                "--init random: unknown start; give auto, file, odometry, spanning-tree, chordal or build-up",
                 {"--init", "random"});
-  expectRefused(graph, "--rotation-error euler: the errors are vector and quaternion",
+  expectRefused(graph, "--rotation-error euler: unknown error; give vector or quaternion",
                 {"--rotation-error", "euler"});
 }
 TEST(GraphOptions, Losses) {
   expectRefused(graph,
-                "--robust l1:1: the losses are huber, pseudo-huber, cauchy, tukey, geman-mcclure and barron",
+                "--robust l1:1: unknown loss; give huber, pseudo-huber, cauchy, tukey, geman-mcclure or "
+                "barron",
                 {"--robust", "l1:1"});
   for (const std::string text :
        {"huber", "huber:", "huber:x", "huber:0", "huber:-1", "huber:nan", "huber:inf", "huber:1:2"}) {
     expectRefused(graph,
-                  "--robust " + text + ": write huber:SCALE, SCALE a positive number of standard deviations",
+                  "--robust " + text +
+                      ": write huber:SCALE; SCALE is a positive number of standard "
+                      "deviations",
                   {"--robust", text});
   }
   for (const std::string text : {"barron:1", "barron:3:1", "barron:1:0", "barron:1:1:1"}) {
     expectRefused(graph,
                   "--robust " + text +
-                      ": write barron:ALPHA:SCALE, ALPHA not above 2 and SCALE a positive number of standard "
+                      ": write barron:ALPHA:SCALE; ALPHA is not above 2, and SCALE is a positive number of "
+                      "standard "
                       "deviations",
                   {"--robust", text});
   }
@@ -57,7 +62,9 @@ TEST(GraphOptions, Numbers) {
 TEST(GraphOptions, Plots) {
   for (const std::string name : {"map.png", "map", "map.svg.gz"}) {
     expectRefused(graph,
-                  "--plot " + name + ": a plot is a picture, FILE.svg, or a page to turn it on, FILE.html",
+                  "--plot " + name +
+                      ": unknown format; give FILE.svg (a picture) or FILE.html (a page on "
+                      "which to turn it)",
                   {"--plot", name});
   }
   expectRefused("EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1" + testing::unit6,
@@ -92,12 +99,12 @@ TEST(GraphOptions, StartsThatCannotBeFound) {
       {"--init", "odometry"});
   expectRefused(
       graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
-      "--init auto: no edge between poses leads to pose 9 of map.g2o, which landmarks alone connect with "
-      "the rest; add an edge, or vertices for all");
+      "--init auto: no edge between poses leads to pose 9 of map.g2o, which only landmarks connect with the "
+      "rest; add an edge, or add vertices for all");
   expectRefused(
       graph + "EDGE_SE2_XY 2 7 1 0 1 0 1\nEDGE_SE2_XY 9 7 1 0 1 0 1\n",
-      "--init build-up: no edge between poses leads to pose 9 of map.g2o, which landmarks alone connect "
-      "with the rest; add an edge, or vertices for all",
+      "--init build-up: no edge between poses leads to pose 9 of map.g2o, which only landmarks connect with "
+      "the rest; add an edge, or add vertices for all",
       {"--init", "build-up"});
 }
 

@@ -115,8 +115,8 @@ TEST(GraphFit, SaysWhenGaussNewtonFellBack) {
   const testing::TemporaryFolder folder;
   const std::string output = testing::runIn(folder, content, {"--init", "file"}).output;
   EXPECT_NE(
-      output.find("\n  warning: iteration 3: the Gauss-Newton step made the RSS grow; it was taken back and "
-                  "Levenberg-Marquardt went on from there\n"),
+      output.find("\n  warning: iteration 3: the Gauss-Newton step made the RSS grow; the step was taken "
+                  "back, and Levenberg-Marquardt continued from there\n"),
       std::string::npos)
       << output;
 }

@@ -103,11 +103,12 @@ std::string whatIsFixed(const std::string& content) {
 TEST(GraphFixedLandmarks, WhatTheyLeaveFreeIsHeldAndSaid) {
   EXPECT_EQ(whatIsFixed(alone), "  fixed: 2 landmarks, by lines FIX");
   EXPECT_EQ(whatIsFixed(testing::replaced(alone, "FIX 2 3", "FIX 2")),
-            "  fixed: 1 landmark, by lines FIX; and the heading of pose 0, as all can turn about landmark 2");
+            "  fixed: 1 landmark, by lines FIX; and the heading of pose 0, because the map can turn about "
+            "landmark 2");
   const std::string coincident = testing::replaced(alone, "VERTEX_XY 3 3 1", "VERTEX_XY 3 1 1");
-  EXPECT_EQ(
-      whatIsFixed(coincident),
-      "  fixed: 2 landmarks, by lines FIX; and the heading of pose 0, as all can turn about landmark 2, landmark 3");
+  EXPECT_EQ(whatIsFixed(coincident),
+            "  fixed: 2 landmarks, by lines FIX; and the heading of pose 0, because the map can turn about "
+            "landmark 2, landmark 3");
   const auto inSpace = [](const std::string& fix, const std::string& third) {
     return fix +
            "\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_TRACKXYZ 1 0 0 1\nVERTEX_TRACKXYZ 2 1 0 1\nVERTEX_TRACKXYZ 3 " +
@@ -115,24 +116,27 @@ TEST(GraphFixedLandmarks, WhatTheyLeaveFreeIsHeldAndSaid) {
            "\nEDGE_SE3_TRACKXYZ 0 1 0 0 0 1 1 0 0 1 0 1\nEDGE_SE3_TRACKXYZ 0 2 0 1 0 1 1 0 0 1 0 1\nEDGE_SE3_TRACKXYZ 0 3 0 " +
            third + " 1 0 0 1 0 1\n";
   };
-  EXPECT_EQ(
-      whatIsFixed(inSpace("FIX 1", "0 1 1")),
-      "  fixed: 1 landmark, by lines FIX; and the rotation of pose 0, as all can turn about landmark 1");
+  EXPECT_EQ(whatIsFixed(inSpace("FIX 1", "0 1 1")),
+            "  fixed: 1 landmark, by lines FIX; and the rotation of pose 0, because the map can turn about "
+            "landmark 1");
   EXPECT_EQ(
       whatIsFixed(inSpace("FIX 1 2", "0 1 1")),
-      "  fixed: 2 landmarks, by lines FIX; and the rotation of pose 0, as all can turn about the line through "
+      "  fixed: 2 landmarks, by lines FIX; and the rotation of pose 0, because the map can turn about the "
+      "line through "
       "landmark 1, landmark 2");
   EXPECT_EQ(whatIsFixed(inSpace("FIX 1 2 3", "0 1 1")), "  fixed: 3 landmarks, by lines FIX");
   EXPECT_EQ(
       whatIsFixed(inSpace("FIX 1 2 3", "-0.3 0 1")),
-      "  fixed: 3 landmarks, by lines FIX; and the rotation of pose 0, as all can turn about the line through "
+      "  fixed: 3 landmarks, by lines FIX; and the rotation of pose 0, because the map can turn about the "
+      "line through "
       "landmark 1, landmark 2, landmark 3");
 }
 
 TEST(GraphFixedLandmarks, WithoutPlaces) {
   testing::expectRefused(
       "EDGE_SE2_XY 0 2 1 1 1 0 1\nEDGE_SE2_XY 0 3 1 2 1 0 1\nFIX 2 3\n",
-      "map.g2o: 2 landmarks are fixed, but the file has no vertices that say where they are; fix one of them, or add "
+      "map.g2o: 2 landmarks are fixed, but the file has no vertices that give their places; fix one of them, "
+      "or add "
       "vertices");
 }
 

@@ -96,7 +96,7 @@ TEST(GraphOnline, SaysHowItWent) {
   EXPECT_EQ(result.errors, "");
   EXPECT_EQ(result.exit_code, 0);
   for (const char* text :
-       {"\n  start: each pose where an edge from those before it leads\n",
+       {"\n  start: each pose at the end of an edge from earlier poses\n",
         "\n    updates        pose            RSS   steps   moved   linearised   time/ms\n",
         "\n          3           2           0.03       1       2 ", "\n3 updates in ", " ms, 99 % within ",
         "\n  RSS 0.03, of the batch fit 0.03; largest gap RSS / batch RSS - 1: ", ", 1 update compared\n",
@@ -143,8 +143,8 @@ TEST(GraphOnline, RefusesOtherWords) {
   expectRefused(content, "--online=all: give --online, or --online=check, which compares with the batch fit",
                 {"--online=all"});
   expectRefused(content,
-                "--init chordal: with --online each pose starts where an edge from those before it leads; "
-                "leave one out",
+                "--init chordal: has no effect with --online, where each pose starts at the end of an edge "
+                "from earlier poses; drop one of the two",
                 {"--online", "--init", "chordal"});
 }
 

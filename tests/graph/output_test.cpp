@@ -60,7 +60,7 @@ TEST(GraphOutput, ReportSaysWhatMatters) {
   EXPECT_EQ(result.errors, "");
   EXPECT_TRUE(result.output.starts_with(
       "graph in the plane, map.g2o\n  4 poses, 4 edges\n  1 landmark, 1 sighting\n"
-      "  fixed: pose 0, as there are no lines FIX\n  start: spanning-tree\n\n"
+      "  fixed: pose 0, because there are no lines FIX\n  start: spanning-tree\n\n"
       "  iteration            RSS   rel. decrease   step/sigma   gradient   algorithm\n"
       "          0 "))
       << result.output;

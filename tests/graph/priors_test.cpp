@@ -152,12 +152,12 @@ TEST(GraphPriors, AreSaid) {
   };
   EXPECT_TRUE(output(edges + "EDGE_SE2_PRIOR 1 5 6 0" + unit3)
                   .starts_with("graph in the plane, map.g2o\n  2 poses, 1 edge\n  1 prior\n"
-                               "  fixed: nothing, as priors say where the map is\n"));
+                               "  fixed: nothing, because priors place the map\n"));
   EXPECT_NE(
       output(edges + "EDGE_PRIOR_SE2_XY 1 5 6 1 0 1\n")
-          .find(
-              "  fixed: nothing, as priors say where the map is; and the heading of pose 1, as all can turn about "
-              "the position of pose 1\n"),
+          .find("  fixed: nothing, because priors place the map; and the heading of pose 1, because the map "
+                "can turn about "
+                "the position of pose 1\n"),
       std::string::npos);
   EXPECT_EQ(
       output(edges + "EDGE_PRIOR_SE2_XY 1 5 6 1 0 1\n", {"--online"}),

@@ -84,22 +84,23 @@ std::string fixedLine(const std::string& content, const std::vector<std::string>
 TEST(GraphStart, SaysWhatIsFixed) {
   const std::vector<std::string> tree{"--init", "spanning-tree"}, file{"--init", "file"};
   const std::string edges = "EDGE_SE2 4 3 1 0 0" + unit3 + "EDGE_SE2 4 5 1 0 0" + unit3;
-  EXPECT_EQ(fixedLine(edges, tree), "  fixed: pose 3, as there are no lines FIX\n  start: spanning-tree");
+  EXPECT_EQ(fixedLine(edges, tree),
+            "  fixed: pose 3, because there are no lines FIX\n  start: spanning-tree");
   EXPECT_EQ(fixedLine(edges + "FIX 4\n", tree), "  fixed: 1 pose, by lines FIX\n  start: spanning-tree");
   const std::string vertices =
       "VERTEX_SE2 5 1 0 0\nVERTEX_SE2 4 0 0 0\nVERTEX_SE2 3 0 0 0\nVERTEX_XY 9 7 8\n";
   EXPECT_EQ(fixedLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\n", file),
-            "  fixed: pose 5, as there are no lines FIX\n  start: file");
+            "  fixed: pose 5, because there are no lines FIX\n  start: file");
   EXPECT_EQ(fixedLine(vertices + edges + "EDGE_SE2_XY 5 9 1 1 1 0 1\nFIX 3 4\nFIX 9\n", file),
             "  fixed: 2 poses and 1 landmark, by lines FIX\n  start: file");
   EXPECT_EQ(fixedLine(vertices + edges, {"--init", "file", "--hold-parts"}),
-            "  fixed: pose 5 and landmark 9, as there are no lines FIX\n  start: file");
+            "  fixed: pose 5 and landmark 9, because there are no lines FIX\n  start: file");
   EXPECT_EQ(fixedLine(vertices + edges + "FIX 4\n", {"--init", "file", "--hold-parts"}),
             "  fixed: 1 pose and 1 landmark, by lines FIX and --hold-parts (landmark 9)\n  start: file");
-  EXPECT_EQ(
-      fixedLine(edges),
-      "  fixed: pose 3, as there are no lines FIX\n  start: odometry, of the lowest RSS among odometry, "
-      "spanning-tree and chordal");
+  EXPECT_EQ(fixedLine(edges),
+            "  fixed: pose 3, because there are no lines FIX\n  start: odometry, with the lowest RSS among "
+            "odometry, "
+            "spanning-tree and chordal");
 }
 
 TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
@@ -109,7 +110,7 @@ TEST(GraphStart, PartsThatNothingConnectsAreFittedSideBySide) {
   }
   EXPECT_NEAR(fitted(content, {"--hold-parts"})["final_rss"].get<double>(), 3 * 2, 1e-12);
   EXPECT_EQ(fixedLine(content, {"--init", "spanning-tree", "--hold-parts"}),
-            "  fixed: pose 0 and the first vertex of 2 more parts, as there are no lines FIX\n  start: "
+            "  fixed: pose 0 and the first vertex of 2 more parts, because there are no lines FIX\n  start: "
             "spanning-tree");
 }
 

@@ -47,15 +47,14 @@ TEST(GraphUnknownTags, AreInEveryOutput) {
                                       "skipped 1 line with the unknown tag VERTEX_CAM"}));
   testing::expectRefused(
       "EDGE_SE2 7 8 1 0 0" + unit3 + graph,
-      "map.g2o: the graph falls into 2 parts that no edge connects, and 1 holds no fixed pose: that "
-      "of pose 7 (2 vertices); add edges between them, add a line FIX for a pose of each, or give "
-      "--hold-parts, which holds the first vertex of each" +
+      "map.g2o: the graph has 2 parts that no edge connects, and 1 has no fixed pose: the part "
+      "of pose 7 (2 vertices); add edges between them, add a line FIX for a pose of each, or pass "
+      "--hold-parts to fix the first vertex of each" +
           said);
   testing::expectRefused("VERTEX_SE2 0 0 0 0\n" + graph,
                          "map.g2o:2: there is no vertex 1; add a line for it, or remove this one" + said);
-  testing::expectRefused(
-      graph + "EDGE_SE2 0 2 1 0 0 0 0 0 0 0 0\n",
-      "map.g2o:6: the information is 0, so that nothing is measured; remove the line" + said);
+  testing::expectRefused(graph + "EDGE_SE2 0 2 1 0 0 0 0 0 0 0 0\n",
+                         "map.g2o:6: the information is 0, so nothing is measured; remove the line" + said);
   const testing::TemporaryFolder folder;
   const auto failed =
       testing::runIn(folder, graph + "EDGE_SE2 2 0 1 0 1" + unit3, {"--quiet", "--max-iterations", "1"});

@@ -260,8 +260,7 @@ TEST(Starts, MistakesAreNamed) {
   map.addPose();
   EXPECT_EQ(messageOf([&] { initialize::alongSpanningTree(map); }),
             "[slom.unreached-pose] no edges lead from a fixed pose to pose 1; add an edge between poses, or "
-            "hold a pose of "
-            "each part of the graph");
+            "fix a pose of each part of the graph");
   for (const Start start : {Start::odometry, Start::chordal, Start::build_up}) {
     EXPECT_THROW(initialize::findStart(map, start), initialize::Unreached) << toString(start);
   }
@@ -271,7 +270,8 @@ TEST(Starts, MistakesAreNamed) {
             "[slom.bad-information] the mean information of an edge is 0; pass positive definite matrices");
   map.addEdge(0, 2, Pose2());
   const char* const no_pose =
-      "[slom.no-such-node] edge 1 leads to 2, but there are 2; add the nodes before the edges";
+      "[slom.no-such-node] edge 1 leads to 2, but there are 2 nodes, numbered from 0; add the nodes before "
+      "the edges";
   EXPECT_EQ(messageOf([&] { initialize::alongOdometry(map); }), no_pose);
   EXPECT_EQ(messageOf([&] { initialize::rssOf(map); }), no_pose);
   EXPECT_EQ(messageOf([&] { initialize::buildUp(map); }), no_pose);
@@ -279,7 +279,8 @@ TEST(Starts, MistakesAreNamed) {
   map.edges.pop_back();
   map.addSighting(-1, 0, mtk::vect<2>());
   EXPECT_EQ(messageOf([&] { initialize::alongOdometry(map); }),
-            "[slom.no-such-node] sighting 0 leads from -1, but there are 2; add the nodes before the edges");
+            "[slom.no-such-node] sighting 0 leads from -1, but there are 2 nodes, numbered from 0; add the "
+            "nodes before the edges");
 }
 
 TEST(Starts, OfNothingAreNothing) {

@@ -67,7 +67,7 @@ TEST(Bzip2, SmallFilesThatFillTheMemory) {
   const std::string bomb = slom::testing::readFile(folder / "zeros.bz2");
   EXPECT_EQ(messageOfContent(bomb),
             "[slom.io.damaged] scene.bz2: its " + std::to_string(bomb.size()) +
-                " bytes unpack to more than 16777216, which no scene does; get it again");
+                " bytes unpack to more than 16777216, too many for a scene; get the file again");
 }
 
 }  // namespace

@@ -177,7 +177,8 @@ TEST(G2o, ErrorsHaveIds) {
             "[slom.io.empty-file] map.g2o: the file is empty; a pose graph has a line for each edge");
   EXPECT_EQ(
       refusal("VERTEX_SE2 0 0 0 0\n"),
-      "[slom.io.no-edges] map.g2o: there is no edge in it; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or "
+      "[slom.io.no-edges] map.g2o: the file has no edge; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, "
+      "EDGE2 or "
       "EDGE3");
   EXPECT_EQ(refusal("EDGE_SE2 0 1 1 0 x" + unit3),
             "[slom.io.bad-line] map.g2o:1: word 5 after EDGE_SE2 is \"x\"; write a finite number there");

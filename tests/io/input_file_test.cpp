@@ -27,8 +27,8 @@ TEST(InputFile, OfAnySizeUpToTheMost) {
     EXPECT_EQ(readWhole((folder / "file").string(), size), text);
     if (size == 0) continue;
     EXPECT_EQ(messageOf([&] { readWhole((folder / "file").string(), size - 1); }),
-              "[slom.io.too-large] " + (folder / "file").string() + ": it has more than " +
-                  std::to_string(size - 1) + " bytes, the most that are read; give a smaller file");
+              "[slom.io.too-large] " + (folder / "file").string() + ": larger than " +
+                  std::to_string(size - 1) + " bytes, the limit; give a smaller file");
   }
 }
 
@@ -45,8 +45,8 @@ TEST(InputFile, PipesAreReadToTheirEndAndNoLonger) {
   };
   EXPECT_EQ(fed(largest_input), "no error");
   EXPECT_EQ(fed(200'000), "no error");
-  EXPECT_EQ(fed(199'999), "[slom.io.too-large] " + pipe +
-                              ": it has more than 199999 bytes, the most that are read; give a smaller file");
+  EXPECT_EQ(fed(199'999),
+            "[slom.io.too-large] " + pipe + ": larger than 199999 bytes, the limit; give a smaller file");
 }
 
 TEST(InputFile, DevicesAreRefused) {

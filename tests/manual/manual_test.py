@@ -18,8 +18,14 @@ def run(*words):
     return subprocess.run(words, check=True, capture_output=True, text=True)
 
 
+def help_of(words):
+    """The help with all options."""
+    usual = run(COMMAND, *words, "--help").stdout
+    return run(COMMAND, *words, "--help-all").stdout if "\n  --help-all " in usual else usual
+
+
 def options_of(words):
-    return re.findall(r"^  (?:-h,)?(--[a-z-]+)", run(COMMAND, *words, "--help").stdout, re.MULTILINE)
+    return re.findall(r"^  (?:-h,)?(--[a-z-]+)", help_of(words), re.MULTILINE)
 
 
 def completed(*words):
@@ -50,9 +56,23 @@ class Manual(unittest.TestCase):
             for option in options_of(words):
                 self.assertRegex(page, r"(?m)^\.B (-h,)?" + option + r"\b")
             said = " ".join(page.split())
-            for line in run(COMMAND, *words, "--help").stdout.split("\n"):
+            for line in help_of(words).split("\n"):
                 text = line[30:].strip() if line.startswith("  ") else ""
                 self.assertIn(" ".join(text.split()), said)
+
+    def test_help_fits_a_screen(self):
+        for words in [[]] + [[name] for name in SUBCOMMANDS] + [["simulate", "stereo-imu"]]:
+            lines = run(COMMAND, *words, "--help").stdout.rstrip().split("\n")
+            self.assertLessEqual(len(lines), 50, words)
+            for line in lines + help_of(words).split("\n"):
+                self.assertLessEqual(len(line), 100, line)
+
+    def test_help_of_calibrate_shows_the_usual_options(self):
+        usual = re.findall(r"^  (?:-h,)?(--[a-z-]+)", run(COMMAND, "calibrate", "--help").stdout, re.MULTILINE)
+        self.assertIn("--camera", usual)
+        self.assertNotIn("--sigma-board", usual)
+        self.assertIn("--sigma-board", options_of(["calibrate"]))
+        self.assertEqual(options_of(["calibrate"])[:len(usual)], usual)
 
     def test_pages_are_rendered_without_a_warning(self):
         if not shutil.which("groff"):

@@ -125,14 +125,13 @@ TEST(ComponentPrior, FaultsAreNamed) {
       "pose.pos.z, pose.orient.x, pose.orient.y, pose.orient.z, gravity, gain.0");
   EXPECT_EQ(
       messageOf([&] { est.prior(head, "pose.orient.x", 0.1, 1); }),
-      "[slom.no-component] head.pose.orient.x is not a coordinate that [+] adds to, as it is part of a rotation or "
-      "the like; pass a value of the whole variable to prior, or to insertMeasurement a function that returns the "
-      "part");
+      "[slom.no-component] head.pose.orient.x is part of a rotation or the like, not a coordinate that [+] "
+      "adds to; pass prior a value of the whole variable, or pass insertMeasurement a function that returns "
+      "the part");
   EXPECT_EQ(
       messageOf([&] { est.prior(head, "gain", 2, 1); }),
-      "[slom.no-component] head.gain.0 is not a coordinate that [+] adds to, as it is part of a rotation or "
-      "the like; pass a value of the whole variable to prior, or to insertMeasurement a function that returns the "
-      "part");
+      "[slom.no-component] head.gain.0 is part of a rotation or the like, not a coordinate that [+] adds to; "
+      "pass prior a value of the whole variable, or pass insertMeasurement a function that returns the part");
   EXPECT_EQ(
       messageOf([&] { est.prior(head, "pose.pos", 2, 1); }),
       "[slom.wrong-length] the prior on \"pose.pos\" of variable head has 1 value, the path names 3 components; pass "

@@ -191,7 +191,7 @@ TEST(Bounds, AreKeptAndReported) {
     EXPECT_NEAR((*fit.line)[0], 0.1, 1e-9);  // the mean of y - 2 x
     EXPECT_EQ(summary.active_bounds, std::vector<std::string>{"line.y is at its upper bound 2"});
     EXPECT_NE(slom::report(summary).find(
-                  "  line.y is at its upper bound 2; standard deviations hold on that condition\n"),
+                  "  line.y is at its upper bound 2; standard deviations hold if it stays there\n"),
               std::string::npos);
     EXPECT_EQ(summary.unknowns, 1);
     EXPECT_EQ(est.getN(), 2);
@@ -272,12 +272,12 @@ TEST(Bounds, FaultsAreNamed) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(
       messageOf([&] { fit.est.bound(fit.line, "y", inf, inf); }),
-      "[slom.bad-bound] the bound of line.y is [inf, inf], which holds no finite number; pass -infinity and infinity to take a "
-      "bound back");
+      "[slom.bad-bound] the bound of line.y is [inf, inf], which holds no finite number; pass -infinity and "
+      "infinity to remove a bound");
   EXPECT_EQ(
       messageOf([&] { fit.est.bound(fit.line, "y", -inf, -inf); }),
-      "[slom.bad-bound] the bound of line.y is [-inf, -inf], which holds no finite number; pass -infinity and infinity to take a "
-      "bound back");
+      "[slom.bad-bound] the bound of line.y is [-inf, -inf], which holds no finite number; pass -infinity "
+      "and infinity to remove a bound");
   fit.est.bound(fit.line, "y", 0, 2);
   EXPECT_EQ(
       messageOf([&] { fit.est.reinitRV(fit.line, vec2(0, 5)); }),
@@ -286,7 +286,8 @@ TEST(Bounds, FaultsAreNamed) {
   const auto pose = fit.est.insertRV(SE3(), "pose");
   EXPECT_EQ(
       messageOf([&] { fit.est.bound(pose, "orient.z", 0, 1); }),
-      "[slom.bad-bound] pose.orient.z has no coordinate that could be bounded, as it is part of a rotation or the like; bound "
+      "[slom.bad-bound] pose.orient.z has no coordinate that can be bounded: it is part of a rotation or the "
+      "like; bound "
       "components of vectors, or add a prior");
 }
 

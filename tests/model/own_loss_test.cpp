@@ -116,8 +116,8 @@ TEST(OwnLoss, IsRefusedByArchives) {
   std::ostringstream file;
   EXPECT_EQ(
       messageOf([&] { archive.save(est, file); }),
-      "[slom.not-savable] the loss Welsch(3) of measurement Same #1 is a function of this program, which no file can "
-      "hold; insert the measurement with one of the library's losses");
+      "[slom.not-savable] the loss Welsch(3) of measurement Same #1 is a function of this program, which "
+      "cannot be saved to a file; insert the measurement with one of the library's losses");
   EXPECT_EQ(file.str(), "");
 }
 

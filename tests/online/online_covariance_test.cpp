@@ -142,13 +142,13 @@ TEST(OnlineFit, RefusesMarginalsThatItDoesNotHave) {
   est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
   est.insertMeasurement([](const auto& p) { return p; }, b);
   EXPECT_EQ(testing::messageOf([&] { est.updatedMarginals(); }),
-            "[slom.not-updated] marginals of an update were asked for, but update() was never called; call "
+            "[slom.not-updated] no marginals of an update: update() was never called; call "
             "update() first, or ask marginals()");
   est.update();
   EXPECT_EQ(
       testing::messageOf([&] { est.updatedMarginals(); }),
-      "[slom.rank-deficient] variable a has no covariance, as no measurement determines a.y; add one, or "
-      "fix a.y");
+      "[slom.rank-deficient] variable a has no covariance, because no measurement determines a.y; add a "
+      "measurement, or fix a.y");
   for (const double tolerance : {-1e-3, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(testing::messageOf([&] { est.updatedMarginals(tolerance); }).substr(0, 47),
               "[slom.bad-option] the tolerance of marginals is");
@@ -158,7 +158,7 @@ TEST(OnlineFit, RefusesMarginalsThatItDoesNotHave) {
       "[slom.bad-option] the tolerance of marginals is 1; pass a number from 0 to below 1, such as 1e-3");
   est.insertMeasurement([](const auto& p) { return p; }, a);
   EXPECT_EQ(testing::messageOf([&] { est.updatedMarginals(); }),
-            "[slom.not-updated] marginals of an update were asked for, but the problem has changed since, or "
+            "[slom.not-updated] no marginals of an update: the problem has changed since, or "
             "optimize() took over; call update() first, or ask marginals()");
   est.update();
   EXPECT_LT((est.updatedMarginals().covariance(b) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
@@ -166,8 +166,8 @@ TEST(OnlineFit, RefusesMarginalsThatItDoesNotHave) {
   est.update();
   EXPECT_EQ(
       testing::messageOf([&] { est.updatedMarginals(); }),
-      "[slom.not-updated] marginals of an update were asked for, but there are bounds, and update() leaves "
-      "such fits to optimize(); ask marginals()");
+      "[slom.not-updated] no marginals of an update: update() leaves problems with bounds to optimize(); ask "
+      "marginals()");
 }
 
 TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
@@ -176,25 +176,24 @@ TEST(OnlineFit, RefusesCovariancesThatItDoesNotHave) {
   est.insertMeasurement([](const auto& p) { return p[0] - 3; }, a);
   est.insertMeasurement([](const auto& p) { return p; }, b);
   EXPECT_EQ(testing::messageOf([&] { est.updatedCovariance(a); }),
-            "[slom.not-updated] covariances of an update were asked for variable a, but update() was never "
+            "[slom.not-updated] no covariance of an update for variable a: update() was never "
             "called; call update() first, or ask covariance()");
   est.update();
   EXPECT_EQ(
       testing::messageOf([&] { est.updatedCovariance(a); }),
-      "[slom.rank-deficient] variable a has no covariance, as no measurement determines a.y; add one, or "
-      "fix a.y");
+      "[slom.rank-deficient] variable a has no covariance, because no measurement determines a.y; add a "
+      "measurement, or fix a.y");
   EXPECT_LT((est.updatedCovariance(b) - Eigen::Matrix2d::Identity()).norm(), 1e-12);
   est.reinitRV(b, Point(2, 2));
-  EXPECT_EQ(
-      testing::messageOf([&] { est.updatedCovariance(b); }),
-      "[slom.not-updated] covariances of an update were asked for variable b, but the problem has changed "
-      "since, or optimize() took over; call update() first, or ask covariance()");
+  EXPECT_EQ(testing::messageOf([&] { est.updatedCovariance(b); }),
+            "[slom.not-updated] no covariance of an update for variable b: the problem has changed "
+            "since, or optimize() took over; call update() first, or ask covariance()");
   est.bound(b, "x", -10, 10);
   est.update();
   EXPECT_EQ(
       testing::messageOf([&] { est.updatedCovariance(b); }),
-      "[slom.not-updated] covariances of an update were asked for variable b, but there are bounds, and "
-      "update() leaves such fits to optimize(); ask covariance()");
+      "[slom.not-updated] no covariance of an update for variable b: update() leaves problems with bounds to "
+      "optimize(); ask covariance()");
 }
 
 }  // namespace

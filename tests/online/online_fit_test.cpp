@@ -390,7 +390,7 @@ TEST(OnlineFit, SaysWhatItDid) {
   std::ostringstream text;
   text << est.update();
   EXPECT_EQ(text.str(),
-            "converged: a further step promises a decrease of the RSS by 0, within the tolerance\n"
+            "converged: a further step is predicted to reduce the RSS by 0, within the tolerance\n"
             "RSS 0, 1 step, 1 move, 2 linearisations, 1 front\n"
             "not determined by measurements: a.y\n");
 }
@@ -436,9 +436,9 @@ TEST(OnlineFit, PutsOffStepsBeyondItsBudget) {
       EXPECT_GE(update.flops, budget);
       EXPECT_GT(update.promise, 0);
       // Before the last step there was some of the budget left.
-      EXPECT_EQ(update.message, "a further step promises a decrease of the RSS by " +
+      EXPECT_EQ(update.message, "a further step is predicted to reduce the RSS by " +
                                     number(update.promise, 3) +
-                                    ", and the budget of 1e+05 operations is used up; update() goes on");
+                                    ", and the budget of 1e+05 operations is used up; call update() again");
     }
     worst = std::max(worst, free.updates[i].flops);
   }
@@ -465,10 +465,9 @@ TEST(OnlineFit, LeavesAnUphillStepToOptimizeWhereThereIsABudget) {
   const UpdateSummary update = est.update({.budget = 1e9});
   EXPECT_FALSE(update.converged || update.used_optimize);
   EXPECT_TRUE(update.needs_optimize);
-  EXPECT_EQ(
-      update.message,
-      "a step led uphill, far away, or to where an unknown has lost its influence; optimize() takes over there "
-      "if there is no budget; call it when there is time");
+  EXPECT_EQ(update.message,
+            "a step led uphill, far away, or to a place where an unknown has no influence; without a budget, "
+            "optimize() would take over; call optimize() when there is time");
   EXPECT_EQ(*x, 3.0);
   EXPECT_TRUE(est.update().used_optimize);
   EXPECT_NEAR(*x, 0, 1e-6);

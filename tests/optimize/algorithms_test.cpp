@@ -189,8 +189,8 @@ TEST(GaussNewton, ReportsTheStepThatWasTakenBack) {
   EXPECT_EQ(summary.algorithm, "Gauss-Newton") << "it returns";
   ASSERT_EQ(summary.warnings.size(), 1u);
   EXPECT_EQ(summary.warnings[0],
-            "iteration 1: the Gauss-Newton step made the RSS grow; it was taken back and "
-            "Levenberg-Marquardt went on from there");
+            "iteration 1: the Gauss-Newton step made the RSS grow; the step was taken back, and "
+            "Levenberg-Marquardt continued from there");
 }
 
 TEST(GaussNewton, OptimizeStepMayLeadUphillAsPublished) {
@@ -229,8 +229,9 @@ struct Floating {
 
 TEST(RankDeficiency, StopsGaussNewtonWithNamesAndNothingLost) {
   const std::string expected =
-      "[slom.rank-deficient] the measurements do not determine a: the others leave less than 1e-08 of its column of the "
-      "Jacobian, so it can move, alone or together with others, without changing any residual; add measurements or a prior, "
+      "[slom.rank-deficient] the measurements do not determine a: given the other unknowns, less than 1e-08 "
+      "of its column of the Jacobian remains, so it can move, alone or with others, without changing any "
+      "residual; add measurements or a prior, "
       "fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one of the many solutions, or BlockQR, which "
       "needs 1e-12";
   const std::string expected_b = [&] {
@@ -321,7 +322,7 @@ TEST(RankDeficiency, OfAFreeGaugeNeedsNoLimit) {
             "[slom.rank-deficient] the measurements do not determine point ");
   EXPECT_EQ(
       summary.message.substr(unknown.size()),
-      ": it can move, alone or together with others, without changing any residual; add measurements or a prior, "
+      ": it can move, alone or with others, without changing any residual; add measurements or a prior, "
       "fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one of the many solutions");
 }
 

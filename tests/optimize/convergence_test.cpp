@@ -151,7 +151,7 @@ TEST(Convergence, IsNotWhereDerivativesAreWrong) {
     EXPECT_FALSE(summary.converged) << summary;
     EXPECT_EQ(summary.stop_reason, slom::StopReason::no_progress);
     EXPECT_EQ(summary.message.rfind(
-                  "no step makes the RSS smaller, though the linear model promises a decrease by ", 0),
+                  "no step makes the RSS smaller, although the linear model predicts a decrease by ", 0),
               0u)
         << summary.message;
   }

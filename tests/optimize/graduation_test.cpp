@@ -139,8 +139,8 @@ TEST(Graduation, WithoutLossesIsAWarning) {
   const slom::Summary summary = fit.est.optimize(graduated());
   ASSERT_EQ(summary.warnings.size(), 2u);
   EXPECT_EQ(summary.warnings[0],
-            "graduated_non_convexity has nothing to graduate, as no measurement has a loss; pass "
-            "one to insertMeasurement, such as slom::GemanMcClure(3)");
+            "graduated_non_convexity has nothing to graduate, because no measurement has a loss; pass a loss "
+            "to insertMeasurement, such as slom::GemanMcClure(3)");
   EXPECT_EQ(summary.warnings[1].rfind("chi-square / dof is 398, where", 0), 0u)
       << "the outliers: " << summary.warnings[1];
   EXPECT_EQ(summary.stages, 0);
@@ -223,8 +223,8 @@ TEST(Graduation, WarnsWhenItEndsAboveTheStart) {
   char expected[200];
   std::snprintf(
       expected, sizeof expected,
-      "graduated non-convexity ended at the RSS %g, above that of the start, %g; if the start was a good one, fit "
-      "from it without graduated_non_convexity",
+      "graduated non-convexity ended at the RSS %g, above the RSS of the start, %g; if the start was good, "
+      "fit from it without graduated_non_convexity",
       summary.final_rss, summary.initial_rss);
   EXPECT_EQ(summary.warnings, std::vector<std::string>{expected});
 }

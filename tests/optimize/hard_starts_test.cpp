@@ -319,8 +319,8 @@ TEST(StatedNoise, ReportsSayWhatWasAssumed) {
   };
   EXPECT_NE(fit(10).report().find("standard deviations are taken as stated\n"), std::string::npos);
   const std::string none = fit(0).report();
-  EXPECT_NE(none.find("no standard deviation was stated, 1 is assumed; the residuals show 0.000876: "
-                      "setSigma(slom::Sigma::estimated) takes that"),
+  EXPECT_NE(none.find("no standard deviation was stated, 1 is assumed; the residuals show 0.000876; "
+                      "setSigma(slom::Sigma::estimated) adopts this value"),
             std::string::npos)
       << none;
   EXPECT_NE(fit(0).json().find("\"stated_noise\": \"none\""), std::string::npos);

@@ -40,7 +40,7 @@ TEST(Restart, FindsTheMinimumThatLongFirstStepsMiss) {
   EXPECT_EQ(summary.final_rss, bard.est.getRSS());
   ASSERT_EQ(summary.warnings.size(), 1u) << summary;
   EXPECT_EQ(summary.warnings[0],
-            "iteration 5: rank deficient; the fit began again from the start by short steps of "
+            "iteration 5: rank deficient; the fit began again from the start with short steps of "
             "Levenberg-Marquardt");
   ASSERT_GT(summary.trace.size(), 6u);
   EXPECT_EQ(summary.trace[5].algorithm, "Gauss-Newton");

@@ -275,8 +275,8 @@ TEST(RunTimeKinds, ErrorsLeaveTheEstimatorAsItWas) {
       messageOf([&] {
         est.insertMeasurement(throwing, {x, y}, named("thrower"));
       }),
-      "[slom.measurement-threw] the function of measurement thrower #1 threw an exception (no) at x = (1), y = (2); "
-      "let it return NaN where it has no value, steps there are taken back");
+      "[slom.measurement-threw] the function of measurement thrower #1 threw an exception (no) at x = (1), y "
+      "= (2); let it return NaN if it has no value, and the step is taken back");
   EXPECT_EQ(est.getM(), 0);
   EXPECT_TRUE(est.optimize().groups.empty());
   est.removeRV(y);  // no measurement has it

@@ -102,29 +102,30 @@ TEST(Replay, RefusesWhatItCannotRead) {
       "problem.slom is not complete: its last line is not \"end\"; take a file that was written to its end");
   replay.expectRefused(
       replaced(network(), "0 2 | scalar 333.33333333333331 | 309.", "0 2 | scalar 333.33333333333331 | x"),
-      "problem.slom:15: what stands after the second | is not the data of Range(vect<2>, vect<2>, measured double): x" +
+      "problem.slom:15: the text after the second | is not the data of Range(vect<2>, vect<2>, measured "
+      "double): x" +
           network().substr(network().find("| 309.") + 6, 4));
 }
 
 TEST(Replay, RefusesAnUnknownMeasurementInOneLine) {
   replay.expectRefused(
       replaced(network(), "\"Range(", "\"Echo("),
-      "problem.slom:14: fit this file by the program that saved it; slom replay does not know "
-      "measurements \"Echo(vect<2>, vect<2>, measured double)\"");
+      "problem.slom:14: slom replay does not know measurements \"Echo(vect<2>, vect<2>, measured double)\"; "
+      "fit this file with the program that saved it");
   const TemporaryFolder folder;
   const CommandResult other =
       replay.runIn(folder, replaced(network(), "\"Range(vect<2>, vect<2>", "\"Range(vect<2>, vect<7>"), {});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(other.errors.starts_with(
-      "slom: problem.slom:14: fit this file by the program that saved it; slom replay "
-      "does not know measurements \"Range(vect<2>, vect<7>, measured double)\" but "
+      "slom: problem.slom:14: slom replay does not know measurements \"Range(vect<2>, vect<7>, measured "
+      "double)\" but "
       "\"Range(vect<2>, vect<2>, measured double)\", \"Range("))
       << other.errors;
   EXPECT_LT(other.errors.size(), 600u);
 }
 
 TEST(Replay, RefusesOptions) {
-  replay.expectRefused(network(), "--algorithm newton: the algorithms are gn, lm and dogleg",
+  replay.expectRefused(network(), "--algorithm newton: unknown algorithm; give gn, lm or dogleg",
                        {"--algorithm", "newton"});
   replay.expectRefused(network(), "--max-iterations 0: give a number from 1 on", {"--max-iterations", "0"});
 }

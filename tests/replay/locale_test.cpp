@@ -122,8 +122,7 @@ TEST(Locale, FilesWithCommasAreRefusedWithTheReason) {
   const std::string head = "slom problem 1\nvariables \"vect<2>\"\n\"A\" fixed 0 0\n\"P\" free 4 4.5\n";
   const std::string group = head + "measurements \"Range(vect<2>, vect<2>, measured double)\" \"\"\n";
   const std::string why =
-      "; decimals stand after a comma there, as a program with a locale of such a language writes them: "
-      "write points";
+      "; the number has a decimal comma, as programs with such a locale write; use decimal points";
   const auto expectRefused = [&](const std::string& text, const std::string& sentence) {
     std::istringstream is(text);
     EXPECT_EQ(messageOf([&] { networkArchive().load(is, "FILE"); }),
@@ -134,7 +133,7 @@ TEST(Locale, FilesWithCommasAreRefusedWithTheReason) {
   expectRefused(group + "0 1 | scalar 3 huber 1,345 | 5.5\nend\n", "6: numbers are missing after huber");
   expectRefused(
       group + "0 1 | scalar 3 huber 1.345 | 5,5\nend\n",
-      "6: what stands after the second | is not the data of Range(vect<2>, vect<2>, measured double): 5,5");
+      "6: the text after the second | is not the data of Range(vect<2>, vect<2>, measured double): 5,5");
   expectRefused(head + "\"Q\" free 4,5 1\nend\n", "5: variable \"Q\" has no value that is a vect<2>: 4,5 1");
   expectRefused(head + "bound 1 \"x\" 0,5 7\nend\n", "5: write bound NUMBER \"COMPONENT\" LOWER UPPER");
 }
@@ -145,9 +144,8 @@ TEST(Locale, AFileOfAGermanProgram) {
   const auto result = runCommand({commandPath().string(), "replay", file});
   EXPECT_EQ(result.errors,
             "slom: " + file +
-                ":6: \"3,3333333333333335\" is neither a number of the noise nor a loss nor a |; decimals "
-                "stand after a "
-                "comma there, as a program with a locale of such a language writes them: write points\n");
+                ":6: \"3,3333333333333335\" is neither a number of the noise nor a loss nor a |; the number "
+                "has a decimal comma, as programs with such a locale write; use decimal points\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 
@@ -159,9 +157,8 @@ TEST(ArchiveFaults, SizesWithoutNumbers) {
   std::istringstream is(
       "slom problem 1\nvariables \"double\"\n\"x\" free 1\nmeasurements \"sum\" \"\"\n0 | unit | 10000 10000 "
       "1 2\nend\n");
-  EXPECT_EQ(
-      messageOf([&] { archive.load(is, "FILE"); }),
-      "[slom.bad-archive] FILE:5: what stands after the second | is not the data of sum: 10000 10000 1 2");
+  EXPECT_EQ(messageOf([&] { archive.load(is, "FILE"); }),
+            "[slom.bad-archive] FILE:5: the text after the second | is not the data of sum: 10000 10000 1 2");
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ struct Tally {
     for (auto* sums : {&squared_errors, &variances}) sums->resize(size);
     bool is_named = false;
     for (const std::string& note : clustered.notes(p)) {
-      is_named = is_named || note.find("one group carries most of a value") == 0 ||
+      is_named = is_named || note.find("one group (in brackets) determines most of a value") == 0 ||
                  (note.find("there are only") == 0 && note.find(" in order") == std::string::npos);
     }
     ++runs;

@@ -69,7 +69,7 @@ struct Views {
 void refuseUnseen(const Scene& scene, const Faulty& unseen) {
   if (unseen.isEmpty()) return;
   throw UserError(fmt::format(
-      "{}: {} {} no observation, so that nothing determines {}; add observations, or remove {}", scene.file,
+      "{}: {} {} no observation, so nothing determines {}; add observations, or remove {}", scene.file,
       unseen.text(), unseen.choose("has", "have"), unseen.choose("it", "them"), unseen.choose("it", "them")));
 }
 
@@ -85,13 +85,13 @@ void refusePointsWithoutImage(const Scene& scene) {
     if (std::isfinite(scene.residual(observation).squaredNorm())) {
       if (std::abs(p[2]) > no_depth * p.norm()) continue;
       throw UserError(fmt::format(
-          "{}:{}: point {} lies in the plane of camera {} (depth {:.3g} at a distance of {:.3g}), where it "
-          "has no image; correct the two, or remove this observation",
+          "{}:{}: point {} lies in the plane of camera {} (depth {:.3g} at a distance of {:.3g}), where a "
+          "point has no image; correct the point or the camera, or remove the observation",
           scene.file, observation.line, observation.point, observation.camera, std::abs(p[2]), p.norm()));
     }
     throw UserError(
-        fmt::format("{}:{}: point {} has no image in camera {}, as the prediction is not a finite number; "
-                    "correct the two, or remove this observation",
+        fmt::format("{}:{}: point {} has no image in camera {}: the prediction is not a finite number; "
+                    "correct the point or the camera, or remove the observation",
                     scene.file, observation.line, observation.point, observation.camera));
   }
 }
@@ -105,8 +105,9 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
     Faulty first("part");
     for (const Part& part : parts) first.add(std::size_t(part.cameras.front()));
     warnings.push_back(fmt::format(
-        "the scene falls into {} parts that share no point, with the cameras {}: nothing says how they lie to "
-        "each other, so that {} further directions are free; add observations of common points, or fit each part by itself",
+        "the scene has {} parts that share no point, with the cameras {}: their relative place, rotation and "
+        "scale are unknown, so {} more directions are free; add observations of common points, or fit each "
+        "part alone",
         parts.size(), first.names(), similarity * (int(parts.size()) - 1)));
   }
   Faulty few("camera");
@@ -119,13 +120,14 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
   }
   if (!few.isEmpty()) {
     warnings.push_back(fmt::format(
-        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: damping alone holds the rest, up to {}; "
+        "{} {} fewer than {} points, too few for the 9 unknowns of a camera: only damping holds the rest, up "
+        "to {}; "
         "add observations, or remove {}",
         few.text(), few.choose("sees", "see"), few_points + 1,
         plural(std::size_t(most_free), "free direction"), few.choose("it", "them")));
   }
   if (!seen_once.isEmpty()) {
-    warnings.push_back(fmt::format("{} {} seen by one camera alone: damping alone holds {} along the ray, {}",
+    warnings.push_back(fmt::format("{} {} seen by only one camera: only damping holds {} along the ray, {}",
                                    seen_once.text(), seen_once.choose("is", "are"),
                                    seen_once.choose("it", "them"),
                                    plural(seen_once.count(), "free direction")));
@@ -150,7 +152,7 @@ std::string behindText(const Scene& scene) {
     if (is_behind[p] != 0) behind.add(p);
   }
   return fmt::format(
-      "{} {} behind cameras that see {} ({}), which no image can show: start {} in front of the "
+      "{} {} behind cameras that see {} ({}), which is impossible: start {} in front of the "
       "cameras, or remove {}",
       behind.text(), behind.choose("ends", "end"), behind.choose("it", "them"),
       plural(observations, "observation"), behind.choose("it", "them"), behind.choose("it", "them"));

@@ -16,6 +16,7 @@
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "fitting/words.hpp"
+#include "help.hpp"
 
 namespace slom::app {
 namespace bundle {
@@ -24,14 +25,9 @@ namespace {
 constexpr const char* help_text =
     R"(slom bundle problem.txt --output fitted.txt --output fitted.ply --json result.json
 
-Bundle adjustment: fit cameras and points to images of the points, from a BAL file.
-Each camera has a pose, a focal length and two coefficients of radial distortion. The file may be compressed by
-bzip2.
+Fit cameras and points to images of the points, from a BAL file (bundle adjustment).
+Each camera has a pose, a focal length and two coefficients of radial distortion.
 )";
-
-constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-or standard output could not be written, 2 wrong options or data.)";
 
 Summary fit(Scene& scene, const Settings& settings, const Console& console, double& setup_seconds) {
   const Stopwatch setup;
@@ -103,20 +99,23 @@ void addBundleCommand(CLI::App& app) {
   const auto raw = std::make_shared<RawOptions>();
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("bundle", help_text);
-  command.footer(footer_text);
-  command.add_option("FILE", settings.file, "cameras, points and observations in BAL's format; also as .bz2")
-      ->required();
+  command.footer(exit_codes);
+  command.add_option("FILE", settings.file, "scene in BAL's format, plain or compressed by bzip2 (.bz2)")
+      ->required()
+      ->type_name("");
   addFitOptions(command, raw->fit);
+  command.get_option("--algorithm")
+      ->description("lm: Levenberg-Marquardt; the others cannot hold the free directions");
   addLossOption(command, raw->fit);
   command
       .add_option("--tolerance", settings.tolerance,
-                  "the fit has converged when a step makes the RSS smaller by less than this, relatively")
+                  "the fit has converged if the relative decrease of the RSS by a step is\nbelow this")
       ->type_name("NUMBER")
       ->capture_default_str();
   command
       .add_option("--output", settings.output_files,
-                  "the fitted scene in BAL's format, FILE.txt or FILE.bal, or points and camera centres to\n"
-                  "look at, FILE.ply; may be given several times")
+                  "fitted scene in BAL's format, FILE.txt or FILE.bal, or cloud of points\n"
+                  "and camera centres, FILE.ply; may be repeated")
       ->type_name("FILE")
       ->allow_extra_args(false);
   addReportOptions(command, settings.report);

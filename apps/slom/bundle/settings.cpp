@@ -15,8 +15,8 @@ namespace {
 void checkAlgorithm(const NamedAlgorithm& algorithm) {
   if (algorithm.name == kAlgorithm) return;
   throw UserError(fmt::format(
-      "--algorithm {}: place, rotation and scale of a scene are free, and {} alone can hold them, by its "
-      "damping; leave the option out",
+      "--algorithm {}: cannot hold the free place, rotation and scale of a scene, as the damping of {} does; "
+      "drop this option",
       algorithm.name, kAlgorithm));
 }
 
@@ -28,7 +28,8 @@ void checkTolerance(double tolerance) {
 void checkOutput(const std::string& file) {
   if (formatOf(file) != Format::unknown) return;
   throw UserError(fmt::format(
-      "--output {}: a result is a BAL file, FILE.txt or FILE.bal, or a cloud of points to look at, FILE.ply",
+      "--output {}: unknown format; give FILE.txt or FILE.bal (a scene in BAL's format) or FILE.ply (a cloud "
+      "of points)",
       file));
 }
 

@@ -5,9 +5,9 @@
 namespace slom::app {
 
 void addReportOptions(CLI::App& command, ReportOptions& options) {
-  command.add_option("--json", options.json_file, "result and times as JSON; - for standard output")
+  command.add_option("--json", options.json_file, "result and times as JSON; -: standard output")
       ->type_name("FILE");
-  command.add_flag("--quiet", options.quiet, "print errors only");
+  command.add_flag("--quiet", options.quiet, "print only errors");
 }
 
 Console::Console(const ReportOptions& options)

@@ -32,7 +32,7 @@ std::string limitReached(double max_seconds) {
 void addTimeLimit(CLI::App& command, double& max_seconds) {
   command
       .add_option("--max-seconds", max_seconds,
-                  "ends the work after this time, as Ctrl-C does, with the best values reached;\n0: no limit")
+                  "stop after this time, as Ctrl-C does, with the best values; 0: never")
       ->type_name("NUMBER")
       ->capture_default_str();
 }

@@ -39,20 +39,29 @@ std::vector<std::string> allOf(std::span<const Entry> table, const char* Entry::
 }
 
 /// What a help text says of one option, in lines that fit beside its name.
-std::string help(const std::string& text) { return wrapped(text, 76); }
+std::string help(const std::string& text) { return wrapped(text, 70); }
+
+/// `name: description` of all entries of a table of the library.
+template <class Entry>
+std::string described(std::span<const Entry> table) {
+  std::vector<std::string> parts;
+  for (const Entry& entry : table) parts.push_back(fmt::format("{}: {}", entry.name, entry.description));
+  return listed(parts, "; ", "; ");
+}
 
 NamedAlgorithm parseAlgorithm(const std::string& text) {
   if (const NamedAlgorithm* const found = algorithmNamed(text)) return *found;
-  throw UserError(fmt::format("--algorithm {}: the algorithms are {}", text,
-                              listed(allOf(algorithms(), &NamedAlgorithm::name), ", ", " and ")));
+  throw UserError(fmt::format("--algorithm {}: unknown algorithm; give {}", text,
+                              listed(allOf(algorithms(), &NamedAlgorithm::name), ", ", " or ")));
 }
 
 NamedSolver parseSolver(const std::string& text) {
   const NamedSolver* const found = solverNamed(text);
   if (found != nullptr && found->missing == nullptr) return *found;
-  throw UserError(fmt::format(
-      "--solver {}: the solvers are {}{}", text, listed(allOf(solvers(), &NamedSolver::name), ", ", " and "),
-      found == nullptr ? "" : fmt::format("; this build is without {}", found->missing)));
+  throw UserError(
+      fmt::format("--solver {}: {}; give {}", text,
+                  found == nullptr ? "unknown solver" : fmt::format("this build has no {}", found->missing),
+                  listed(allOf(solvers(), &NamedSolver::name), ", ", " or ")));
 }
 
 /// What stands for the loss in `--robust`, without its scale.
@@ -67,7 +76,7 @@ Loss parseLoss(const std::string& text) {
   if (known == nullptr) {
     std::vector<std::string> names;
     for (const LossKind* const loss : losses()) names.emplace_back(loss->stored_name);
-    throw UserError(fmt::format("--robust {}: the losses are {}", text, listed(names, ", ", " and ")));
+    throw UserError(fmt::format("--robust {}: unknown loss; give {}", text, listed(names, ", ", " or ")));
   }
   std::vector<double> numbers;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -80,30 +89,28 @@ Loss parseLoss(const std::string& text) {
     const Loss loss(*known, numbers.back(), known->has_shape ? numbers.front() : 0);
     if (loss.fault().empty()) return loss;
   }
-  throw UserError(fmt::format("--robust {}: write {}:SCALE, {}SCALE a positive number of standard deviations",
-                              text, formOf(*known), known->has_shape ? "ALPHA not above 2 and " : ""));
+  throw UserError(
+      fmt::format("--robust {}: write {}:SCALE; {}SCALE is a positive number of standard "
+                  "deviations",
+                  text, formOf(*known), known->has_shape ? "ALPHA is not above 2, and " : ""));
 }
 
 }  // namespace
 
 void addFitOptions(CLI::App& command, RawFitOptions& raw) {
-  command
-      .add_option("--algorithm", raw.algorithm,
-                  help(listed(allOf(algorithms(), &NamedAlgorithm::description), "; ", "; ")))
+  command.add_option("--algorithm", raw.algorithm, help(described(algorithms())))
       ->type_name(listed(allOf(algorithms(), &NamedAlgorithm::name), "|", "|"))
       ->capture_default_str();
-  command
-      .add_option(
-          "--solver", raw.solver,
-          help("of the linear systems: " + listed(allOf(solvers(), &NamedSolver::description), "; ", "; ")))
+  command.add_option("--solver", raw.solver, help("linear solver; " + described(solvers())))
       ->type_name(listed(allOf(solvers(), &NamedSolver::name), "|", "|"))
       ->capture_default_str();
-  command.add_option("--threads", raw.threads, "0: as many as the machine has; the result is the same")
+  command
+      .add_option("--threads", raw.threads, "threads; 0: all of the machine; any number gives the same bits")
       ->type_name("NUMBER")
       ->capture_default_str();
   command
       .add_option("--max-iterations", raw.max_iterations,
-                  help("of the fit; default: 100000 / unknowns, but at least 100 and at most 10000"))
+                  "limit of iterations; default: 100000 / unknowns, from 100 to 10000")
       ->type_name("NUMBER");
   addTimeLimit(command, raw.max_seconds);
 }
@@ -114,7 +121,7 @@ void addLossOption(CLI::App& command, RawFitOptions& raw) {
     forms.push_back(formOf(*loss) + (loss->has_shape ? ":SCALE" : ""));
   command
       .add_option("--robust", raw.loss,
-                  help("loss of all measurements, with its scale in standard deviations: " +
+                  help("loss of all measurements, SCALE in standard deviations; NAME is " +
                        listed(forms, ", ", ", or ")))
       ->type_name("NAME:SCALE");
 }

@@ -26,6 +26,7 @@
 #include "graph/output/sketch.hpp"
 #include "graph/output/svg.hpp"
 #include "graph/settings.hpp"
+#include "help.hpp"
 #include "output_files.hpp"
 
 namespace slom::app {
@@ -36,13 +37,9 @@ constexpr const char* help_text =
     R"(slom graph map.g2o --output fitted.g2o --plot map.svg --json result.json
 
 Fit a pose graph, the map of a robot, from a g2o or TORO file.
-Poses and landmarks in the plane or in space, edges with their information matrices. Says what it holds where
-the file has no lines FIX, and finds start values where it has no vertices.
+Poses and landmarks are in the plane or in space; edges have information matrices. If the file has
+no lines FIX, the report says what is fixed. If it has no vertices, start values are found.
 )";
-
-constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-or standard output could not be written, 2 wrong options or data.)";
 
 /// Everything between reading and fitting.
 template <class Pose>
@@ -200,36 +197,37 @@ void addGraphCommand(CLI::App& app) {
   const auto raw = std::make_shared<RawOptions>();
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("graph", help_text);
-  command.footer(footer_text);
-  command.add_option("FILE", settings.file, "the graph, with lines of g2o or TORO")->required();
+  command.footer(exit_codes);
+  command.add_option("FILE", settings.file, "graph in the format of g2o or TORO")->required()->type_name("");
   addFitOptions(command, raw->fit);
   addLossOption(command, raw->fit);
   command
       .add_option("--init", raw->init,
-                  "where the fit starts: at the vertices of the file, at the chain of edges i, i+1,\n"
-                  "at a breadth-first tree of edges, at a chordal relaxation of all edges, or where\n"
-                  "short fits lead that add pose after pose; auto: the one with the lowest RSS, of the\n"
-                  "last only with landmarks")
+                  "where the fit starts; file: at the vertices; odometry: along edges\n"
+                  "i, i+1; spanning-tree: along a breadth-first tree of edges; chordal:\n"
+                  "at a chordal relaxation of all edges; build-up: after short fits that\n"
+                  "add pose after pose; auto: where the RSS is lowest (build-up only for\n"
+                  "graphs with landmarks)")
       ->type_name("auto|file|odometry|spanning-tree|chordal|build-up")
       ->capture_default_str();
   command
-      .add_option(
-          "--rotation-error", raw->rotation_error,
-          "of edges in space: the rotation vector, or the vector part of the quaternion, as g2o has it")
+      .add_option("--rotation-error", raw->rotation_error,
+                  "rotation error of edges in space: rotation vector, or vector part of\n"
+                  "the quaternion as in g2o")
       ->type_name("vector|quaternion")
       ->capture_default_str();
   command.add_flag("--online{yes}", raw->online,
-                   "feed the poses one by one by rising id, with an update of the map after each;\n"
-                   "--online=check compares each hundredth update with the batch fit");
+                   "feed the poses one by one by rising id and update the map after each;\n"
+                   "--online=check also compares each 100th update with the batch fit");
   command.add_flag("--repair-information", settings.repair_information,
-                   "take the nearest matrix for information that is not positive definite");
+                   "use the nearest matrix if information is not positive definite");
   command.add_flag("--hold-parts", settings.hold_parts,
-                   "hold the first vertex of each part of the graph without a fixed pose or landmark");
-  command.add_option("--output", settings.output_file, "fitted graph, in g2o's format")->type_name("FILE");
+                   "fix the first vertex of each part without a fixed pose or landmark");
+  command.add_option("--output", settings.output_file, "fitted graph in g2o's format")->type_name("FILE");
   command
       .add_option("--plot", settings.plot_file,
-                  "the fitted graph as a picture, FILE.svg, in the plane only, or as a page to turn it on,\n"
-                  "FILE.html")
+                  "drawing of the fitted graph: FILE.svg for graphs in the plane, or\n"
+                  "FILE.html, a page on which to turn it")
       ->type_name("FILE");
   addReportOptions(command, settings.report);
   command.callback([raw] { run(*raw); });

@@ -38,8 +38,8 @@ class Check {
     for (auto& edge : edges) {
       if (isPositiveDefinite(edge.information)) continue;
       if (edge.information.isZero(0)) {
-        throw UserError(fmt::format(
-            "{}:{}: the information is 0, so that nothing is measured; remove the line", file_, edge.line));
+        throw UserError(fmt::format("{}:{}: the information is 0, so nothing is measured; remove the line",
+                                    file_, edge.line));
       }
       ++count_;
       if (lines_.size() < most_lines) lines_.push_back(edge.line);
@@ -50,9 +50,8 @@ class Check {
   int finish() const {
     if (count_ == 0 || repair_) return count_;
     throw UserError(fmt::format(
-        "{}: the information of {} is not positive definite ({} {}{}); correct it, or give "
-        "--repair-information, which "
-        "takes the nearest matrix that is",
+        "{}: the information of {} is not positive definite ({} {}{}); correct it, or pass "
+        "--repair-information to use the nearest positive definite matrix",
         file_, count_ == 1 ? "1 edge" : fmt::format("{} edges", count_), count_ == 1 ? "line" : "lines",
         fmt::join(lines_, ", "), count_ > int(lines_.size()) ? ", ..." : ""));
   }

@@ -14,14 +14,16 @@ namespace {
 RotationError parseRotationError(const std::string& text) {
   if (text == "vector") return RotationError::vector;
   if (text == "quaternion") return RotationError::quaternion;
-  throw UserError(fmt::format("--rotation-error {}: the errors are vector and quaternion", text));
+  throw UserError(fmt::format("--rotation-error {}: unknown error; give vector or quaternion", text));
 }
 
 void checkPlot(const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension().string();
   if (file.empty() || extension == ".svg" || extension == ".html") return;
   throw UserError(
-      fmt::format("--plot {}: a plot is a picture, FILE.svg, or a page to turn it on, FILE.html", file));
+      fmt::format("--plot {}: unknown format; give FILE.svg (a picture) or FILE.html (a page on which to "
+                  "turn it)",
+                  file));
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ Settings parseSettings(const RawOptions& raw) {
   settings.online = parseOnline(raw.online);
   if (settings.online != Online::no && settings.init) {
     throw UserError(fmt::format(
-        "--init {}: with --online each pose starts where an edge from those before it leads; leave one out",
+        "--init {}: has no effect with --online, where each pose starts at the end of an edge from earlier "
+        "poses; drop one of the two",
         raw.init));
   }
   checkPlot(settings.plot_file);

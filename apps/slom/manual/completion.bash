@@ -14,6 +14,11 @@ _slom() {
   local help
   help=$("${COMP_WORDS[0]}" "${words[@]}" --help 2>/dev/null) ||
     help=$("${COMP_WORDS[0]}" "${words[@]:0:1}" --help 2>/dev/null) || return
+  # Less usual options are in --help-all.
+  if [[ $help == *$'\n'"  --help-all "* ]]; then
+    help=$("${COMP_WORDS[0]}" "${words[@]}" --help-all 2>/dev/null) ||
+      help=$("${COMP_WORDS[0]}" "${words[@]:0:1}" --help-all 2>/dev/null) || return
+  fi
   local listed='^  (-h,)?(--?[a-z][a-z-]*)(.*)$' subcommand='^  ([a-z][a-z-]*)( |$)' in_subcommands= line
   while IFS= read -r line; do
     if [[ $line == "Subcommands:" ]]; then

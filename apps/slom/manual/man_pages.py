@@ -12,7 +12,11 @@ COLUMN = 30  # where the help's texts of options begin
 
 
 def help_of(command, words):
-    return subprocess.run([command, *words, "--help"], check=True, capture_output=True, text=True).stdout.rstrip().split("\n")
+    """The lines of the help with all options."""
+    def said(flag):
+        return subprocess.run([command, *words, flag], check=True, capture_output=True, text=True).stdout.rstrip().split("\n")
+    lines = said("--help")
+    return said("--help-all") if any(line.startswith("  --help-all ") for line in lines) else lines
 
 
 def escaped(text):
@@ -69,7 +73,7 @@ def page(words, version, lines, others):
     for block in blocks:
         if block[0].startswith("Exit code: "):
             status = text_of([block[0][len("Exit code: "):], *block[1:]])
-        elif re.fullmatch(r"[A-Z]\w+:", block[0]) and all(line.startswith("  ") for line in block[1:]):
+        elif re.fullmatch(r"[A-Z][\w ]+:", block[0]) and all(line.startswith("  ") for line in block[1:]):
             sections += [".SH " + block[0][:-1].upper()]
             for item, text in items(block[1:]):
                 sections += [".TP", ".B " + escaped(item), *text_of(text)]

@@ -11,6 +11,7 @@
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "fitting/words.hpp"
+#include "help.hpp"
 #include "input_file.hpp"
 #include "output_files.hpp"
 #include "replay/kinds.hpp"
@@ -23,13 +24,10 @@ namespace {
 constexpr const char* help_text =
     R"(slom replay problem.slom --diagnose --json result.json
 
-Fit a problem that a program saved with slom::Archive, when its measurements are those that SLoM has.
-Shows what the program would have shown, with another algorithm or solver if you like; the file is text and may be edited.
+Fit a problem that a program saved with slom::Archive.
+All its measurements must be kinds of slom/measurements. The output is that of the program, with
+another algorithm or solver if you like. The file is text and may be edited.
 )";
-
-constexpr const char* footer_text =
-    R"(Exit code: 0 success, 1 the fit did not converge or is not determined (the report says why),
-or standard output could not be written, 2 wrong options or data.)";
 
 struct Settings {
   RawFitOptions fit;
@@ -62,7 +60,7 @@ std::string withoutList(const std::string& sentence) {
     for (std::size_t at = end; (at = sentence.find(function, at)) != std::string::npos; ++at)
       others += (others.empty() ? " but " : ", ") + sentence.substr(at, sentence.find('"', at + 1) + 1 - at);
   }
-  return fmt::format("{}: fit this file by the program that saved it; slom replay does not know {}{}",
+  return fmt::format("{}: slom replay does not know {}{}; fit this file with the program that saved it",
                      sentence.substr(0, place), type, others);
 }
 
@@ -127,13 +125,12 @@ void addReplayCommand(CLI::App& app) {
   using namespace replay;
   const auto settings = std::make_shared<Settings>();
   CLI::App& command = *app.add_subcommand("replay", help_text);
-  command.footer(footer_text);
-  command.add_option("FILE", settings->file, "the problem, as slom::Archive saves it")->required();
+  command.footer(exit_codes);
+  command.add_option("FILE", settings->file, "problem saved by slom::Archive")->required()->type_name("");
   addFitOptions(command, settings->fit);
   command.add_flag("--diagnose", settings->diagnose,
-                   "say first what of the problem is not or hardly determined");
-  command.add_option("--output", settings->output_file, "the problem with its fitted values")
-      ->type_name("FILE");
+                   "first print what is not determined or hardly determined");
+  command.add_option("--output", settings->output_file, "problem with the fitted values")->type_name("FILE");
   addReportOptions(command, settings->report);
   command.callback([settings] { run(*settings); });
 }

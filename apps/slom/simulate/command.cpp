@@ -47,12 +47,13 @@ void addStereoImu(CLI::App& simulate) {
   StereoImuOptions& options = arguments->options;
   CLI::App& command = *simulate.add_subcommand(
       "stereo-imu",
-      "A stereo camera with an accelerometer that looks at a level chessboard.\n"
-      "Example: slom simulate stereo-imu --seed 1 --output simulated\n"
-      "Writes left_corners.csv, right_corners.csv and imu.csv for `slom calibrate`, and truth.json.");
-  command.add_option("--output", arguments->output, "folder for the files; made where it is missing")
+      "slom simulate stereo-imu --seed 1 --output simulated\n\n"
+      "Simulate a stereo camera with an accelerometer that looks at a level chessboard.\n"
+      "Writes left_corners.csv, right_corners.csv and imu.csv for slom calibrate, and truth.json.\n");
+  command.add_option("--output", arguments->output, "folder for the files; created if it is missing")
+      ->type_name("FOLDER")
       ->required();
-  addNumber(command, "--seed", options.seed, "decides views and noise; equal seeds give equal files",
+  addNumber(command, "--seed", options.seed, "of the random views and noise; equal seeds give equal files",
             isAnySeed, "a whole number from 0 to 18446744073709551615");
   addNumber(command, "--images", options.images, "number of views", isNumberOfImages,
             "a whole number from 3, below which no camera can be calibrated, to 10000");
@@ -72,8 +73,9 @@ void addStereoImu(CLI::App& simulate) {
 }  // namespace
 
 void addSimulateCommand(CLI::App& app) {
-  CLI::App* simulate =
-      app.add_subcommand("simulate", "Write measurements of a device whose parameters are known.");
+  CLI::App* simulate = app.add_subcommand(
+      "simulate",
+      "slom simulate stereo-imu --seed 1 --output simulated\n\nWrite simulated measurements with known true parameters.\n");
   simulate->require_subcommand(1);
   addStereoImu(*simulate);
 }

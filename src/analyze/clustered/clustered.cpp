@@ -48,18 +48,18 @@ class VariableNotes {
     const auto say = [&](const char* sentence, const std::vector<std::string>& of) {
       if (!of.empty()) notes.push_back(sentence + listed(of, 8));
     };
-    say("of the stated variance a part is determined by one group alone, or by measurements without a group, "
-        "and is taken as stated: ",
+    say("a part of the variance comes from one group alone, or from measurements without a group; this part "
+        "is taken as stated: ",
         stated_);
-    say("one group carries most of a value, so that its standard deviation is by cr3 (in brackets the group): ",
+    say("one group (in brackets) determines most of a value, whose standard deviation is therefore by cr3: ",
         carried_);
-    say("the covariance by several ways had negative eigenvalues, which count as 0: ", indefinite_);
-    say("several ways together gave a smaller variance than one of them alone, which is taken: ", smaller_);
-    say("the variance still grows at the largest length of blocks of which there are enough; errors are shared "
-        "for longer, and the variance is too small: ",
+    say("the covariance by several groupings had negative eigenvalues, which count as 0: ", indefinite_);
+    say("one grouping alone gave a larger variance than all groupings together, and is taken: ", smaller_);
+    say("the variance still grows at the longest blocks of which there are enough; errors are shared over "
+        "longer series, and the variance is too small: ",
         growing_);
-    say("successive groups are so alike that all of them are worth fewer than ten independent ones, and intervals "
-        "hold less often than they say: ",
+    say("successive groups are so alike that together they count as fewer than 10 independent groups, and "
+        "intervals hold less often than stated: ",
         alike_);
     return notes;
   }

@@ -88,10 +88,9 @@ Clustered::State::State(const std::shared_ptr<const LinearizedProblem>& problem,
 const LinearizedProblem& Clustered::State::problem() const {
   const std::shared_ptr<const LinearizedProblem> now = linearized.lock();
   if (now != nullptr && now->isCurrent()) return *now;  // the estimator keeps it
-  throw Error(
-      "slom.stale-clustered",
-      "clustered covariances are those of a fit that has changed since, or that is gone; call clustered() again",
-      "Clustered");
+  throw Error("slom.stale-clustered",
+              "the clustered covariances belong to a fit that has changed or is gone; call clustered() again",
+              "Clustered");
 }
 
 const Clustered::State::Level& Clustered::State::level(int l) {
@@ -279,7 +278,8 @@ std::vector<std::string> Clustered::State::notes() const {
     if (way.count() < kFewGroups)
       result.push_back(
           "there are only " + counted(way.count(), "group") + " by " + way.way +
-          ": these variances are estimated from as few numbers, and say little beyond their degrees of freedom");
+          ": the variances are estimated from as few numbers, and are as uncertain as their degrees of "
+          "freedom say");
     if (way.ungrouped > 0)
       result.push_back(counted(way.ungrouped, "measurement") +
                        (way.ungrouped == 1 ? " is in no group by " : " are in no group by ") + way.way +
@@ -298,7 +298,7 @@ std::vector<std::string> Clustered::State::notes() const {
                      " are needed, better " + std::to_string(kFewInSeries));
   } else if (options.ordered && ways[0].count() < kFewInSeries) {
     result.push_back("there are only " + counted(ways[0].count(), "group") + " by " + ways[0].way +
-                     " in order: where neighbours are much alike, intervals hold less often than they say; " +
+                     " in order: if neighbours are much alike, intervals hold less often than stated; " +
                      std::to_string(kFewInSeries) + " are better");
   }
   if (refits && !refits->failed.empty())

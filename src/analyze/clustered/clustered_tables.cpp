@@ -87,11 +87,12 @@ int ClusterOutliers::suspects() const {
 std::string ClusterOutliers::text(int most_groups) const {
   const ClassicNumbers points;
   char line[200];
-  std::snprintf(
-      line, sizeof line,
-      "%s, %s; half of them pull at the values %.3g times as much as stated uncertainties let expect, or more%s\n",
-      counted(static_cast<int>(groups.size()), "group").c_str(), counted(suspects(), "suspect").c_str(),
-      std::sqrt(scale), is_relative ? ": each is compared with the others" : "");
+  std::snprintf(line, sizeof line,
+                "%s, %s; half of them pull at the values at least %.3g times as much as stated uncertainties "
+                "predict%s\n",
+                counted(static_cast<int>(groups.size()), "group").c_str(),
+                counted(suspects(), "suspect").c_str(), std::sqrt(scale),
+                is_relative ? ": each is compared with the others" : "");
   std::string all = line;
   std::snprintf(line, sizeof line, "  %-24s %12s %10s %5s %11s %14s\n", "group", "measurements", "statistic",
                 "dof", "as stated", "probability");
@@ -134,7 +135,7 @@ void Clustered::addTo(Summary& summary) const {
   }
   if (is_other || next != filled.size()) {
     throw Error("slom.no-parameters",
-                "the summary has no table of the parameters that these covariances are of; take the summary "
+                "the summary has no table of the parameters of these covariances; take the summary "
                 "of the last fit, with Options::most_parameters not below the number of unknowns",
                 "Summary");
   }

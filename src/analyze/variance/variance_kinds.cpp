@@ -58,8 +58,8 @@ void requireNoLosses(const MeasurementPool& pool, const std::string& kind) {
   if (pool.lossCount() == 0) return;
   throw Error("slom.components-with-loss",
               "measurements " + kind +
-                  " have losses, and the residuals that a loss lets grow say nothing of the variance of good "
-                  "measurements; remove the outliers and insert the others without a loss, or leave this "
+                  " have losses, so their residuals do not show the variance of good measurements; remove "
+                  "the outliers and insert the others without a loss, or leave this "
                   "kind out of VarianceOptions::kinds",
               kind);
 }
@@ -69,7 +69,7 @@ SharedTerm makeSharedTerm(const Problem& problem, const Clustering& kinds, const
   const auto found = std::find(kinds.names.begin(), kinds.names.end(), error.kind);
   if (found == kinds.names.end()) {
     throw Error("slom.no-component",
-                "an error is to be shared by measurements of the kind " + error.kind + "; there are " +
+                "no measurements are of the kind " + error.kind + ", which a SharedError names; there are " +
                     listed(kinds.names, 8),
                 error.kind);
   }
@@ -93,10 +93,10 @@ SharedTerm makeSharedTerm(const Problem& problem, const Clustering& kinds, const
       if (term.dimension == 0) term.dimension = pool.rows(i);
       if (pool.rows(i) == term.dimension) continue;
       throw Error("slom.bad-group",
-                  "measurements " + error.kind + " share an error by " + all.way + ", but that of " +
+                  "measurements " + error.kind + " share an error by " + all.way + ", but the residual of " +
                       pool.measurementName(i) + " has the length " + std::to_string(pool.rows(i)) +
                       ", and others have " + std::to_string(term.dimension) +
-                      "; name kinds whose residuals have one length",
+                      "; name kinds with residuals of one length",
                   pool.measurementName(i));
     }
   }
@@ -200,8 +200,8 @@ VarianceKinds makeVarianceKinds(const Problem& problem, const VarianceOptions& o
   }
   if (result.names.empty() && result.shared.empty()) {
     throw Error("slom.no-component",
-                "there are no measurements whose variance could be estimated; priors state what is known, "
-                "name them in VarianceOptions::kinds if theirs is in question",
+                "there are no measurements whose variance can be estimated; to estimate the variance of "
+                "priors, name them in VarianceOptions::kinds",
                 "varianceComponents");
   }
   return result;

@@ -61,10 +61,11 @@ class Decompressor {
     rest_.remove_prefix(offered - stream.avail_in);
     size_ += space - stream.avail_out;
     if (size_ > allowed_) {
-      io::fail("damaged",
-               fmt::format("{}: its {} bytes unpack to more than {}, which no scene does; get it again",
-                           file_, packed_, allowed_),
-               file_);
+      io::fail(
+          "damaged",
+          fmt::format("{}: its {} bytes unpack to more than {}, too many for a scene; get the file again",
+                      file_, packed_, allowed_),
+          file_);
     }
     const bool is_stuck = status == BZ_OK && rest_.empty() && stream.avail_out > 0;
     return is_stuck ? BZ_UNEXPECTED_EOF : status;

@@ -38,7 +38,7 @@ class Reader {
     readAll(scene_.points, points_, [this](int i) { return mtk::vect<3>(numbers("point", i, point_parts)); });
     if (words_.next()) {
       words_.fail(
-          fmt::format("{} stands after the last point, where the file should end: {}; correct that, "
+          fmt::format("{} comes after the last point, where the file should end: {}; correct the first line, "
                       "or remove the rest",
                       words_.quoted(), announced()));
     }
@@ -104,7 +104,7 @@ class Reader {
     words_.next();
   }
   [[noreturn]] void failObservation(const std::string& words) const {
-    words_.fail(fmt::format("an observation has 4 numbers on a line, \"{}\", and here are {}; {}",
+    words_.fail(fmt::format("an observation has 4 numbers on a line, \"{}\", but this line has {}; {}",
                             observation_form, words, announced()));
   }
   int index(const char* what, int count) const {
@@ -144,8 +144,8 @@ class Reader {
   void next(const char* thing, int i) {
     if (words_.next()) return;
     words_.fail(fmt::format(
-        "the file ends here, in front of {} {} or within it: {}; complete the file, or correct that", thing,
-        i, announced()));
+        "the file ends before {} {} is complete: {}; complete the file, or correct the first line", thing, i,
+        announced()));
   }
   double number(const char* thing, int i, const char* part) const {
     double value = 0;

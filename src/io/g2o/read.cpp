@@ -146,7 +146,7 @@ class Reader {
       if (own.number == 0) own = {std::string(tag.name), line.lineNumber()};
       if (other.number != 0) {
         line.fail(fmt::format(
-            "{} and {} of line {} do not belong together: one is of the plane, one of space; make "
+            "{} and {} of line {} do not belong together: one is in the plane, one in space; make "
             "two files",
             tag.name, other.tag, other.number));
       }
@@ -172,7 +172,7 @@ class Reader {
       for (const auto& [tag, lines] : unknown_.lines)
         found += (found.empty() ? ", its lines begin with " : ", ") + tag;
       fail("no-edges",
-           raw.graph.file + ": there is no edge in it" + found +
+           raw.graph.file + ": the file has no edge" + found +
                "; a pose graph has lines EDGE_SE2, EDGE_SE3:QUAT, EDGE2 or EDGE3",
            raw.graph.file);
     }

@@ -13,7 +13,7 @@ Pose3 readQuaternionPose(Lines& line) {
   const mtk::vect<3> position = readPoint<3>(line);
   const mtk::vect<4> q = readPoint<4>(line);
   if (!std::isnormal(q.squaredNorm()))
-    line.fail("the quaternion has length 0 or no length at all; write one of length 1, qx qy qz qw");
+    line.fail("the length of the quaternion is 0 or not finite; write a quaternion of length 1, qx qy qz qw");
   return {mtk::SO3<>(q[3], q[0], q[1], q[2]), position};
 }
 

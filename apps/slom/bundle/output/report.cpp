@@ -14,7 +14,7 @@ namespace slom::app::bundle {
 std::string sceneText(const Scene& scene, const SceneCheck& check) {
   std::string text = fmt::format(
       "bundle adjustment, {}\n  {}, {}, {}\n"
-      "  gauge: {} directions are free (place, rotation and scale of {}), kept in place by damping alone\n",
+      "  gauge: {} directions are free (place, rotation and scale of {}), held only by damping\n",
       oneLine(scene.file), plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
       plural(scene.observations.size(), "observation"), similarity * check.parts,
       check.parts == 1 ? "the whole" : fmt::format("each of {} parts", check.parts));
@@ -30,8 +30,8 @@ std::string furtherText(const FreeDirections& free) {
     names += (i == 0 ? "" : ", ") + free.names[i];
   if (free.names.size() > most_named) names += ", ...";
   return fmt::format(
-      "{} free beyond place, rotation and scale: {} can move, with others or alone, without changing any image, and "
-      "damping alone holds them; add observations",
+      "{} free beyond place, rotation and scale: {} can move, alone or with others, without changing any "
+      "image, and only damping holds them; add observations",
       free.further == 1 ? "1 direction is" : fmt::format("{} directions are", free.further),
       names.empty() ? "cameras and points" : names);
 }

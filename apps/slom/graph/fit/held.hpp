@@ -19,7 +19,7 @@ struct HeldRotation {
 struct Gauge {
   std::string text;  ///< "pose 0", "the first vertex of 3 more parts"; empty where the lines FIX suffice
   std::vector<HeldRotation> rotations;
-  std::string rotations_text;  ///< "the heading of pose 0, as all can turn about landmark 2"
+  std::string rotations_text;  ///< "the heading of pose 0, because the map can turn about landmark 2"
 
   /// Fixes what is held of pose number `pose`, whose variable is `id`.
   template <class Pose>

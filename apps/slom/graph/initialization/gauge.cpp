@@ -32,15 +32,15 @@ template <class Pose>
   constexpr std::size_t most_parts = 5;
   std::string names;
   for (std::size_t i = 0; i < std::min(open.size(), most_parts); ++i) {
-    names += fmt::format("{}that of {} ({})", i == 0 ? "" : ", ", nameOf(graph, open[i].first),
+    names += fmt::format("{}the part of {} ({})", i == 0 ? "" : ", ", nameOf(graph, open[i].first),
                          open[i].vertices == 1 ? "1 vertex" : fmt::format("{} vertices", open[i].vertices));
   }
   throw UserError(
-      fmt::format("{}: the graph falls into {} parts that no edge connects, and {} no fixed pose: {}{}; add "
+      fmt::format("{}: the graph has {} parts that no edge connects, and {} no fixed pose: {}{}; add "
                   "edges between them, add "
-                  "a line FIX for a pose of each, or give --hold-parts, which holds the first vertex of each",
-                  graph.file, parts, open.size() == 1 ? "1 holds" : fmt::format("{} hold", open.size()),
-                  names, open.size() > most_parts ? ", ..." : ""));
+                  "a line FIX for a pose of each, or pass --hold-parts to fix the first vertex of each",
+                  graph.file, parts, open.size() == 1 ? "1 has" : fmt::format("{} have", open.size()), names,
+                  open.size() > most_parts ? ", ..." : ""));
 }
 
 /// Without vertices nothing says how what is fixed lies to each other.
@@ -54,7 +54,7 @@ void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Componen
     if (component.fixed_poses > 0) what.push_back(plural(std::size_t(component.fixed_poses), "pose"));
     if (landmarks > 0) what.push_back(plural(landmarks, "landmark"));
     throw UserError(
-        fmt::format("{}: {} are fixed, but the file has no vertices that say where they are; fix one "
+        fmt::format("{}: {} are fixed, but the file has no vertices that give their places; fix one "
                     "of them, or add vertices",
                     graph.file, listed(what, ", ", " and ")));
   }
@@ -89,7 +89,7 @@ void holdRotations(const PoseGraph<Pose>& graph, const std::vector<Component<Pos
     gauge.rotations.push_back(
         {component.first, is_about_line ? componentAbout(rotation.axis, pose.value.orient) : "orient"});
     gauge.rotations_text +=
-        fmt::format("{}the {} of pose {}, as all can turn about {}{}",
+        fmt::format("{}the {} of pose {}, because the map can turn about {}{}",
                     gauge.rotations_text.empty() ? "" : " and ", dim<Pose> == 2 ? "heading" : "rotation",
                     pose.id, is_about_line ? "the line through " : "", placesText(component.names));
   }

@@ -28,8 +28,8 @@ std::string unreachedText(const std::string& file, std::uint64_t id, const std::
         id, file);
   }
   return fmt::format(
-      "--init {}: no edge between poses leads to pose {} of {}, which landmarks alone connect with the rest; "
-      "add an edge, or vertices for all",
+      "--init {}: no edge between poses leads to pose {} of {}, which only landmarks connect with the rest; "
+      "add an edge, or add vertices for all",
       init, id, file);
 }
 
@@ -127,7 +127,7 @@ std::optional<Start> parseStart(const std::string& text) {
     if (text == optionOf(start)) return start;
   }
   throw UserError(fmt::format(
-      "--init {}: the starts are auto, file, odometry, spanning-tree, chordal and build-up", text));
+      "--init {}: unknown start; give auto, file, odometry, spanning-tree, chordal or build-up", text));
 }
 
 template <class Pose>

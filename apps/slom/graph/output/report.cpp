@@ -38,20 +38,20 @@ std::string fixedText(const PoseGraph<Pose>& graph, const Gauge& gauge) {
     text += ", by lines FIX";
     if (!gauge.text.empty()) text += " and --hold-parts (" + gauge.text + ")";
   } else {
-    text = gauge.text.empty() ? "nothing, as priors say where the map is"
-                              : gauge.text + ", as there are no lines FIX";
+    text = gauge.text.empty() ? "nothing, because priors place the map"
+                              : gauge.text + ", because there are no lines FIX";
   }
   if (!gauge.rotations_text.empty()) text += "; and " + gauge.rotations_text;
   return text;
 }
 
-/// `chordal, of the lowest RSS among file, odometry and chordal`
+/// `chordal, with the lowest RSS among file, odometry and chordal`
 std::string startText(const std::optional<StartFound>& start) {
-  if (!start) return "each pose where an edge from those before it leads";
+  if (!start) return "each pose at the end of an edge from earlier poses";
   const StartFound& found = *start;
   std::string text = optionOf(found.start);
   for (std::size_t i = 0; found.tried.size() > 1 && i < found.tried.size(); ++i) {
-    text += i == 0 ? ", of the lowest RSS among " : i + 1 == found.tried.size() ? " and " : ", ";
+    text += i == 0 ? ", with the lowest RSS among " : i + 1 == found.tried.size() ? " and " : ", ";
     text += optionOf(found.tried[i]);
   }
   return text;
