@@ -11,7 +11,9 @@
 #include <tbb/task_arena.h>
 #endif
 
-#ifdef __SANITIZE_THREAD__
+#include "mtk/detail/sanitizers.hpp"
+
+#ifdef MTK_THREAD_SANITIZER
 #include <atomic>
 #include <thread>
 #endif
@@ -52,7 +54,7 @@ class ThreadArena {
 };
 #endif
 
-#if defined(__SANITIZE_THREAD__) && defined(SLOM_WITH_TBB)
+#if defined(MTK_THREAD_SANITIZER) && defined(SLOM_WITH_TBB)
 /// oneTBB's library is compiled without the thread sanitizer, which then sees one half of its locks and queues and reports races that
 /// are none. Under it loops run on threads of their own, so that what is judged is what their bodies do; these do not throw. The
 /// counter puts no body before another.

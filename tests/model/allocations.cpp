@@ -3,13 +3,15 @@
 #include <cstdlib>
 #include <new>
 
+#include "mtk/detail/sanitizers.hpp"
+
 namespace {
 
 std::size_t count = 0;
 
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(MTK_ADDRESS_SANITIZER)
 void* operator new(std::size_t size) {
   ++count;
   if (void* p = std::malloc(size > 0 ? size : 1)) return p;

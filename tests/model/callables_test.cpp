@@ -325,7 +325,7 @@ TEST(Insertion, OfAMillionMeasurementsAllocatesForNoneOfThem) {
   const auto f = [](const auto& a, const auto& b, double z) { return a * z + b; };
   [[maybe_unused]] const std::size_t before = allocations();
   for (int i = 0; i < 1'000'000; ++i) est.insertMeasurement(f, x, y, i * 1e-6, slom::StandardDeviation(0.1));
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(MTK_ADDRESS_SANITIZER)
   EXPECT_LT(allocations() - before, 1000u);  // arrays that double their size
 #endif
   EXPECT_EQ(est.getM(), 1'000'000);

@@ -25,7 +25,7 @@ const std::map<std::string, std::string> others{
     {"fuzz", "readers and fits, on any bytes"},
     {"install", "projects of users"},
     {"listings", "the listings of the paper"},
-    {"members", "names of members of plain structs, which g++ alone knows: compiled by it"},
+    {"members", "names of members of plain structs, which g++ alone knows"},
     {"nist", "certified values for the whole fit"},
     {"report", "the report of slom calibrate, in a browser"},
     {"structure", "the sources themselves"},
