@@ -123,25 +123,26 @@ Dataset withSigmasOf(const Dataset& others, Dataset data) {
   return data;
 }
 
-/// Fits and estimates of noise and readout in turn, until the parameters stay where they are. A result that did not succeed is not fitted again.
+/// Fits, and estimates noise and readout from the residuals, in turn until the parameters stay where they are. If a fit fails, the result of the
+/// round before stands, with the noise and the readout that it was fitted with. A result that did not succeed is not fitted again.
 Result refined(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 50;
   constexpr double least_change = 1e-3;  // standard deviations
   std::vector<std::optional<ReadoutStep>> steps;
   for (int round = 0; round < most_rounds && result.success(); ++round) {
     if (!reasonToEnd(settings.limits).empty()) break;
-    double step = 0;
-    if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, result), settings, result);
-    const Dataset seen =
-        asFitted(result, data);  // with weights from residuals of this fit, not of a later readout
-    if (settings.rolling_shutter) {
-      steps = readoutSteps(seen, result);
-      step = takeSteps(steps, result);
-    }
-    Result next = fittedAgain(withSigmasOf(seen, withoutReadout(data, result)), settings, result);
-    if (!next.success()) break;  // the values of the last round are better than none
+    Result proposed = result;
+    if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, proposed), settings, proposed);
+    // With weights from residuals of this fit, not of a later readout.
+    const Dataset seen = asFitted(proposed, data);
+    std::vector<std::optional<ReadoutStep>> proposed_steps;
+    if (settings.rolling_shutter) proposed_steps = readoutSteps(seen, proposed);
+    const double step = takeSteps(proposed_steps, proposed);
+    Result next = fittedAgain(withSigmasOf(seen, withoutReadout(data, proposed)), settings, proposed);
+    if (!next.success()) break;
     const double change = changeBetween(result, next);
     result = std::move(next);
+    steps = std::move(proposed_steps);
     if (change < least_change && step < least_change) break;
   }
   addClustered(asFitted(result, data), result);
