@@ -14,8 +14,8 @@
 namespace slom::calibration {
 namespace {
 
-constexpr std::size_t fewest_corners = 12;  // of a view that is asked
-constexpr double least_px = 20;
+constexpr std::size_t fewest_corners_asked = 12;  // of a view that is asked
+constexpr double least_far_off_px = 20;
 constexpr double suspicious = 5,
                  far =
                      30;  // over the median distance: of the least squares homography, and of the robust one
@@ -62,17 +62,17 @@ std::vector<GrossCorner> farOffCorners(const Dataset& data) {
   std::vector<GrossCorner> found;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     for (const View& view : data.cameras[c].views) {
-      if (view.corners.size() < fewest_corners) continue;
+      if (view.corners.size() < fewest_corners_asked) continue;
       const PlaneView plane(view);
       const std::vector<double> fitted = distances(plane, plane.homography);
       const double largest = *std::max_element(fitted.begin(), fitted.end());
-      if (!(largest > std::max(least_px, suspicious * medianOf(fitted)))) continue;
+      if (!(largest > std::max(least_far_off_px, suspicious * medianOf(fitted)))) continue;
       const std::vector<double> robust = robustDistances(plane);
       if (robust.empty()) continue;
       const double median = std::max(medianOf(robust), least_median_px);
       std::vector<GrossCorner> own;
       for (std::size_t i = 0; i < robust.size(); ++i) {
-        if (!(robust[i] > std::max(least_px, far * median))) continue;
+        if (!(robust[i] > std::max(least_far_off_px, far * median))) continue;
         const Corner& corner = view.corners[i];
         const double noise =
             median /

@@ -23,7 +23,7 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double usual_sizes[] = {0.5, 2, 0.25, 4, 0.75, 4. / 3, 2. / 3, 1.5, 1. / 3, 3, 0.8, 1.25};
+constexpr double usual_ratios[] = {0.5, 2, 0.25, 4, 0.75, 4. / 3, 2. / 3, 1.5, 1. / 3, 3, 0.8, 1.25};
 constexpr double fits_like_others = 1.15;  // RMS over the usual one, which is known to a tenth
 constexpr double fits_hardly = 1.4;        // likewise, before the lens of a part of the images
 constexpr double least_gain = 30;          // of chi-square
@@ -115,7 +115,7 @@ std::optional<ImageScale> scaleOf(const Result& result, std::size_t c, const Vie
     return scale.rms_px < 2 * std::max(1.0, scale.size) * usual && scale.rms_px < 0.8 * as_others &&
            gain > least_gain;
   };
-  for (const double size : usual_sizes) {
+  for (const double size : usual_ratios) {
     const ImageScale scale{size, rmsOfBestPose(result, c, view, 1 / size, look)};
     if (isFit(scale) && (!best || scale.rms_px < best->rms_px)) best = scale;
   }
