@@ -1,7 +1,7 @@
 // Declarations for the lines of named_list.inc. The source of each algorithm defines its own:
 //
 //     const NamedAlgorithm detail::algorithms::line_search{"line-search", "Gauss-Newton with a line search",
-//     &makeAlgorithm<LineSearch>};
+//                                                                 &makeAlgorithm<LineSearch>};
 #pragma once
 
 #include "slom/optimize/named.hpp"
