@@ -1,12 +1,12 @@
-// The kinds of measurements that come with the library: a robot drives along two sides of a square and sees a
-// beacon. Units: metre, radian.
+// The kinds of measurements in the library. A robot drives along two sides of a square and sees a beacon. Units: metre,
+// radian.
 #include <cstdio>
 
 #include <slom/measurements.hpp>
 #include <slom/slom.hpp>
 
 int main() {
-  using Pose = mtk::trafo<mtk::SO2<>>;  // moves points of the robot's frame to the world's
+  using Pose = mtk::trafo<mtk::SO2<>>;  // maps points from the robot's frame to the world
   const Pose forward(mtk::vect<2>(2, 0)), forward_and_left(mtk::SO2<>(1.5708), mtk::vect<2>(2, 0));
 
   slom::Estimator est;
