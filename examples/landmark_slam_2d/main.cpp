@@ -55,7 +55,7 @@ int main() {
   SLOM::Estimator est;
   Pose truth, guess;
   std::vector<Pose> true_poses(1, truth);
-  std::vector<SLOM::VarID<Pose>> poses{est.insertRV(guess, false, "pose0")};  // fixed: the origin of the map
+  std::vector<SLOM::VarID<Pose>> poses{est.insertRV(guess, false, "pose0")};  // fixed: where the map begins
   std::vector<SLOM::VarID<vec2>> landmark(true_landmarks.size());
   const Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / (sigma_landmark * sigma_landmark);
   const vec3 sigma(sigma_step, sigma_step, sigma_turn);
@@ -65,7 +65,7 @@ int main() {
     truth = truth * motion;
     true_poses.push_back(truth);
     const Pose measured = MTK::moved(motion, vec3{noise(sigma_step), noise(sigma_step), noise(sigma_turn)});
-    guess = guess * measured;  // start values by dead reckoning
+    guess = guess * measured;  // dead reckoning gives the start values
     poses.push_back(est.insertRV(guess, "pose" + std::to_string(k)));
     est.insertMeasurement(Odometry(poses[k - 1], poses[k], measured), SLOM::StandardDeviation(sigma));
 
@@ -73,7 +73,7 @@ int main() {
       vec2 observation = truth.inverse() * true_landmarks[id];
       if (observation.norm() > range) continue;
       observation += vec2{noise(sigma_landmark), noise(sigma_landmark)};
-      if (!landmark[id].isValid()) {  // seen for the first time
+      if (!landmark[id].isValid()) {  // first sight
         landmark[id] = est.insertRV(vec2(guess * observation), "landmark" + std::to_string(id));
       }
       est.insertMeasurement(

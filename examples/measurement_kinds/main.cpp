@@ -6,7 +6,7 @@
 #include <slom/slom.hpp>
 
 int main() {
-  using Pose = mtk::trafo<mtk::SO2<>>;  // maps points from the robot's frame to the world
+  using Pose = mtk::trafo<mtk::SO2<>>;  // moves points of the robot's frame to the world's
   const Pose forward(mtk::vect<2>(2, 0)), forward_and_left(mtk::SO2<>(1.5708), mtk::vect<2>(2, 0));
 
   slom::Estimator est;

@@ -1,6 +1,7 @@
-/// Eigen's products and triangular solves of large matrices are compiled once for all test programs, optimised, in
-/// eigen_instances.cpp. Without that the references that tests compute with matrices would run unoptimised, as test programs are
-/// compiled (cmake/SlomQuick.cmake), for three quarters of the time of some. Precompiled headers begin with this one.
+/// Eigen's products and triangular solves of large matrices, compiled once for all test programs, optimised, in
+/// eigen_instances.cpp. Otherwise the reference matrices of tests would be computed unoptimised, as test programs are
+/// compiled (cmake/SlomQuick.cmake), for three quarters of the time of some. Precompiled headers begin with this
+/// header.
 #pragma once
 
 #include <Eigen/Dense>

@@ -11,7 +11,8 @@ __attribute__((weak)) void __tsan_init();
 
 namespace slom::testing {
 
-/// The program runs under the address or the thread sanitizer. The test itself may be compiled without: see SLOM_TEST_OBJECTS.
+/// Returns whether the program runs under the address or the thread sanitizer. The test itself may be compiled without:
+/// see SLOM_TEST_OBJECTS.
 inline bool hasSanitizers() { return __asan_init != nullptr || __tsan_init != nullptr; }
 
 }  // namespace slom::testing
