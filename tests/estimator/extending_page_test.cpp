@@ -40,8 +40,7 @@ struct HeightDifference {
   auto operator()(const auto& a, const auto& b) const { return b[2] - a[2]; }
 };
 
-/// Gauss-Newton with a line search: the step is halved until the RSS falls by a ten-thousandth of what its slope
-/// promises.
+/// Gauss-Newton with a line search: the step is halved until the RSS falls by a ten-thousandth of what its slope promises.
 class LineSearch final : public slom::Algorithm {
  public:
   std::string name() const override { return "line search"; }
