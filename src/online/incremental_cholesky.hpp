@@ -10,8 +10,8 @@
 /// matrices unchanged. An element with other numbers leaves the fronts as they are. Its front and those above it are
 /// factorised again. If only the gradient changes, only vectors are passed up the tree.
 ///   source   Kaess et al., "iSAM2: Incremental smoothing and mapping using the Bayes tree", IJRR 2012 (the affected
-///            part is the top of the tree; here with update matrices of a multifrontal Cholesky factorisation instead of QR
-///            factors); Liu, "The multifrontal method for sparse matrix solution", 1992
+///            part is the top of the tree; here with update matrices of a multifrontal Cholesky factorisation instead of
+///            QR factors); Liu, "The multifrontal method for sparse matrix solution", 1992
 #pragma once
 
 #include <cstdint>
